@@ -79,18 +79,6 @@ fn a_free_wheel_that_jams_while_the_robot_is_stuck_is_found_when_the_robot_comes
     );
 }
 
-/// A wheel in the air beside wheels that brake, without a gyro: their difference is no turn of the robot, and its slip is not
-/// drawn to that of the others. The drive is one that the soak found.
-#[test]
-fn a_wheel_in_the_air_is_no_turn_of_the_robot() {
-    let (runs, _) = silent("a wheel in the air, the IMU silent", |seed| {
-        let mut trial = crate::soak::random(36_892);
-        trial.sensors.seed ^= seed;
-        trial
-    });
-    assert_eq!(runs, 0);
-}
-
 #[test]
 fn a_wheel_with_a_fast_clock_is_not_ok() {
     for wheel in [1, FREE] {

@@ -57,7 +57,7 @@ impl GyroMonitor {
         let trusted = self.gate.record(time_ns, agreed, settings.failure);
         self.last_ns = Some(time_ns);
         if let Some(by_wheels) = wheels.yaw_rate() {
-            self.compare((time_ns, rate), by_wheels.value, settings, state);
+            self.compare((time_ns, rate), by_wheels, settings, state);
         }
         let same_way = !self.agreement.contradicts();
         self.contradiction

@@ -29,9 +29,6 @@ const START_YAW_RATE_SIGMA_RAD_PER_S: f64 = 1.0;
 const MAX_YAW_RATE_VARIANCE: f64 = 1e4;
 /// No odometry goes farther than this, m or rad.
 const MAX_PLACE: f64 = 1e9;
-/// A wheel whose slip is far from the others' may change it by this share of that: a prior that held it as tightly as any other
-/// wheel would draw it back to theirs window by window.
-const APART_SHARE: f64 = 0.3;
 /// How long an inflated skid of a free wheel lasts, s.
 const SKID_DOUBT_MEMORY_S: f64 = 10.0;
 
@@ -176,8 +173,7 @@ pub(super) fn predict_slips(
     for (wheel, (free, noise_scale)) in wheels.enumerate() {
         let mut prior = settings.own_slip_prior(free);
         let memory = if !free {
-            let apart = APART_SHARE * state.mean(own_slip(wheel)).abs();
-            prior.sigma = (prior.sigma * Real::sqrt(noise_scale)).max(apart);
+            prior.sigma *= Real::sqrt(noise_scale);
             settings.wheel_slip_memory
         } else if is_doubted(state, settings, wheel) {
             SKID_DOUBT_MEMORY_S.min(settings.free_slip_memory)

@@ -45,9 +45,8 @@ impl Core {
         if !self.gyro.is_trusted(time_ns, &self.settings)
             && let Some(turn) = self.wheels.yaw_rate()
         {
-            let sigma = WHEEL_TURN_SHARE * turn.value.abs() + WHEEL_TURN_RAD_PER_S;
-            let sigma = Real::hypot(sigma, turn.sigma());
-            motion_model::hold(&mut self.state, yaw, turn.value, weight * sigma);
+            let sigma = WHEEL_TURN_SHARE * turn.abs() + WHEEL_TURN_RAD_PER_S;
+            motion_model::hold(&mut self.state, yaw, turn, weight * sigma);
         }
         for wheel in self.wheels.free() {
             let still = wheel.stillness(time_ns);

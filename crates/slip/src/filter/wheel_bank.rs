@@ -72,9 +72,8 @@ impl WheelBank {
         self.iter().any(WheelChannel::turns)
     }
 
-    /// The yaw rate that the powered wheels would give without slip, where all point one way, rad/s; its variance is what their
-    /// rims show of unequal slips: one wheel that spins turns no robot.
-    pub(super) fn yaw_rate(&self) -> Option<Measured> {
+    /// The yaw rate that the powered wheels would give without slip, where all point one way.
+    pub(super) fn yaw_rate(&self) -> Option<f64> {
         self.lateral?;
         let count = self.powered().count() as f64;
         let (mut rims, mut arms) = (0.0, 0.0);
@@ -82,19 +81,13 @@ impl WheelBank {
             rims += wheel.rim?.0.value;
             arms += wheel.row[2];
         }
-        let (mut product, mut across, mut along) = (0.0, 0.0, 0.0);
+        let (mut product, mut square) = (0.0, 0.0);
         for wheel in self.powered() {
             let arm = wheel.row[2] - arms / count;
-            let rim = wheel.rim?.0.value - rims / count;
-            product += arm * rim;
-            across += arm * arm;
-            along += rim * rim;
+            product += arm * (wheel.rim?.0.value - rims / count);
+            square += arm * arm;
         }
-        let unequal = (along - product * product / across).max(0.0) / (count - 2.0).max(1.0);
-        (across > 1e-6).then(|| Measured {
-            value: product / across,
-            variance: unequal / across,
-        })
+        (square > 1e-6).then(|| product / square)
     }
 
     /// The robot's speed forwards if its powered wheels did not slip, m/s: least squares over those that are received.

@@ -205,7 +205,7 @@ impl Core {
     /// Updates the state. In a bend the sides slip differently for long: that is no turning and no bias of the gyro, where
     /// there is a gyro.
     fn apply_window(&mut self, w: &WheelWindow, free: bool, measured: &ScalarMeasurement<'_>) {
-        let turn = || self.wheels.yaw_rate().map_or(0.0, |turn| turn.value.abs());
+        let turn = || self.wheels.yaw_rate().map_or(0.0, f64::abs);
         let in_bend = !free
             && self.gyro.is_trusted(w.to_ns, &self.settings)
             && turn() > BEND_YAW_RATE_RAD_PER_S;
