@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(dead_code, reason = "the peers are shared by several tests")]
 
+#[path = "../../crates/log/tests/support/measured_data.rs"]
+mod measured_data;
 mod peers;
 
 use std::collections::BTreeMap;
@@ -14,7 +16,8 @@ use grouser_log::container::{Container, Event};
 use grouser_log::message::Header;
 use grouser_replay::messages::{write_odometry, write_wheel_slip};
 use grouser_replay::{Options, Row, Sink, Step, run_into};
-use peers::{Node, Peer, Place, bytes, example, measured_data, python, read};
+use measured_data::measured_data;
+use peers::{Node, Peer, Place, bytes, example, python, read};
 use serde_json::json;
 
 /// The messages of `grouser estimate -o OUT.mcap`, as bytes.

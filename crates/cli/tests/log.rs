@@ -1,11 +1,14 @@
 //! The verb `log` from outside: what it says, writes, and refuses.
 
+#[path = "../../log/tests/support/measured_data.rs"]
+mod measured_file;
+
 use std::fs;
-use std::path::PathBuf;
 
 use serde_json::Value;
 
 use crate::repository::{Folder, grouser, root};
+use measured_file::measured_data;
 
 const TABLE: &str = "examples/five-wheel/log.csv";
 const MCAP: &str = "examples/five-wheel/log.mcap";
@@ -35,20 +38,9 @@ fn jackal() -> Option<String> {
     data("jackal/jackal_61s.bag")
 }
 
-/// A file of the measured data; `None` (said on stderr) where it is absent, which in CI is a failure.
+/// A file of the measured data.
 fn data(name: &str) -> Option<String> {
-    let base = std::env::var_os("GROUSER_DATA").map_or_else(|| root().join("data"), PathBuf::from);
-    let path = root().join(base).join(name);
-    if path.is_file() {
-        return Some(path.to_str().unwrap().to_owned());
-    }
-    assert!(
-        std::env::var_os("CI").is_none(),
-        "no {} and CI is set",
-        path.display()
-    );
-    eprintln!("skipped: no {} (GROUSER_DATA)", path.display());
-    None
+    Some(measured_data(name)?.to_str().unwrap().to_owned())
 }
 
 /// Slip against time, as `estimate` writes it.

@@ -19,24 +19,6 @@ pub(crate) fn python() -> Option<PathBuf> {
     python
 }
 
-/// A file of the measured data (`GROUSER_DATA`, else `data` in the project); `None`, with a line, where it is absent, which in
-/// CI is a failure.
-pub(crate) fn measured_data(name: &str) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let data = std::env::var_os("GROUSER_DATA").map_or_else(|| "data".into(), PathBuf::from);
-    let path = root.join(data).join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    assert!(
-        std::env::var_os("CI").is_none(),
-        "no measured data at {}, and CI is set",
-        path.display()
-    );
-    eprintln!("skipped: no {} (GROUSER_DATA)", path.display());
-    None
-}
-
 /// A folder of a test's own.
 pub(crate) fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("grouser-live-{}-{name}", std::process::id()));

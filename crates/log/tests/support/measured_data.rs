@@ -2,12 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-/// A file or folder of the measured data (`GROUSER_DATA`, else `data` in the workspace); `None` (printed on stderr)
+/// A file or folder of the measured data (`GROUSER_DATA`, else `data` in the project); `None` (printed on stderr)
 /// where it is absent, which in CI is a failure.
 pub(crate) fn measured_data(name: &str) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = (package
+        .ancestors()
+        .find(|folder| folder.join("crates").is_dir()))
+    .unwrap();
     let base = std::env::var_os("GROUSER_DATA").map_or_else(|| root.join("data"), PathBuf::from);
-    // A relative path counts from the workspace's root, wherever the test runs.
+    // A relative path counts from the project's root, wherever the test runs.
     let path = root.join(base).join(name);
     if path.exists() {
         return Some(path);
