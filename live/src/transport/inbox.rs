@@ -253,7 +253,7 @@ mod tests {
         assert_eq!((next(), next()), (Some(0), None));
     }
 
-    /// Gets a message of its own after one of another source, which has been asked before.
+    /// Fetched from, it lets a source that was asked before receive an earlier message.
     struct Later(Held, Option<u64>);
 
     impl Source for Later {

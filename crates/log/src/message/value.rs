@@ -144,15 +144,6 @@ impl Value {
         }
     }
 
-    /// Its elements, if it is an array of numbers.
-    #[must_use]
-    pub fn numbers(&self) -> Option<Vec<f64>> {
-        match self {
-            Self::Array(values) => values.iter().map(Self::number).collect(),
-            _ => None,
-        }
-    }
-
     /// Its elements, if it is an array.
     #[must_use]
     pub fn elements(&self) -> Option<&[Self]> {

@@ -78,7 +78,7 @@ impl RollingHistory {
         self.remember(now);
     }
 
-    /// The wheel shows that the robot stands, as is known.
+    /// The wheel does not turn, as on a robot that stands.
     pub(super) fn rests(&mut self, now: KnownSpeed) {
         self.remember(KnownSpeed { speed: 0.0, ..now });
     }
