@@ -1,4 +1,6 @@
-//! Hypotheses that may follow one another: interacting multiple models (Blom and Bar-Shalom, IEEE TAC 33, 1988).
+//! Hypotheses about how slip changes that belong together: one alone; some that may follow one another (interacting multiple
+//! models: Blom and Bar-Shalom, IEEE TAC 33, 1988); or one for each time at which slip may have jumped last (Bayesian online
+//! change-point detection: Adams and MacKay, arXiv:0710.3742, 2007).
 
 use alloc::boxed::Box;
 
@@ -6,70 +8,95 @@ use grouser_real::Real;
 
 use super::model::Model;
 
-/// The largest number of models of a group.
-pub(super) const MAX_MODELS: usize = 3;
+/// Models that follow one another.
+pub(super) const INTERACTING: usize = 3;
+/// Hypotheses of the last jump, that of a jump now among them: of earlier jumps one is left after some readings.
+const JUMP_TIMES: usize = 5;
+const MAX_MODELS: usize = JUMP_TIMES;
 /// Smallest weight of a model: no hypothesis is ever ruled out.
 const MIN_WEIGHT: f64 = 1e-6;
 /// Likelihoods are at least this, so that their logarithm is finite.
 const MIN_LIKELIHOOD: f64 = 1e-200;
+/// Models are mixed this often, s: much faster than they change into one another.
+const MIXING_PERIOD_S: f64 = 0.02;
+/// Jumps are told apart to this time, s, and one within a longer gap of the reference has at most this probability.
+const MIN_JUMP_PERIOD_S: f64 = 0.1;
+const MAX_JUMP_PROBABILITY: f64 = 0.3;
 
 /// Rates of change from one model to another, 1/s.
-type Rates = [[f64; MAX_MODELS]; MAX_MODELS];
+pub(super) type Rates = [[f64; INTERACTING]; INTERACTING];
+
+/// How the models of a group follow one another.
+#[derive(Clone, Debug)]
+enum Succession {
+    Lone,
+    Interacting {
+        rates: Rates,
+        mixed_s: f64,
+    },
+    /// The first model is that slip jumps now; the others jumped at a time each, and have been steady since.
+    Jumps {
+        rate_per_s: f64,
+        since_s: f64,
+    },
+}
 
 /// Models of one group with their weights.
 #[derive(Clone, Debug)]
 pub(super) struct Group {
     models: Box<[Model]>,
     weights: [f64; MAX_MODELS],
-    count: usize,
-    /// Rate of change from one model to another, 1/s.
-    rates: Rates,
+    succession: Succession,
     /// Logarithm of the likelihood of the readings so far, with forgetting.
     pub(super) log_evidence: f64,
-    mixed_s: f64,
     /// Does it use the accelerometer?
     pub(super) is_inertial: bool,
 }
 
-/// Models are mixed this often, s: much faster than they change into one another.
-const MIXING_PERIOD_S: f64 = 0.02;
-
 impl Group {
     /// A lone model.
     pub(super) fn lone(slip_noise: f64, bias_noise: Option<f64>) -> Self {
-        Self::of(
-            [slip_noise; MAX_MODELS],
-            bias_noise,
-            [[0.0; MAX_MODELS]; MAX_MODELS],
-            1,
-        )
+        Self::of(&[slip_noise], bias_noise, Succession::Lone)
     }
 
     /// Models that change into one another at these rates, 1/s.
     pub(super) fn interacting(
-        slip_noise: [f64; MAX_MODELS],
+        slip_noise: [f64; INTERACTING],
         bias_noise: Option<f64>,
         rates: Rates,
     ) -> Self {
-        Self::of(slip_noise, bias_noise, rates, MAX_MODELS)
+        let mixed_s = 0.0;
+        Self::of(
+            &slip_noise,
+            bias_noise,
+            Succession::Interacting { rates, mixed_s },
+        )
     }
 
-    fn of(
-        slip_noise: [f64; MAX_MODELS],
-        bias_noise: Option<f64>,
-        rates: Rates,
-        count: usize,
-    ) -> Self {
+    /// Slip that jumps at this rate, 1/s, and is steady otherwise, with the process noise densities of both, 1/√s.
+    pub(super) fn jumps(steady: f64, jump: f64, rate_per_s: f64) -> Self {
+        let mut slip_noise = [steady; JUMP_TIMES];
+        slip_noise[0] = jump;
+        let since_s = 0.0;
+        Self::of(
+            &slip_noise,
+            None,
+            Succession::Jumps {
+                rate_per_s,
+                since_s,
+            },
+        )
+    }
+
+    fn of(slip_noise: &[f64], bias_noise: Option<f64>, succession: Succession) -> Self {
         Self {
-            models: slip_noise[..count]
+            models: slip_noise
                 .iter()
                 .map(|noise| Model::new(*noise, bias_noise.unwrap_or(0.0)))
                 .collect(),
-            weights: [1.0 / count as f64; MAX_MODELS],
-            count,
-            rates,
+            weights: [1.0 / slip_noise.len() as f64; MAX_MODELS],
+            succession,
             log_evidence: 0.0,
-            mixed_s: 0.0,
             is_inertial: bias_noise.is_some(),
         }
     }
@@ -91,11 +118,11 @@ impl Group {
             total += *weight;
         }
         let mut sum = 0.0;
-        for weight in &mut self.weights[..self.count] {
+        for weight in &mut self.weights[..self.models.len()] {
             *weight = (*weight / total).max(MIN_WEIGHT);
             sum += *weight;
         }
-        for weight in &mut self.weights[..self.count] {
+        for weight in &mut self.weights[..self.models.len()] {
             *weight /= sum;
         }
         total
@@ -109,20 +136,29 @@ impl Group {
 
     /// Lets models change into one another over `dt` (s).
     pub(super) fn mix(&mut self, dt: f64) {
-        self.mixed_s += dt;
-        if self.count == 1 || self.mixed_s < MIXING_PERIOD_S {
-            return;
+        match &mut self.succession {
+            Succession::Lone => {}
+            Succession::Jumps { since_s, .. } => *since_s += dt,
+            Succession::Interacting { rates, mixed_s } => {
+                *mixed_s += dt;
+                if *mixed_s >= MIXING_PERIOD_S {
+                    let (rates, dt) = (*rates, mixed_s.min(0.2));
+                    *mixed_s = 0.0;
+                    self.interact(&rates, dt);
+                }
+            }
         }
-        let dt = self.mixed_s.min(0.2);
-        self.mixed_s = 0.0;
-        let mut old = [self.models[0]; MAX_MODELS];
-        old[..self.count].copy_from_slice(&self.models);
-        let mut mixing = [[0.0; MAX_MODELS]; MAX_MODELS];
-        let mut weights = [0.0; MAX_MODELS];
-        for (i, row) in mixing.iter_mut().enumerate().take(self.count) {
+    }
+
+    fn interact(&mut self, rates: &Rates, dt: f64) {
+        let mut old = [self.models[0]; INTERACTING];
+        old.copy_from_slice(&self.models);
+        let mut mixing = [[0.0; INTERACTING]; INTERACTING];
+        let mut weights = [0.0; INTERACTING];
+        for (i, row) in mixing.iter_mut().enumerate() {
             let mut stays = 1.0;
-            for j in (0..self.count).filter(|j| *j != i) {
-                let goes = (self.rates[i][j] * dt).min(0.4);
+            for j in (0..INTERACTING).filter(|j| *j != i) {
+                let goes = (rates[i][j] * dt).min(0.4);
                 stays -= goes;
                 row[j] = goes * self.weights[i];
             }
@@ -131,11 +167,46 @@ impl Group {
                 *weight += *share;
             }
         }
-        for j in 0..self.count {
-            let shares: [f64; MAX_MODELS] =
-                core::array::from_fn(|i| mixing[i][j] / weights[j].max(MIN_LIKELIHOOD));
-            self.models[j].blend(&old, &shares, self.count);
-            self.weights[j] = weights[j];
+        for (j, weight) in weights.into_iter().enumerate() {
+            let shares: [f64; INTERACTING] =
+                core::array::from_fn(|i| mixing[i][j] / weight.max(MIN_LIKELIHOOD));
+            self.models[j].blend(&old, &shares);
+            self.weights[j] = weight;
         }
+    }
+
+    /// After a reading of the reference: a jump before it becomes one of the hypotheses, in the place of the least probable one,
+    /// and another jump may begin from all of them.
+    pub(super) fn pass_jump(&mut self) {
+        let Succession::Jumps {
+            rate_per_s,
+            since_s,
+        } = &mut self.succession
+        else {
+            return;
+        };
+        if *since_s < MIN_JUMP_PERIOD_S {
+            return;
+        }
+        let probability = (*rate_per_s * *since_s).min(MAX_JUMP_PROBABILITY);
+        *since_s = 0.0;
+        let least = (1..self.models.len()).fold(1, |least, i| {
+            if self.weights[i] < self.weights[least] {
+                i
+            } else {
+                least
+            }
+        });
+        let mut jump = self.models[0];
+        if self.weights[0] > self.weights[least] {
+            self.models[least].adopt(&jump);
+            self.weights[least] = self.weights[0];
+        }
+        let total: f64 = self.weights[1..self.models.len()].iter().sum();
+        let weights = self.weights.map(|weight| weight / total);
+        jump.blend(&self.models[1..], &weights[1..]);
+        self.models[0] = jump;
+        self.weights = weights.map(|weight| (1.0 - probability) * weight);
+        self.weights[0] = probability;
     }
 }

@@ -338,7 +338,7 @@ impl Model {
         if share > NO_OUTLIER {
             *self = good;
         } else {
-            self.blend(&[good, bad], &[share, 1.0 - share], 2);
+            self.blend(&[good, bad], &[share, 1.0 - share]);
         }
         self.clamp_slip();
         likelihood
@@ -456,16 +456,22 @@ fn wrap(angle: f64) -> f64 {
 }
 
 impl Model {
-    /// Takes on the moments of a mixture; its process noise stays.
-    pub(super) fn blend(&mut self, models: &[Self], shares: &[f64], count: usize) {
+    /// Adopts the mean and covariance of another; its process noise stays.
+    pub(super) fn adopt(&mut self, other: &Self) {
+        self.mean = other.mean;
+        self.covariance = other.covariance;
+    }
+
+    /// Adopts the moments of a mixture; its process noise stays.
+    pub(super) fn blend(&mut self, models: &[Self], shares: &[f64]) {
         let mut mean = [0.0; STATES];
-        for (model, share) in models.iter().zip(shares).take(count) {
+        for (model, share) in models.iter().zip(shares) {
             for (slot, value) in mean.iter_mut().zip(&model.mean) {
                 *slot += share * value;
             }
         }
         let mut covariance = [[0.0; STATES]; STATES];
-        for (model, share) in models.iter().zip(shares).take(count) {
+        for (model, share) in models.iter().zip(shares) {
             let off: [f64; STATES] = core::array::from_fn(|i| model.mean[i] - mean[i]);
             for i in 0..STATES {
                 for j in 0..STATES {
