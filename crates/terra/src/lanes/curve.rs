@@ -20,8 +20,8 @@ use super::vector::Vector;
 const FIRST_NODES: usize = 8;
 /// Least number of points for which this is worth while.
 const MIN_CURVE_POINTS: usize = if CHUNK < 24 { CHUNK } else { 24 };
-/// How far the interpolated slopes are trusted: a residual of ln W below 2e-6 is gone straight.
-pub(super) const SLOPE_TRUST: f64 = 1e-4;
+/// Least error that interpolated slopes are taken to have: a residual of ln W below 2e-6 is gone straight.
+const MIN_SLOPE_ERROR: f64 = 1e-4;
 
 /// Slips of the polynomials: thrice as many, since every third of Chebyshev's is one of the first.
 const ALL_NODES: usize = 3 * FIRST_NODES;
@@ -86,6 +86,9 @@ pub(super) struct Smooth {
     coefficients: [[f64; FIRST_NODES]; 4],
     middle: f64,
     per_half: f64,
+    /// Error of the slopes of DP/W and T/(r W): twice what their last two coefficients come to, since what is left out
+    /// also falls on those that are not.
+    pub(super) slope_error: f64,
 }
 
 impl Smooth {
@@ -98,7 +101,10 @@ impl Smooth {
                 }
             }
         }
+        let [_, _, pull, turn] = &coefficients;
+        let last = |of: &[f64; FIRST_NODES]| of[FIRST_NODES - 2].abs() + of[FIRST_NODES - 1].abs();
         Self {
+            slope_error: (2.0 * last(pull).max(last(turn))).max(MIN_SLOPE_ERROR),
             coefficients,
             middle: 0.5 * (low + high),
             per_half: 2.0 / (high - low),

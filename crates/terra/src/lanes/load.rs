@@ -20,7 +20,7 @@ use crate::quadrature::RuleView;
 use crate::status::SolveStatus;
 
 use super::columns::{BatchColumns, Inputs};
-use super::curve::{SLOPE_TRUST, Smooth};
+use super::curve::Smooth;
 use super::plan::{Chunk, Group, Plan, Prepared, SINGLE_STEP, step_of, within};
 use super::sheet::{Column, eight};
 use super::vector::Vector;
@@ -376,7 +376,7 @@ fn interpolate<V: Vector>(
         sheet.first[3].store(at, sheet.x.gather::<V>(places));
         sheet.slopes[0].store(at, sheet.kept[1].gather::<V>(places));
         sheet.slopes[1].store(at, sheet.kept[2].gather::<V>(places));
-        sheet.slopes[2].store(at, V::from_f64(SLOPE_TRUST));
+        sheet.slopes[2].store(at, V::from_f64(smooth.slope_error));
     }
 }
 
