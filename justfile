@@ -38,12 +38,19 @@ bench-log:
 bench-rover:
     cargo run --release --manifest-path bench/rover/Cargo.toml
 
-# the kernel beside naive Rust, numba, numpy and scipy, in one run; writes bench/RESULTS.md
+# the kernel beside naive Rust, numba, jax, numpy and scipy, in one run; writes bench/RESULTS.md
 rivals:
     cargo build --release --manifest-path bench/Cargo.toml
     test -d bench/target/venv || python3 -m venv bench/target/venv
-    bench/target/venv/bin/pip install --quiet numpy scipy numba
+    bench/target/venv/bin/pip install --quiet numpy scipy numba jax
     bench/target/venv/bin/python bench/rivals.py
+
+# `batch` on a table beside polars, which reads and writes the same tables: processor time, cores, memory, values
+bench-tables rows="1000000" rounds="9":
+    cargo build --release
+    test -d bench/target/venv || python3 -m venv bench/target/venv
+    bench/target/venv/bin/pip install --quiet polars
+    bench/target/venv/bin/python bench/tables.py {{rows}} {{rounds}}
 
 # `estimate` on a hundred random robots, sensors and courses of a world of its own, beside naive means (bench/random_logs.py)
 random-logs first="0" count="100":

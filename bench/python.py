@@ -3,7 +3,7 @@ and what the package costs before it computes.
 
     python bench/python.py
 
-needs the package, numpy, scipy and numba. Accuracy first: both are compared with the reference mode on a
+needs the package, numpy, scipy, numba and jax. Accuracy first: both are compared with the reference mode on a
 sample; the check sums are of the stored drawbar pulls.
 """
 

@@ -161,14 +161,22 @@ pub(super) fn nearest_on_segment(point: Point, from: Point, to: Point) -> Point 
 
 /// Do two segments come nearer than half a point?
 pub(super) fn cross(a: Point, b: Point, c: Point, d: Point) -> bool {
+    const NEAR_PT: f64 = 0.5;
     let side = |from: Point, to: Point, point: Point| {
         (to[0] - from[0]) * (point[1] - from[1]) - (to[1] - from[1]) * (point[0] - from[0])
     };
     let parted = side(a, b, c) * side(a, b, d) > 0.0 || side(c, d, a) * side(c, d, b) > 0.0;
-    let near = |point: Point, from: Point, to: Point| {
-        square_distance(point, nearest_on_segment(point, from, to)) < 0.5 * 0.5
+    // most pairs are far from each other, which needs no nearest point; a hair more than the limit, for rounding
+    let far = |axis: usize| {
+        let room = NEAR_PT + 1e-6;
+        a[axis].max(b[axis]) + room < c[axis].min(d[axis])
+            || c[axis].max(d[axis]) + room < a[axis].min(b[axis])
     };
-    !parted || near(a, c, d) || near(b, c, d) || near(c, a, b) || near(d, a, b)
+    let near = |point: Point, from: Point, to: Point| {
+        square_distance(point, nearest_on_segment(point, from, to)) < NEAR_PT * NEAR_PT
+    };
+    !parted
+        || !(far(0) || far(1)) && (near(a, c, d) || near(b, c, d) || near(c, a, b) || near(d, a, b))
 }
 
 #[cfg(test)]
@@ -184,5 +192,25 @@ mod tests {
         let cut = square.distance_to_segment([2.0, -1.0], [4.0, 1.0]);
         assert!((cut - 0.5_f64.sqrt()).abs() < 1e-15);
         assert_eq!(square.distance_to_segment([5.0, 0.0], [5.0, 9.0]), 3.0);
+    }
+
+    #[test]
+    fn segments_cross_where_they_come_nearer_than_half_a_point() {
+        let (a, b) = ([0.0, 0.0], [10.0, 0.0]);
+        for ([x, y], crosses) in [
+            ([5.0, 0.49], true),
+            ([5.0, 0.51], false),
+            ([10.49, 0.0], true),
+            // past both ends of the box by less than the limit, and by more along the diagonal
+            ([10.3, 0.3], true),
+            ([10.4, 0.4], false),
+            ([40.0, 40.0], false),
+        ] {
+            // upwards from that point, and the same in the other order
+            let (c, d) = ([x, y], [x, y + 20.0]);
+            assert_eq!(cross(a, b, c, d), crosses, "{c:?}");
+            assert_eq!(cross(d, c, b, a), crosses, "{c:?}");
+        }
+        assert!(cross(a, b, [5.0, -1.0], [5.0, 1.0]));
     }
 }

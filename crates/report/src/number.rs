@@ -1,6 +1,7 @@
 //! Numbers in and out as text.
 
 /// A flag's value: any finite number, signed, with or without an exponent.
+#[inline]
 pub fn parse_finite(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
@@ -17,6 +18,7 @@ pub fn exact(value: f64) -> String {
 }
 
 /// Appends [`exact`] to a text, without a text of its own.
+#[inline]
 pub fn push_exact(text: &mut String, value: f64) {
     let mut buffer = zmij::Buffer::new();
     let digits = buffer.format(value);

@@ -45,6 +45,12 @@ pub struct WheelOnSoil {
     laws: SoilLaws<f64>,
 }
 
+/// Does the soil carry a wheel of this width at all?
+fn check_modulus(laws: &SoilLaws<f64>, wheel: &RigidWheel) -> Result<()> {
+    let modulus = laws.modulus(wheel.width(), laws.exponent.n_0);
+    Error::check_above("k_c/b + k_phi", modulus, 0.0, "Pa/m^n")
+}
+
 impl WheelOnSoil {
     /// Puts a wheel on a soil. A law that the soil's numbers were identified with
     /// ([`LawChoice`](crate::LawChoice)) goes before that of the settings.
@@ -53,8 +59,7 @@ impl WheelOnSoil {
     /// [`Error::NotAbove`] if the pressure-sinkage modulus under a wheel of this width is not positive.
     pub fn new(wheel: RigidWheel, soil: Soil, settings: Settings) -> Result<Self> {
         let mut laws = soil.laws();
-        let modulus = laws.modulus(wheel.width(), laws.exponent.n_0);
-        Error::check_above("k_c/b + k_phi", modulus, 0.0, "Pa/m^n")?;
+        check_modulus(&laws, &wheel)?;
         let choice = soil.params().laws;
         let settings = Settings {
             shear: choice.shear.unwrap_or(settings.shear),
@@ -70,6 +75,14 @@ impl WheelOnSoil {
             size: wheel.size(),
             laws,
         })
+    }
+
+    /// Puts another wheel on the same soil: to copy the soil with its tables takes as long as an evaluation.
+    pub(crate) fn set_wheel(&mut self, wheel: RigidWheel) -> Result<()> {
+        check_modulus(&self.laws, &wheel)?;
+        self.wheel = wheel;
+        self.size = wheel.size();
+        Ok(())
     }
 
     /// The same wheel on the same soil at another accuracy.

@@ -39,6 +39,7 @@ pub struct Field {
 impl Field {
     /// The field as it is written, with its quotation marks.
     #[must_use]
+    #[inline]
     pub fn raw(self, line: &str) -> &str {
         let mark = usize::from(self.quoted);
         &line[self.start - mark..self.end + mark]
@@ -46,6 +47,7 @@ impl Field {
 
     /// The field without its outer quotation marks; doubled ones inside stay doubled.
     #[must_use]
+    #[inline]
     pub fn text(self, line: &str) -> &str {
         &line[self.start..self.end]
     }
@@ -53,15 +55,33 @@ impl Field {
     /// The value of the field: a quoted one with its doubled quotation marks halved, another one without the blanks
     /// around it.
     #[must_use]
+    #[inline]
     pub fn value(self, line: &str) -> Cow<'_, str> {
         let text = self.text(line);
-        if !self.quoted {
-            Cow::Borrowed(text.trim())
-        } else if text.contains("\"\"") {
-            Cow::Owned(text.replace("\"\"", "\""))
+        if self.quoted {
+            unquoted(text)
         } else {
-            Cow::Borrowed(text)
+            Cow::Borrowed(trimmed(text))
         }
+    }
+}
+
+/// A text between quotation marks with the doubled ones halved.
+fn unquoted(text: &str) -> Cow<'_, str> {
+    if text.contains("\"\"") {
+        Cow::Owned(text.replace("\"\"", "\""))
+    } else {
+        Cow::Borrowed(text)
+    }
+}
+
+/// The text without the blanks around it: most fields have none, and a look at both ends shows that.
+#[inline]
+fn trimmed(text: &str) -> &str {
+    match text.as_bytes() {
+        [only] if only.is_ascii_graphic() => text,
+        [first, .., last] if first.is_ascii_graphic() && last.is_ascii_graphic() => text,
+        _ => text.trim(),
     }
 }
 

@@ -11,7 +11,7 @@ use crate::wheel::RigidWheel;
 use crate::wheel_on_soil::WheelOnSoil;
 
 use super::columns::{BatchColumns, BatchInput, BatchPoints, Inputs};
-use super::curve::Smooth;
+use super::curve;
 use super::forces::ForceSheet;
 use super::load::{LoadSheet, Start};
 use super::machine::Level;
@@ -55,11 +55,46 @@ pub struct BatchKernel {
     level: Level,
 }
 
-/// What a batch computes, with its columns: borrowed, since a move would copy them.
-enum Task<'a> {
-    Forces(&'a mut ForceSheet),
-    Load(&'a mut LoadSheet),
-    Curve(&'a mut LoadSheet),
+/// What a batch computes.
+#[derive(Clone, Copy)]
+enum Task {
+    Forces,
+    Load,
+    Curve,
+}
+
+/// Room for a chunk in work. It is not cleared between calls: that would take a tenth of a curve's time.
+struct Workspace {
+    /// Numbers that all points share, as columns.
+    constants: [[f64; CHUNK]; 5],
+    plan: Plan,
+    forces: ForceSheet,
+    load: LoadSheet,
+}
+
+impl Workspace {
+    const EMPTY: Self = Self {
+        constants: [[0.0; CHUNK]; 5],
+        plan: Plan::EMPTY,
+        forces: ForceSheet::EMPTY,
+        load: LoadSheet::EMPTY,
+    };
+
+    /// Calls `work` with the workspace of this thread.
+    #[cfg(feature = "std")]
+    fn with<T>(work: impl FnOnce(&mut Self) -> T) -> T {
+        std::thread_local! {
+            static KEPT: core::cell::RefCell<Workspace> =
+                const { core::cell::RefCell::new(Workspace::EMPTY) };
+        }
+        KEPT.with_borrow_mut(work)
+    }
+
+    #[cfg(not(feature = "std"))]
+    fn with<T>(work: impl FnOnce(&mut Self) -> T) -> T {
+        let mut room = Self::EMPTY;
+        work(&mut room)
+    }
 }
 
 /// The instructions that this machine's lanes run on: `avx512`, `avx2` or `portable`. The last digits of forces may
@@ -122,8 +157,7 @@ impl BatchKernel {
         sinkage: impl Into<BatchInput<'a>>,
         out: &mut BatchColumns<'_>,
     ) -> Result<()> {
-        let mut sheet = ForceSheet::EMPTY;
-        self.run(points, sinkage.into(), out, &mut Task::Forces(&mut sheet))
+        Workspace::with(|room| self.run(points, sinkage.into(), out, (Task::Forces, room)))
     }
 
     /// Sinkages and forces under given loads (N).
@@ -161,15 +195,15 @@ impl BatchKernel {
         load: impl Into<BatchInput<'a>>,
         out: &mut BatchColumns<'_>,
     ) -> Result<()> {
-        let mut sheet = LoadSheet::EMPTY;
-        self.run(points, load.into(), out, &mut Task::Load(&mut sheet))
+        Workspace::with(|room| self.run(points, load.into(), out, (Task::Load, room)))
     }
 
     /// A slip curve: sinkages and forces of one wheel under one load (N) at many slips, on this soil with
     /// its own rebound.
     ///
-    /// The searches start from an interpolation of the curve, so that most points take one evaluation. Each
-    /// residual is checked, and each point is as accurate as by [`BatchKernel::under_load`].
+    /// Where the curve is smooth enough, Chebyshev's slips alone are solved and polynomials give the other points;
+    /// elsewhere the searches start from an interpolation. The last coefficients or each residual are checked, and each
+    /// point is as accurate as by [`BatchKernel::under_load`].
     ///
     /// ```
     /// use grouser_terra::{BatchColumns, BatchKernel, SolveStatus, RigidWheel, catalogue};
@@ -207,8 +241,7 @@ impl BatchKernel {
             rebound: self.soil.params().rebound.into(),
             slip: slip.into(),
         };
-        let mut sheet = LoadSheet::EMPTY;
-        self.run(&points, load.into(), out, &mut Task::Curve(&mut sheet))
+        Workspace::with(|room| self.run(&points, load.into(), out, (Task::Curve, room)))
     }
 
     fn run(
@@ -216,7 +249,7 @@ impl BatchKernel {
         points: &BatchPoints<'_>,
         given: BatchInput<'_>,
         out: &mut BatchColumns<'_>,
-        task: &mut Task<'_>,
+        (task, room): (Task, &mut Workspace),
     ) -> Result<()> {
         let n = out.check_lengths()?;
         let inputs = [
@@ -226,23 +259,27 @@ impl BatchKernel {
             points.slip,
             given,
         ];
-        let mut constants = [[0.0; CHUNK]; 5];
-        for (input, constant) in inputs.iter().zip(&mut constants) {
+        let Workspace {
+            constants,
+            plan,
+            forces,
+            load,
+        } = room;
+        for (input, constant) in inputs.iter().zip(&mut *constants) {
             match *input {
-                BatchInput::Constant(x) => *constant = [x; CHUNK],
+                BatchInput::Constant(x) => constant[..n.min(CHUNK)].fill(x),
                 BatchInput::Column(column) => Error::check_length(column.len(), n)?,
             }
         }
         // chunks of a curve are whole: each is interpolated by itself
         let chunk = match task {
-            Task::Curve(_) => CHUNK,
+            Task::Curve => CHUNK,
             // elsewhere as equal as they can be: groups that are not full are lost work
             _ => n
                 .div_ceil(n.div_ceil(CHUNK).max(1))
                 .max(1)
                 .next_multiple_of(8),
         };
-        let mut plan = Plan::new();
         for from in (0..n).step_by(chunk) {
             let range = from..n.min(from + chunk);
             let [radius, width, rebound, slip, given] = core::array::from_fn(|k| match inputs[k] {
@@ -256,7 +293,7 @@ impl BatchKernel {
                 slip,
                 given,
             };
-            self.chunk(inputs, task, &mut plan, out.part(range));
+            self.chunk(inputs, task, (plan, forces, load), out.part(range));
         }
         Ok(())
     }
@@ -264,8 +301,8 @@ impl BatchKernel {
     fn chunk(
         &self,
         inputs: Inputs<'_>,
-        task: &mut Task<'_>,
-        plan: &mut Plan,
+        task: Task,
+        (plan, forces, load): (&mut Plan, &mut ForceSheet, &mut LoadSheet),
         mut out: BatchColumns<'_>,
     ) {
         if let Some(prepared) = &self.prepared {
@@ -276,38 +313,46 @@ impl BatchKernel {
                 out: out.part(0..inputs.len()),
             };
             match task {
-                Task::Forces(sheet) => self.level.forces(&mut chunk, sheet),
-                Task::Load(sheet) => self.level.load(&mut chunk, sheet, Start::ClosedForm),
-                Task::Curve(sheet) => match Smooth::of(&mut chunk, sheet, self.level) {
-                    Some(smooth) => self.level.load(&mut chunk, sheet, Start::Expected(&smooth)),
-                    None => self.level.load(&mut chunk, sheet, Start::ClosedForm),
-                },
+                Task::Forces => self.level.forces(&mut chunk, forces),
+                Task::Load => self.level.load(&mut chunk, load, Start::ALONE),
+                Task::Curve => curve::run(&mut chunk, load, self.level),
             }
         }
         // What the lanes do not serve, and what they gave back.
-        let solve = !matches!(task, Task::Forces(_));
+        let solve = !matches!(task, Task::Forces);
+        let mut contact = None;
         for i in 0..inputs.len() {
             if self.prepared.is_none()
                 || plan.is_single(i)
                 || out.status[i] == SolveStatus::NotConverged
             {
-                let solved = self.single(&inputs, i, solve);
+                let solved = self.single(&mut contact, &inputs, (i, solve));
                 let (status, numbers) = solved.unwrap_or((SolveStatus::BadInput, [f64::NAN; 4]));
                 out.set(i, status, numbers);
             }
         }
     }
 
-    /// One point through the general kernel: its status, sinkage, vertical force, drawbar pull and torque.
+    /// One point through the general kernel, with the contact of the last such point: its status, sinkage, vertical
+    /// force, drawbar pull and torque.
     fn single(
         &self,
+        contact: &mut Option<WheelOnSoil>,
         inputs: &Inputs<'_>,
-        i: usize,
-        solve: bool,
+        (i, solve): (usize, bool),
     ) -> Result<(SolveStatus, [f64; 4])> {
-        let soil = self.soil.with_rebound(inputs.rebound[i])?;
+        let rebound = inputs.rebound[i];
         let wheel = RigidWheel::new(inputs.radius[i], inputs.width[i])?;
-        let contact = WheelOnSoil::new(wheel, soil, Settings::default())?;
+        let contact = match contact {
+            Some(contact) if contact.soil().params().rebound == rebound => {
+                contact.set_wheel(wheel)?;
+                contact
+            }
+            _ => {
+                let soil = self.soil.with_rebound(rebound)?;
+                contact.insert(WheelOnSoil::new(wheel, soil, Settings::default())?)
+            }
+        };
         let motion = Kinematics::straight(Slip::new(inputs.slip[i])?);
         let sinkage = if solve {
             match contact.sinkage_under(inputs.given[i], &motion)?.outcome {

@@ -1,149 +1,363 @@
-//! A slip curve of one wheel under one load: most points begin where their neighbours say.
+//! A slip curve of one wheel under one load: its points know of each other.
 //!
-//! Eight slips, Chebyshev's of the curve's range, are solved from nothing. What their searches ended with
-//! is smooth in slip. Interpolated, it gives the sinkage of every other point to 1e-6 and better, and one evaluation
-//! of the fine rule ends the search. The residual of every point is looked at; where the curve is less
-//! smooth, the fine rule goes on.
+//! Eight slips, Chebyshev's of the curve's range, are solved from nothing. What their searches ended with is smooth in
+//! slip, and interpolated it gives the sinkage of every other point to 1e-6 and better, from where one evaluation of the
+//! fine rule ends the search. A long curve takes that step at sixteen further slips alone: they make Chebyshev's
+//! twenty-four with the first ones, and polynomials through their sinkages, pulls and torques give all points. The
+//! coefficients fall geometrically, so that the last ones bound what is left out. Where they have not fallen that far,
+//! every point takes the step. Its residual is looked at; where the curve is less smooth, the fine rule goes on.
 
 use crate::status::SolveStatus;
 
 use super::columns::{BatchColumns, Inputs};
 use super::load::{LoadSheet, Start};
 use super::machine::Level;
-use super::plan::{CHUNK, Chunk};
+use super::plan::{CHUNK, Chunk, SINGLE_STEP, within};
+use super::sheet::eight;
 use super::vector::Vector;
 
 /// Slips that are solved from nothing: one group.
-const CURVE_NODES: usize = 8;
+const FIRST_NODES: usize = 8;
 /// Least number of points for which this is worth while.
 const MIN_CURVE_POINTS: usize = if CHUNK < 24 { CHUNK } else { 24 };
-/// How far the interpolated slopes are trusted: a residual of ln W below 2e-6 is gone straight.
-pub(super) const SLOPE_TRUST: f64 = 1e-4;
+/// Least error that interpolated slopes are taken to have: a residual of ln W below 2e-6 is gone straight.
+const MIN_SLOPE_ERROR: f64 = 1e-4;
 
-/// cos(π i/16) for i from 0 to 8.
-const COSINES: [f64; 9] = [
-    1.0,
-    0.980_785_280_403_230_4,
-    0.923_879_532_511_286_7,
-    0.831_469_612_302_545_2,
-    core::f64::consts::FRAC_1_SQRT_2,
-    0.555_570_233_019_602_3,
-    0.382_683_432_365_089_84,
-    0.195_090_322_016_128_33,
-    0.0,
-];
+/// Slips of the polynomials: thrice as many, since every third of Chebyshev's is one of the first.
+const ALL_NODES: usize = 3 * FIRST_NODES;
+/// Least number of points for which the polynomials are worth while.
+const MIN_POLYNOMIAL_POINTS: usize = 2 * ALL_NODES;
+/// The last coefficients, of which each has to be small: one alone may be so by chance.
+const LAST: usize = 3;
+/// Greatest last coefficient over the size of the quantity. On 200 random curves over the soils of the catalogue the
+/// polynomials were off by less than the greatest of the last three, which leaves a tenth of the 1e-9 of the forces.
+const MAX_LAST: f64 = 1e-10;
 
-/// cos(π i/16)
-const fn cosine(i: usize) -> f64 {
-    let i = i % 32;
-    let i = if i > 16 { 32 - i } else { i };
-    if i > 8 { -COSINES[16 - i] } else { COSINES[i] }
+/// cos(π i/(2 n)), by the cosine's series up to π/2.
+const fn cosine(i: usize, n: usize) -> f64 {
+    let i = i % (4 * n);
+    let i = if i > 2 * n { 4 * n - i } else { i };
+    let (i, sign) = if i > n { (2 * n - i, -1.0) } else { (i, 1.0) };
+    let x = core::f64::consts::FRAC_PI_2 * i as f64 / n as f64;
+    let (mut term, mut sum, mut k) = (1.0, 1.0, 0);
+    while k < 24 {
+        term *= -x * x / ((k + 1) * (k + 2)) as f64;
+        sum += term;
+        k += 2;
+    }
+    sign * sum
+}
+
+/// Where N of Chebyshev's nodes lie between −1 and 1.
+const fn nodes<const N: usize>() -> [f64; N] {
+    let mut nodes = [0.0; N];
+    let mut k = 0;
+    while k < N {
+        nodes[k] = cosine(2 * k + 1, N);
+        k += 1;
+    }
+    nodes
 }
 
 /// What the value at the k-th node gives to the j-th coefficient, by the discrete orthogonality of the
 /// cosines.
-const TRANSFORM: [[f64; CURVE_NODES]; CURVE_NODES] = {
-    let mut rows = [[0.0; CURVE_NODES]; CURVE_NODES];
+const fn transform<const N: usize>() -> [[f64; N]; N] {
+    let mut rows = [[0.0; N]; N];
     let mut k = 0;
-    while k < CURVE_NODES {
+    while k < N {
         let mut j = 0;
-        while j < CURVE_NODES {
+        while j < N {
             let share = if j == 0 { 1.0 } else { 2.0 };
-            rows[k][j] = share / CURVE_NODES as f64 * cosine(j * (2 * k + 1));
+            rows[k][j] = share / N as f64 * cosine(j * (2 * k + 1), N);
             j += 1;
         }
         k += 1;
     }
     rows
-};
+}
+
+static FIRST: [f64; FIRST_NODES] = nodes();
+static FIRST_TRANSFORM: [[f64; FIRST_NODES]; FIRST_NODES] = transform();
+static ALL: [f64; ALL_NODES] = nodes();
+static ALL_TRANSFORM: [[f64; ALL_NODES]; ALL_NODES] = transform();
 
 /// Four smooth functions of slip as sums of Chebyshev polynomials.
 pub(super) struct Smooth {
-    coefficients: [[f64; CURVE_NODES]; 4],
+    coefficients: [[f64; FIRST_NODES]; 4],
     middle: f64,
     per_half: f64,
+    /// Error of the slopes of DP/W and T/(r W): twice what their last two coefficients come to, since what is left out
+    /// also falls on those that are not.
+    pub(super) slope_error: f64,
 }
 
 impl Smooth {
-    fn new(values: [&[f64]; 4], (low, high): (f64, f64)) -> Self {
-        let mut coefficients = [[0.0; CURVE_NODES]; 4];
+    fn new(values: [&[f64]; 4], Range { low, high }: Range) -> Self {
+        let mut coefficients = [[0.0; FIRST_NODES]; 4];
         for (sums, values) in coefficients.iter_mut().zip(values) {
-            for (value, row) in values.iter().zip(&TRANSFORM) {
+            for (value, row) in values.iter().zip(&FIRST_TRANSFORM) {
                 for (sum, share) in sums.iter_mut().zip(row) {
                     *sum += value * share;
                 }
             }
         }
+        let [_, _, pull, turn] = &coefficients;
+        let last = |of: &[f64; FIRST_NODES]| of[FIRST_NODES - 2].abs() + of[FIRST_NODES - 1].abs();
         Self {
+            slope_error: (2.0 * last(pull).max(last(turn))).max(MIN_SLOPE_ERROR),
             coefficients,
             middle: 0.5 * (low + high),
             per_half: 2.0 / (high - low),
         }
     }
 
-    /// What the searches of a chunk's points end with, interpolated; `None` where it is not worth while or a
-    /// node has no solution.
-    pub(super) fn of(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, level: Level) -> Option<Self> {
-        let inputs = chunk.inputs;
-        let good = inputs
-            .slip
-            .iter()
-            .filter(|slip| (0.0..=1.0).contains(*slip));
-        let (low, high) = good.fold((1.0, 0.0), |(low, high): (f64, f64), &slip| {
-            (low.min(slip), high.max(slip))
-        });
-        if inputs.len() < MIN_CURVE_POINTS || !(high - low > 1e-3) {
-            return None;
-        }
-        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let slip: [f64; CURVE_NODES] = core::array::from_fn(|k| middle + half * cosine(2 * k + 1));
-        let [
-            mut sinkage,
-            mut vertical_force,
-            mut drawbar_pull,
-            mut torque,
-        ] = [[0.0; CURVE_NODES]; 4];
-        let mut status = [SolveStatus::NotConverged; CURVE_NODES];
-        let mut nodes = Chunk {
-            prepared: chunk.prepared,
-            inputs: Inputs {
-                radius: &inputs.radius[..CURVE_NODES],
-                width: &inputs.width[..CURVE_NODES],
-                rebound: &inputs.rebound[..CURVE_NODES],
-                slip: &slip,
-                given: &inputs.given[..CURVE_NODES],
-            },
-            plan: &mut *chunk.plan,
-            out: BatchColumns {
-                sinkage: &mut sinkage,
-                vertical_force: &mut vertical_force,
-                drawbar_pull: &mut drawbar_pull,
-                torque: &mut torque,
-                status: &mut status,
-            },
-        };
-        level.load(&mut nodes, sheet, Start::Keeping);
-        (status == [SolveStatus::Solved; CURVE_NODES]).then(|| {
-            let values = sheet.kept.each_ref().map(|column| &column.0[..]);
-            Self::new(values, (low, high))
-        })
-    }
-
     /// x, dx/d ln W and the slopes of DP/W and T/(r W) at eight slips, by Clenshaw's sum.
     #[inline(always)]
     pub(super) fn at<V: Vector>(&self, slip: V) -> [V; 4] {
         let t = (slip - V::from_f64(self.middle)) * V::from_f64(self.per_half);
-        let twice = t + t;
-        let mut out = [V::ZERO; 4];
-        for (out, coefficients) in out.iter_mut().zip(&self.coefficients) {
-            let (mut b, mut after) = (V::ZERO, V::ZERO);
-            for &c in coefficients[1..].iter().rev() {
-                (b, after) = (twice.mul_add(b, V::from_f64(c) - after), b);
-            }
-            *out = t.mul_add(b, V::from_f64(coefficients[0]) - after);
-        }
-        out
+        clenshaw(&self.coefficients, t)
     }
+}
+
+/// Σ c_j T_j(t) of several functions by Clenshaw's sum. Loops: closures would not be compiled for the machine.
+#[inline(always)]
+fn clenshaw<V: Vector, const N: usize, const M: usize>(
+    coefficients: &[[f64; N]; M],
+    t: V,
+) -> [V; M] {
+    let twice = t + t;
+    let mut b = [V::ZERO; M];
+    let mut after = [V::ZERO; M];
+    for j in (1..N).rev() {
+        for ((b, after), c) in b.iter_mut().zip(&mut after).zip(coefficients) {
+            let next = twice.mul_add(*b, V::from_f64(c[j]) - *after);
+            *after = *b;
+            *b = next;
+        }
+    }
+    for ((b, after), c) in b.iter_mut().zip(&after).zip(coefficients) {
+        *b = t.mul_add(*b, V::from_f64(c[0]) - *after);
+    }
+    b
+}
+
+/// The range of a curve's slips.
+#[derive(Clone, Copy)]
+struct Range {
+    low: f64,
+    high: f64,
+}
+
+impl Range {
+    /// Of the slips that the lanes serve; `None` for a range that is none.
+    fn of(slips: &[f64]) -> Option<Self> {
+        let (mut low, mut high) = (1.0_f64, 0.0_f64);
+        for &slip in slips {
+            if (0.0..=1.0).contains(&slip) {
+                (low, high) = (low.min(slip), high.max(slip));
+            }
+        }
+        (high - low > 1e-3).then_some(Self { low, high })
+    }
+
+    /// The slip at a place between −1 and 1.
+    fn slip(self, place: f64) -> f64 {
+        0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * place
+    }
+}
+
+/// The operating points of some slips of a curve.
+#[derive(Clone, Copy)]
+struct Solved<const N: usize> {
+    sinkage: [f64; N],
+    drawbar_pull: [f64; N],
+    torque: [f64; N],
+}
+
+impl<const N: usize> Solved<N> {
+    const EMPTY: Self = Self {
+        sinkage: [0.0; N],
+        drawbar_pull: [0.0; N],
+        torque: [0.0; N],
+    };
+
+    /// Solves slips of a curve; `None` where one has no solution.
+    fn new(
+        chunk: &mut Chunk<'_>,
+        slip: &[f64; N],
+        sheet: &mut LoadSheet,
+        (level, expected): (Level, Option<&Smooth>),
+    ) -> Option<Self> {
+        let inputs = chunk.inputs;
+        let mut solved = Self::EMPTY;
+        let mut status = [SolveStatus::NotConverged; N];
+        let mut nodes = Chunk {
+            prepared: chunk.prepared,
+            inputs: Inputs {
+                radius: &inputs.radius[..N],
+                width: &inputs.width[..N],
+                rebound: &inputs.rebound[..N],
+                slip,
+                given: &inputs.given[..N],
+            },
+            plan: &mut *chunk.plan,
+            out: BatchColumns {
+                sinkage: &mut solved.sinkage,
+                vertical_force: &mut [0.0; N],
+                drawbar_pull: &mut solved.drawbar_pull,
+                torque: &mut solved.torque,
+                status: &mut status,
+            },
+        };
+        let start = Start {
+            expected,
+            nodes: true,
+        };
+        level.load(&mut nodes, sheet, start);
+        (status == [SolveStatus::Solved; N]).then_some(solved)
+    }
+}
+
+/// What the polynomials of a curve go through.
+pub(super) struct CurveNodes<'a> {
+    range: Range,
+    /// Sinkage (m), drawbar pull (N) and torque (N m) at [`ALL`].
+    solved: &'a Solved<ALL_NODES>,
+    /// What their errors are measured by.
+    sizes: [f64; 3],
+}
+
+impl CurveNodes<'_> {
+    /// Coefficients of Chebyshev's polynomials.
+    #[inline(always)]
+    fn coefficients<V: Vector>(&self) -> [[f64; ALL_NODES]; 3] {
+        let Solved {
+            sinkage,
+            drawbar_pull,
+            torque,
+        } = self.solved;
+        let values = [sinkage, drawbar_pull, torque];
+        let mut coefficients = [[0.0; ALL_NODES]; 3];
+        for at in (0..ALL_NODES).step_by(8) {
+            let mut sums = [V::ZERO; 3];
+            for (k, row) in ALL_TRANSFORM.iter().enumerate() {
+                let row = V::load(row, at);
+                for (sum, values) in sums.iter_mut().zip(values) {
+                    *sum = row.mul_add(V::from_f64(values[k]), *sum);
+                }
+            }
+            for (sum, coefficients) in sums.iter().zip(&mut coefficients) {
+                sum.store(coefficients, at);
+            }
+        }
+        coefficients
+    }
+}
+
+/// Writes the points of a curve by its polynomials; `false`, and nothing written, where they are not close enough.
+#[inline(always)]
+pub(super) fn write<V: Vector>(
+    nodes: &CurveNodes<'_>,
+    inputs: &Inputs<'_>,
+    out: &mut BatchColumns<'_>,
+) -> bool {
+    let coefficients = nodes.coefficients::<V>();
+    for (of, size) in coefficients.iter().zip(nodes.sizes) {
+        for last in &of[ALL_NODES - LAST..] {
+            if !(last.abs() <= MAX_LAST * size) {
+                return false;
+            }
+        }
+    }
+    let Range { low, high } = nodes.range;
+    let (middle, per_half) = (0.5 * (low + high), 2.0 / (high - low));
+    for at in (0..inputs.len()).step_by(8) {
+        let slip: V = eight(inputs.slip, at);
+        let t = (slip - V::from_f64(middle)) * V::from_f64(per_half);
+        let good = V::select(within(slip, 0.0, 1.0), V::ONE, V::ZERO).to_array();
+        let [sinkage, pull, torque] = clenshaw(&coefficients, t);
+        let (sinkage, pull, torque) = (sinkage.to_array(), pull.to_array(), torque.to_array());
+        for k in 0..8.min(inputs.len() - at) {
+            if good[k] > 0.0 {
+                let numbers = [sinkage[k], inputs.given[at + k], pull[k], torque[k]];
+                out.set(at + k, SolveStatus::Solved, numbers);
+            }
+        }
+    }
+    true
+}
+
+/// Solves the points of a curve that the lanes serve.
+pub(super) fn run(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, level: Level) {
+    let range = Range::of(chunk.inputs.slip).filter(|_| chunk.inputs.len() >= MIN_CURVE_POINTS);
+    let first = range.and_then(|range| {
+        let slip = FIRST.map(|place| range.slip(place));
+        let first = Solved::new(chunk, &slip, sheet, (level, None))?;
+        Some((range, first))
+    });
+    let Some((range, first)) = first else {
+        return level.load(chunk, sheet, Start::ALONE);
+    };
+    let values = sheet.kept.each_ref().map(|column| &column.0[..]);
+    let smooth = Smooth::new(values, range);
+    if !by_polynomials(chunk, sheet, (level, &smooth), (range, &first)) {
+        let start = Start {
+            expected: Some(&smooth),
+            nodes: false,
+        };
+        level.load(chunk, sheet, start);
+    }
+}
+
+fn by_polynomials(
+    chunk: &mut Chunk<'_>,
+    sheet: &mut LoadSheet,
+    (level, smooth): (Level, &Smooth),
+    (range, first): (Range, &Solved<FIRST_NODES>),
+) -> bool {
+    const OTHERS: usize = ALL_NODES - FIRST_NODES;
+    // the middle one of each three is a node of the first
+    let place = |other: usize| 3 * (other / 2) + 2 * (other % 2);
+    let inputs = chunk.inputs;
+    if inputs.len() < MIN_POLYNOMIAL_POINTS {
+        return false;
+    }
+    let slip: [f64; OTHERS] = core::array::from_fn(|other| range.slip(ALL[place(other)]));
+    let Some(others) = Solved::new(chunk, &slip, sheet, (level, Some(smooth))) else {
+        return false;
+    };
+    let mut solved = Solved::EMPTY;
+    for (all, (first, others)) in [
+        (&mut solved.sinkage, (&first.sinkage, &others.sinkage)),
+        (
+            &mut solved.drawbar_pull,
+            (&first.drawbar_pull, &others.drawbar_pull),
+        ),
+        (&mut solved.torque, (&first.torque, &others.torque)),
+    ] {
+        for (k, x) in first.iter().enumerate() {
+            all[3 * k + 1] = *x;
+        }
+        for (k, x) in others.iter().enumerate() {
+            all[place(k)] = *x;
+        }
+    }
+    let force = inputs.given[0];
+    let least = solved.sinkage.iter().copied().fold(f64::INFINITY, f64::min);
+    let nodes = CurveNodes {
+        range,
+        solved: &solved,
+        sizes: [least, force, force * inputs.radius[0]],
+    };
+    let is_done = level.curve(&nodes, &inputs, &mut chunk.out);
+    if is_done {
+        // slips out of range are for the general kernel
+        for (step, slip) in chunk.plan.steps.iter_mut().zip(inputs.slip) {
+            let is_good = (0.0..=1.0).contains(slip);
+            *step = if is_good { 0.0 } else { SINGLE_STEP };
+        }
+    }
+    is_done
 }
 
 #[cfg(test)]
@@ -153,12 +367,13 @@ mod tests {
 
     #[test]
     fn smooth_functions_come_back() {
-        let (low, high) = (0.1, 0.7);
-        let slip: [f64; CURVE_NODES] = core::array::from_fn(|k| {
-            0.4 + 0.3 * (core::f64::consts::PI * (k as f64 + 0.5) / CURVE_NODES as f64).cos()
-        });
+        let range = Range {
+            low: 0.1,
+            high: 0.7,
+        };
+        let slip = FIRST.map(|place| range.slip(place));
         let values = slip.map(|s| (3.0 * s).exp());
-        let smooth = Smooth::new([&values, &slip, &values, &values], (low, high));
+        let smooth = Smooth::new([&values, &slip, &values, &values], range);
         for i in 0..=60 {
             let s = 0.1 + 0.01 * f64::from(i);
             let [exponential, line, ..] = smooth.at(Lanes([s; 8]));
@@ -166,5 +381,61 @@ mod tests {
             assert!((exponential.0[0] - (3.0 * s).exp()).abs() < 7e-7);
             assert!((line.0[7] - s).abs() < 1e-14);
         }
+    }
+
+    /// What the polynomials make of e^(rate (s − 0.1)): whether they are close enough, and their worst error.
+    fn exponential(rate: f64) -> (bool, f64) {
+        let range = Range {
+            low: 0.1,
+            high: 0.7,
+        };
+        let values = ALL.map(|place| (rate * (range.slip(place) - 0.1)).exp());
+        let nodes = CurveNodes {
+            range,
+            solved: &Solved {
+                sinkage: values,
+                drawbar_pull: values,
+                torque: values,
+            },
+            sizes: [1.0; 3],
+        };
+        let slip: [f64; 97] = core::array::from_fn(|i| 0.1 + 0.6 * i as f64 / 96.0);
+        let [
+            mut sinkage,
+            mut vertical_force,
+            mut drawbar_pull,
+            mut torque,
+        ] = [[0.0; 97]; 4];
+        let mut status = [SolveStatus::NotConverged; 97];
+        let mut out = BatchColumns {
+            sinkage: &mut sinkage,
+            vertical_force: &mut vertical_force,
+            drawbar_pull: &mut drawbar_pull,
+            torque: &mut torque,
+            status: &mut status,
+        };
+        let same = [1.0; 97];
+        let inputs = Inputs {
+            radius: &same,
+            width: &same,
+            rebound: &same,
+            slip: &slip,
+            given: &same,
+        };
+        let is_close = write::<Lanes>(&nodes, &inputs, &mut out);
+        let off = slip
+            .iter()
+            .zip(torque)
+            .map(|(s, got)| (got - (rate * (s - 0.1)).exp()).abs());
+        (is_close, off.fold(0.0, f64::max))
+    }
+
+    #[test]
+    fn polynomials_return_smooth_functions_and_refuse_steep_ones() {
+        let (is_close, off) = exponential(-3.0);
+        assert!(is_close && off < 1e-14, "{off:e}");
+        let (is_close, off) = exponential(-20.0);
+        assert!(is_close && off < 1e-10, "{off:e}");
+        assert!(!exponential(-200.0).0);
     }
 }

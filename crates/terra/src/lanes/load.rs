@@ -20,7 +20,7 @@ use crate::quadrature::RuleView;
 use crate::status::SolveStatus;
 
 use super::columns::{BatchColumns, Inputs};
-use super::curve::{SLOPE_TRUST, Smooth};
+use super::curve::Smooth;
 use super::plan::{Chunk, Group, Plan, Prepared, SINGLE_STEP, step_of, within};
 use super::sheet::{Column, eight};
 use super::vector::Vector;
@@ -235,15 +235,21 @@ fn held<V: Vector>(x: V) -> V {
     x.clamp(V::from_f64(MIN_LN_THETA_1), V::from_f64(MAX_LN_THETA_1))
 }
 
-/// Where the searches of a chunk begin.
+/// Where the searches of a chunk begin, and by which rules they end.
 #[derive(Clone, Copy)]
-pub(super) enum Start<'a> {
-    /// At Bekker's closed form.
-    ClosedForm,
-    /// There too; [`LoadSheet::kept`] is filled, and all points take one rule.
-    Keeping,
-    /// Where their neighbours on a curve say: points that differ in nothing but slip.
-    Expected(&'a Smooth),
+pub(super) struct Start<'a> {
+    /// Where their neighbours on a curve say: points that differ in nothing but slip. Else Bekker's closed form.
+    pub(super) expected: Option<&'a Smooth>,
+    /// Points through which a curve is interpolated: all take one rule, and [`LoadSheet::kept`] is filled.
+    pub(super) nodes: bool,
+}
+
+impl Start<'_> {
+    /// Each point by itself.
+    pub(super) const ALONE: Self = Self {
+        expected: None,
+        nodes: false,
+    };
 }
 
 /// Solves every point that the lanes serve; the plan holds the others, and a search that left its range is
@@ -256,14 +262,13 @@ pub(super) fn run<V: Vector>(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start
         plan,
         out,
     } = chunk;
-    match start {
-        Start::Expected(smooth) => interpolate::<V>(prepared, inputs, (sheet, plan), smooth),
-        Start::ClosedForm => search::<V>(prepared, inputs, (sheet, plan), false),
-        Start::Keeping => search::<V>(prepared, inputs, (sheet, plan), true),
+    let Start { expected, nodes } = start;
+    match expected {
+        Some(smooth) => interpolate::<V>(prepared, inputs, (sheet, plan), (smooth, nodes)),
+        None => search::<V>(prepared, inputs, (sheet, plan), nodes),
     }
-    let keep = matches!(start, Start::Keeping);
     for group in plan.groups() {
-        finish::<V>(prepared, inputs, (sheet, group), out, keep);
+        finish::<V>(prepared, inputs, (sheet, group), out, nodes);
     }
 }
 
@@ -273,7 +278,7 @@ fn search<V: Vector>(
     prepared: &Prepared,
     inputs: &Inputs<'_>,
     (sheet, plan): (&mut LoadSheet, &mut Plan),
-    level: bool,
+    one_rule: bool,
 ) {
     let n = inputs.len();
     for at in (0..n).step_by(8) {
@@ -302,7 +307,7 @@ fn search<V: Vector>(
     for at in (0..n).step_by(8) {
         choose::<V>(sheet, plan, at);
     }
-    if level {
+    if one_rule {
         plan.level(n);
     }
     plan.sort(n);
@@ -347,7 +352,7 @@ fn interpolate<V: Vector>(
     prepared: &Prepared,
     inputs: &Inputs<'_>,
     (sheet, plan): (&mut LoadSheet, &mut Plan),
-    smooth: &Smooth,
+    (smooth, one_rule): (&Smooth, bool),
 ) {
     let shared = [inputs.radius, inputs.width, inputs.rebound, inputs.given];
     let base = Base::<V>::new(prepared, shared.map(|column| V::from_f64(column[0])));
@@ -361,6 +366,9 @@ fn interpolate<V: Vector>(
         }
         choose::<V>(sheet, plan, at);
     }
+    if one_rule {
+        plan.level(inputs.len());
+    }
     plan.sort(inputs.len());
     for group in plan.groups() {
         let (at, places) = (group.at, group.places);
@@ -368,7 +376,7 @@ fn interpolate<V: Vector>(
         sheet.first[3].store(at, sheet.x.gather::<V>(places));
         sheet.slopes[0].store(at, sheet.kept[1].gather::<V>(places));
         sheet.slopes[1].store(at, sheet.kept[2].gather::<V>(places));
-        sheet.slopes[2].store(at, V::from_f64(SLOPE_TRUST));
+        sheet.slopes[2].store(at, V::from_f64(smooth.slope_error));
     }
 }
 

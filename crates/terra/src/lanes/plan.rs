@@ -115,13 +115,11 @@ pub(super) struct Group<'a> {
 }
 
 impl Plan {
-    pub(super) const fn new() -> Self {
-        Self {
-            steps: [SINGLE_STEP; ROOM],
-            order: [0; ROOM],
-            ranges: [(0, 0); Step::COUNT],
-        }
-    }
+    pub(super) const EMPTY: Self = Self {
+        steps: [0.0; ROOM],
+        order: [0; ROOM],
+        ranges: [(0, 0); Step::COUNT],
+    };
 
     /// Gives the first `n` points the greatest step that any of them needs.
     pub(super) fn level(&mut self, n: usize) {

@@ -122,19 +122,28 @@ pub(super) struct Numbers {
     pub(super) fluctuation: Option<[f64; 2]>,
 }
 
-/// A row: its line with its fields, and its operating point or what is wrong.
+/// A row: its line, and its operating point or what is wrong.
 #[derive(Debug)]
 pub(super) struct Row<'a> {
-    line: &'a str,
-    fields: Vec<Field>,
-    /// The whole line as the first field, where it has no fields.
-    whole: Option<Cow<'a, str>>,
+    line: Line<'a>,
+    layout: Layout,
     pub(super) point: Result<Point<'a>, String>,
+}
+
+/// Where the sinkage goes in a row's line.
+#[derive(Clone, Copy, Debug)]
+enum Layout {
+    /// The line is complete, but for a column that is added.
+    Whole,
+    /// Between these places of the line, which hold nothing.
+    Empty { from: usize, to: usize },
+    /// The line has not the fields of the header.
+    Broken,
 }
 
 impl Columns {
     /// Reads the header.
-    pub(super) fn read(header: Option<Line>, path: &Path) -> Result<Self> {
+    pub(super) fn read(header: Option<Line<'_>>, path: &Path) -> Result<Self> {
         let refuse = |message: String, hint: Option<&str>| {
             Error::content(path, message, hint.map(str::to_owned))
         };
@@ -145,7 +154,7 @@ impl Columns {
             return Err(refuse("line 1: the header is not UTF-8".to_owned(), None));
         }
         let mut fields = Vec::new();
-        split(&line.text, b',', &mut fields).map_err(|bad| {
+        split(line.text, b',', &mut fields).map_err(|bad| {
             refuse(
                 format!("line 1: column {} {}", bad.field + 1, bad.what),
                 None,
@@ -153,7 +162,7 @@ impl Columns {
         })?;
         let names: Vec<String> = fields
             .iter()
-            .map(|field| field.value(&line.text).into_owned())
+            .map(|field| field.value(line.text).into_owned())
             .collect();
         let find = |name: &str| -> Result<Option<usize>> {
             let mut places = (0..names.len()).filter(|index| names[*index] == name);
@@ -191,7 +200,7 @@ impl Columns {
             grouser_height: find("grouser_height_m")?,
             grouser_count: find("grouser_count")?,
             grouser_thickness: find("grouser_thickness_m")?,
-            header: line.text.clone(),
+            header: line.text.to_owned(),
             names: names.clone(),
         };
         if let Some((name, hint)) = names.iter().find_map(|n| Some((n, refusal(n)?))) {
@@ -247,37 +256,49 @@ impl Columns {
             .collect()
     }
 
-    /// Reads a row.
-    pub(super) fn row<'a>(&self, line: &'a Line) -> Row<'a> {
-        let mut fields = Vec::with_capacity(self.names.len());
+    /// Reads a row; `fields` is room for its fields.
+    pub(super) fn row<'a>(&self, line: Line<'a>, fields: &mut Vec<Field>) -> Row<'a> {
         let read = if line.is_text {
-            split(&line.text, b',', &mut fields)
+            split(line.text, b',', fields)
                 .map_err(|bad| format!("field {} {}", bad.field + 1, bad.what))
         } else {
             Err("the row is not UTF-8".to_owned())
         };
         let wanted = self.names.len();
-        // without fields the line is one field, so that the output stays a table
-        let whole = read.is_err().then(|| quoted(&line.text));
-        let point = match read {
-            Ok(()) if fields.len() == wanted => self.point(&line.text, &fields),
-            Ok(()) => Err(format!(
-                "{} fields, but the header has {wanted}",
-                fields.len()
-            )),
-            Err(broken) => Err(broken),
+        let (layout, point) = match read {
+            Ok(()) if fields.len() == wanted => (
+                self.layout(line.text, fields),
+                self.point(line.text, fields),
+            ),
+            Ok(()) => {
+                let count = fields.len();
+                let message = format!("{count} fields, but the header has {wanted}");
+                (Layout::Broken, Err(message))
+            }
+            Err(broken) => (Layout::Broken, Err(broken)),
         };
         Row {
-            line: &line.text,
-            fields,
-            whole,
+            line,
+            layout,
             point,
         }
     }
 
+    fn layout(&self, line: &str, fields: &[Field]) -> Layout {
+        match self.sinkage {
+            Some(index) if fields[index].value(line).is_empty() => {
+                let before = fields[..index].iter();
+                let from = before.map(|field| field.raw(line).len() + 1).sum();
+                let to = from + fields[index].raw(line).len();
+                Layout::Empty { from, to }
+            }
+            _ => Layout::Whole,
+        }
+    }
+
     fn point<'a>(&self, line: &'a str, fields: &[Field]) -> Result<Point<'a>, String> {
-        let number = |index: usize, name: &str| {
-            let text = fields[index].value(line);
+        let text = |index: usize| fields[index].value(line);
+        let parsed = |text: Cow<'_, str>, name: &str| {
             parse_finite(&text).map_err(|reason| {
                 if text.is_empty() {
                     format!("`{name}` is empty")
@@ -286,12 +307,14 @@ impl Columns {
                 }
             })
         };
-        let filled = |index: &usize| !fields[*index].value(line).is_empty();
-        let sinkage = self.sinkage.filter(filled);
-        let load = self.load.filter(filled);
+        let number = |index: usize, name: &str| parsed(text(index), name);
+        let filled = |index: &usize| !text(*index).is_empty();
+        let filled_text = |index: Option<usize>| index.map(text).filter(|text| !text.is_empty());
+        let sinkage = filled_text(self.sinkage);
+        let load = filled_text(self.load);
         let prescribed = match (sinkage, load) {
-            (Some(index), None) => Prescribed::Sinkage(number(index, "sinkage_m")?),
-            (None, Some(index)) => Prescribed::Load(number(index, "load_n")?),
+            (Some(sinkage), None) => Prescribed::Sinkage(parsed(sinkage, "sinkage_m")?),
+            (None, Some(load)) => Prescribed::Load(parsed(load, "load_n")?),
             (Some(_), Some(_)) => {
                 return Err(
                     "both `sinkage_m` and `load_n` are filled, but exactly one must be".to_owned(),
@@ -336,7 +359,7 @@ impl Columns {
         };
         Ok(Point {
             grousers,
-            soil: fields[self.soil].value(line),
+            soil: text(self.soil),
             radius_m: number(self.radius, "radius_m")?,
             width_m: number(self.width, "width_m")?,
             rebound: rebound.transpose()?,
@@ -360,20 +383,14 @@ impl Columns {
                 push_exact(text, number);
             }
         };
-        for index in 0..self.names.len() {
-            if index > 0 {
-                text.push(',');
+        match row.layout {
+            Layout::Whole => text.push_str(row.line.text),
+            Layout::Empty { from, to } => {
+                text.push_str(&row.line.text[..from]);
+                push(text, sinkage);
+                text.push_str(&row.line.text[to..]);
             }
-            match (&row.whole, row.fields.get(index)) {
-                (Some(whole), _) if index == 0 => text.push_str(whole),
-                (None, Some(field))
-                    if Some(index) != self.sinkage || !field.value(row.line).is_empty() =>
-                {
-                    text.push_str(field.raw(row.line));
-                }
-                _ if Some(index) == self.sinkage => push(text, sinkage),
-                _ => {}
-            }
+            Layout::Broken => self.push_broken(text, row.line),
         }
         if self.sinkage.is_none() {
             text.push(',');
@@ -396,5 +413,26 @@ impl Columns {
         text.push(',');
         text.push_str(&quoted(status));
         text.push('\n');
+    }
+    /// Appends a line that has not the fields of the header as a row with as many: what is missing stays empty, what
+    /// is too much is left out, and a line without fields is the first.
+    fn push_broken(&self, text: &mut String, line: Line<'_>) {
+        let mut fields = Vec::new();
+        let is_split = line.is_text && split(line.text, b',', &mut fields).is_ok();
+        for index in 0..self.names.len() {
+            if index > 0 {
+                text.push(',');
+            }
+            match fields.get(index) {
+                Some(field) if is_split => {
+                    let is_blank = field.value(line.text).is_empty();
+                    if !(is_blank && Some(index) == self.sinkage) {
+                        text.push_str(field.raw(line.text));
+                    }
+                }
+                _ if index == 0 && !is_split => text.push_str(&quoted(line.text)),
+                _ => {}
+            }
+        }
     }
 }

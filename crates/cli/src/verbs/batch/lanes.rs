@@ -1,11 +1,18 @@
 //! The points of a chunk that run on lanes: sorted by soil and by the unknown, eight at a time.
 
-use std::collections::BTreeMap;
-
 use grouser_terra::{BatchColumns, BatchKernel, BatchPoints, SolveStatus};
 
 use super::columns::{Numbers, Point, Row};
+use super::soils::Soils;
 use crate::operation::Prescribed;
+
+/// What the kernel found of a row; the default where it does not serve.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Found {
+    pub(super) status: SolveStatus,
+    /// `None` unless solved.
+    pub(super) numbers: Option<Numbers>,
+}
 
 /// The points of one soil that are solved alike, side by side.
 #[derive(Default)]
@@ -28,9 +35,12 @@ impl Columns {
         self.given.push(given);
     }
 
-    /// Puts the points that the kernel solves at their places.
-    fn solve(&self, kernel: &BatchKernel, load: bool, answers: &mut [Option<Numbers>]) {
+    /// Puts what the kernel finds at the places of the points.
+    fn solve(&self, kernel: &BatchKernel, load: bool, answers: &mut [Found]) {
         let n = self.places.len();
+        if n == 0 {
+            return;
+        }
         let points = BatchPoints {
             radius: (&self.radius).into(),
             width: (&self.width).into(),
@@ -59,51 +69,45 @@ impl Columns {
             kernel.forces(&points, &self.given, &mut out)
         };
         for (i, &place) in self.places.iter().enumerate() {
-            if status[i] == SolveStatus::Solved {
-                answers[place] = Some(Numbers {
-                    sinkage: sinkage[i],
-                    forces: [vertical_force[i], drawbar_pull[i], torque[i]],
-                    // lanes have no slip angle and no lugs
-                    side: 0.0,
-                    fluctuation: None,
-                });
-            }
+            let numbers = Numbers {
+                sinkage: sinkage[i],
+                forces: [vertical_force[i], drawbar_pull[i], torque[i]],
+                // lanes have no slip angle and no lugs
+                side: 0.0,
+                fluctuation: None,
+            };
+            let status = status[i];
+            let numbers = (status == SolveStatus::Solved).then_some(numbers);
+            answers[place] = Found { status, numbers };
         }
     }
 }
 
-/// The answer of each row, where the lanes have one; the rest is left to the general solver and its words.
-pub(super) fn solve(
-    rows: &[Row<'_>],
-    kernel_of: impl Fn(&str) -> Option<BatchKernel>,
-) -> Vec<Option<Numbers>> {
-    let mut sorted: BTreeMap<(&str, bool), Columns> = BTreeMap::new();
-    let mut kernels: BTreeMap<&str, Option<BatchKernel>> = BTreeMap::new();
+/// What the kernel finds of each row.
+pub(super) fn solve(rows: &[Row<'_>], soils: &Soils<'_>) -> Vec<Found> {
+    let mut by_soil: Vec<[Columns; 2]> = Vec::new();
+    by_soil.resize_with(soils.len(), Default::default);
     for (place, row) in rows.iter().enumerate() {
         let Ok(point) = &row.point else { continue };
         if point.slip_angle_deg != 0.0 || point.grousers.is_some() {
             continue;
         }
-        let kernel = kernels
-            .entry(&*point.soil)
-            .or_insert_with(|| kernel_of(&point.soil));
-        let Some(kernel) = kernel else { continue };
-        let rebound = point.rebound.unwrap_or(kernel.soil().params().rebound);
+        let Some((number, known)) = soils.of_row(place) else {
+            continue;
+        };
+        let rebound = point.rebound.unwrap_or(known.soil.params().rebound);
         let (load, given) = match point.prescribed {
             Prescribed::Load(load) => (true, load),
             Prescribed::Sinkage(sinkage) => (false, sinkage),
         };
-        sorted
-            .entry((&*point.soil, load))
-            .or_default()
-            .push(place, point, rebound, given);
+        by_soil[number][usize::from(load)].push(place, point, rebound, given);
     }
-    let mut answers = vec![None; rows.len()];
-    for ((soil, load), columns) in &sorted {
-        let Some(Some(kernel)) = kernels.get(soil) else {
-            continue;
-        };
-        columns.solve(kernel, *load, &mut answers);
+    let mut answers = vec![Found::default(); rows.len()];
+    for (number, [by_sinkage, by_load]) in by_soil.iter().enumerate() {
+        if let Some(known) = soils.at(number) {
+            by_sinkage.solve(&known.kernel, false, &mut answers);
+            by_load.solve(&known.kernel, true, &mut answers);
+        }
     }
     answers
 }

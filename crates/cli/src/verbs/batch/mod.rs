@@ -3,20 +3,21 @@
 mod columns;
 mod lanes;
 mod sink;
+mod soils;
 mod stream;
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 
 use grouser_terra::{
-    Angle, BatchKernel, Kinematics, MAX_MISS, RigidWheel, Settings, Slip, Soil, WheelOnSoil,
+    Angle, Kinematics, MAX_MISS, RigidWheel, Settings, Slip, Soil, SolveStatus, WheelOnSoil,
 };
 
 use self::columns::{Columns, Numbers, Point, Row};
 use self::sink::TableSink;
-use self::stream::{Line, lines_of, next_line};
+use self::soils::{Met, Soils};
+use self::stream::{Text, lines_of, next_line};
 use crate::error::{Error, Result, shown};
 use crate::exit::Outcome;
 use crate::input::{Input, STANDARD};
@@ -28,9 +29,6 @@ use crate::soil_choice::{self, Overrides};
 use crate::verb_report::Report;
 use crate::wheel_choice::lugs;
 use grouser_report::{Fields, fields};
-
-/// Soils kept at a time: a table may name any number of files.
-const SOILS: usize = 256;
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -99,9 +97,6 @@ pub(crate) fn schema() -> serde_json::Value {
     fields().schema()
 }
 
-/// The soils met so far: each soil and its source.
-type Soils = BTreeMap<String, (Soil, String)>;
-
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     if session.is_json() && arguments.output == Path::new(STANDARD) {
         return Err(Error::usage(
@@ -112,38 +107,37 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let input = Input::open_table(&arguments.input)?;
     let progress = Progress::of_bytes(input.length());
     let mut lines = lines_of(input);
-    let columns = Columns::read(next_line(&mut lines)?, &arguments.input)?;
+    let header = next_line(&mut lines)?;
+    let columns = Columns::read(header.lines().next(), &arguments.input)?;
     let mut output = TableSink::create(&arguments.output)?;
     let path = output.path().to_owned();
 
     output.lines(&columns.header())?;
     let mut counts = Counts::default();
-    let met = Mutex::new(Met {
-        soils: Soils::new(),
-        used: BTreeMap::new(),
-        session,
-    });
-    let solve = |chunk: Vec<Line>| {
-        let rows: Vec<Row<'_>> = chunk.iter().map(|line| columns.row(line)).collect();
-        let soils = soils_of(&rows, &met, &arguments.overrides);
-        let kernel_of = |name: &str| soils.get(name).map(|(soil, _)| BatchKernel::new(*soil));
-        let lanes = lanes::solve(&rows, kernel_of);
+    let met = Met::new(&arguments.overrides, session);
+    let solve = |chunk: Text| {
+        let mut fields = Vec::new();
+        let rows: Vec<Row<'_>> = chunk
+            .lines()
+            .map(|line| columns.row(line, &mut fields))
+            .collect();
+        let soils = Soils::of(&rows, &met);
+        let found = lanes::solve(&rows, &soils);
         let mut cache = Cache::default();
         let mut solved = Chunk {
             text: String::with_capacity(160 * rows.len()),
             counts: Counts::default(),
         };
-        for (row, lane) in rows.iter().zip(&lanes) {
-            let ending = match lane {
-                Some(found) => {
-                    let key = Status::Ok.key();
-                    columns.push_line(&mut solved.text, row, Some(*found), key);
-                    solved.counts.note(row, found.forces[0], &soils);
-                    Ending::Solved(Status::Ok)
+        for (place, (row, found)) in rows.iter().zip(found).enumerate() {
+            let soil = soils.of_row(place).map(|(_, known)| &known.soil);
+            let status = match found.status {
+                SolveStatus::Solved | SolveStatus::NoSolution => {
+                    solved.push(&columns, row, (found.numbers, soil), found.status)
                 }
-                None => complete(&mut solved, (&columns, row), &soils, arguments, &mut cache),
+                // by the general solver and in its words
+                _ => complete(&mut solved, (&columns, row), soil, arguments, &mut cache),
             };
-            solved.counts.add(ending);
+            solved.counts.add(status);
         }
         solved
     };
@@ -153,7 +147,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         output.lines(&solved.text)
     };
     let lines = stream::solve_lines(lines, solve, write)?;
-    let Met { used, session, .. } = met.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let (sources, session) = met.into_sources();
     if counts.rows == 0 {
         return Err(Error::content(
             &arguments.input,
@@ -167,7 +161,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
 
     let solved = Solved {
         counts: &counts,
-        soils: &used,
+        soils: &sources,
         output: &path,
     };
     let text = format!("wrote {}: {}\n", shown(&path), counts.words());
@@ -201,55 +195,27 @@ fn misses(row: &Row<'_>, vertical_force: f64) -> bool {
     load.is_some_and(|load| !((vertical_force - load).abs() <= MAX_MISS * load))
 }
 
-/// The soils that all threads have met.
-struct Met<'a> {
-    soils: Soils,
-    /// Names and sources for the report.
-    used: BTreeMap<String, String>,
-    session: &'a mut Session,
-}
-
 /// A chunk of the table with its answers.
 struct Chunk {
     text: String,
     counts: Counts,
 }
 
-/// The soils of some rows. A soil that cannot be read is left out: the status of its rows gives the reason.
-fn soils_of(rows: &[Row<'_>], met: &Mutex<Met<'_>>, overrides: &Overrides) -> Soils {
-    let mut soils = Soils::new();
-    let mut met = met.lock().unwrap_or_else(PoisonError::into_inner);
-    for row in rows.iter().filter_map(|row| row.point.as_ref().ok()) {
-        if soils.contains_key(&*row.soil) || soils.len() >= SOILS {
-            continue;
+impl Chunk {
+    /// Appends a row that was computed, as a line.
+    fn push(
+        &mut self,
+        columns: &Columns,
+        row: &Row<'_>,
+        (numbers, soil): (Option<Numbers>, Option<&Soil>),
+        status: SolveStatus,
+    ) -> SolveStatus {
+        if let Some(numbers) = numbers {
+            self.counts.note(row, numbers.forces[0], soil);
         }
-        if !met.soils.contains_key(&*row.soil) {
-            let Ok(chosen) = soil_choice::choose(OsStr::new(&*row.soil), overrides) else {
-                continue;
-            };
-            if met.soils.len() >= SOILS {
-                met.soils.pop_first();
-            }
-            if let Some(document) = &chosen.document {
-                met.session.used_document(document);
-            }
-            if met.used.len() < SOILS {
-                met.used.insert(row.soil.to_string(), chosen.source.clone());
-            }
-            met.soils
-                .insert(row.soil.to_string(), (chosen.soil, chosen.source));
-        }
-        if let Some(found) = met.soils.get(&*row.soil) {
-            soils.insert(row.soil.to_string(), found.clone());
-        }
+        columns.push_line(&mut self.text, row, numbers, status.key());
+        status
     }
-    soils
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Ending {
-    Solved(Status),
-    BadInput,
 }
 
 /// The wheel on its soil that the last row of this thread had.
@@ -262,12 +228,12 @@ type CacheKey = (String, [u64; 2], Option<[u64; 3]>, Option<u64>);
 fn complete(
     solved: &mut Chunk,
     (columns, row): (&Columns, &Row<'_>),
-    soils: &Soils,
+    soil: Option<&Soil>,
     arguments: &Arguments,
     cache: &mut Cache,
-) -> Ending {
+) -> SolveStatus {
     let answer = match &row.point {
-        Ok(point) => solve(point, soils, &arguments.overrides, cache),
+        Ok(point) => solve(point, soil, &arguments.overrides, cache),
         Err(message) => Err(message.clone()),
     };
     match answer {
@@ -283,11 +249,12 @@ fn complete(
                 side: point.side_force,
                 fluctuation: passage(point).map(|lugs| [lugs.pull, lugs.torque]),
             });
-            if let Some(numbers) = numbers {
-                solved.counts.note(row, numbers.forces[0], soils);
-            }
-            columns.push_line(&mut solved.text, row, numbers, answer.status.key());
-            Ending::Solved(answer.status)
+            let status = match answer.status {
+                Status::Ok => SolveStatus::Solved,
+                Status::NoSolution(_) => SolveStatus::NoSolution,
+                Status::NotConverged => SolveStatus::NotConverged,
+            };
+            solved.push(columns, row, (numbers, soil), status)
         }
         Err(message) => {
             columns.push_line(
@@ -296,14 +263,14 @@ fn complete(
                 None,
                 &format!("bad-input: {message}"),
             );
-            Ending::BadInput
+            SolveStatus::BadInput
         }
     }
 }
 
 fn solve(
     point: &Point<'_>,
-    soils: &Soils,
+    soil: Option<&Soil>,
     overrides: &Overrides,
     cache: &mut Cache,
 ) -> Result<Answer, String> {
@@ -318,8 +285,8 @@ fn solve(
     let pair = match &cache.0 {
         Some((last, pair)) if *last == key => pair.clone(),
         _ => {
-            let soil = match soils.get(&*point.soil) {
-                Some((soil, _)) => *soil,
+            let soil = match soil {
+                Some(soil) => *soil,
                 None => soil_choice::choose(OsStr::new(&*point.soil), overrides)
                     .map(|chosen| chosen.soil)
                     .map_err(|error| error.to_string())?,
@@ -362,21 +329,20 @@ fn is_outside_fit(point: &Point<'_>, soil: &Soil, vertical_force: f64) -> bool {
 
 impl Counts {
     /// Counts what is doubtful of a solved row with its vertical force, N.
-    fn note(&mut self, row: &Row<'_>, vertical_force: f64, soils: &Soils) {
+    fn note(&mut self, row: &Row<'_>, vertical_force: f64, soil: Option<&Soil>) {
         self.coarse += u64::from(misses(row, vertical_force));
         let Ok(point) = &row.point else { return };
-        let soil = soils.get(&*point.soil).map(|(soil, _)| soil);
         self.outside_fit +=
             u64::from(soil.is_some_and(|soil| is_outside_fit(point, soil, vertical_force)));
     }
 
-    fn add(&mut self, ending: Ending) {
+    fn add(&mut self, status: SolveStatus) {
         self.rows += 1;
-        *match ending {
-            Ending::Solved(Status::Ok) => &mut self.ok,
-            Ending::Solved(Status::NoSolution(_)) => &mut self.no_solution,
-            Ending::Solved(Status::NotConverged) => &mut self.not_converged,
-            Ending::BadInput => &mut self.bad_input,
+        *match status {
+            SolveStatus::Solved => &mut self.ok,
+            SolveStatus::NoSolution => &mut self.no_solution,
+            SolveStatus::BadInput => &mut self.bad_input,
+            _ => &mut self.not_converged,
         } += 1;
     }
 

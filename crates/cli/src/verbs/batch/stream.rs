@@ -1,6 +1,7 @@
 //! A table in and out while it is solved: one thread reads ahead, others solve a chunk each, and this one writes the
 //! chunks in order. Few chunks are under way, so that memory stays flat however long the table is.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -16,49 +17,87 @@ use crate::input::Input;
 use crate::thread_pool::has_room;
 
 /// Rows of a chunk at most.
-const CHUNK_ROWS: usize = 1024;
+const CHUNK_ROWS: usize = 2048;
 /// Bytes at which a chunk ends, however few its rows are.
 const CHUNK_BYTES: u64 = 1 << 20;
+/// Bytes read from the system at a time.
+const READ_BYTES: usize = 1 << 16;
 /// Chunks under way for each solving thread: one that is solved, one that waits on either side.
 const UNDER_WAY: usize = 3;
 
 /// The lines of the table.
 pub(super) type Lines = csv::Lines<BufReader<Input>>;
 
-/// One line, for the thread that solves it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Line {
+/// A line of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Line<'a> {
     /// Its text; bytes that are not UTF-8 became U+FFFD.
-    pub(super) text: String,
+    pub(super) text: &'a str,
     /// Was it UTF-8?
     pub(super) is_text: bool,
+}
+
+/// Lines for the thread that solves them, in one text: memory for each line of its own would cost more than to read it.
+#[derive(Debug, Default)]
+pub(super) struct Text {
+    text: String,
+    /// Where each line ends, and whether it was UTF-8.
+    ends: Vec<(usize, bool)>,
+}
+
+impl Text {
+    fn push(&mut self, line: &str, is_text: bool) {
+        self.text.push_str(line);
+        self.ends.push((self.text.len(), is_text));
+    }
+
+    /// How many lines there are.
+    pub(super) fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// The lines.
+    pub(super) fn lines(&self) -> impl Iterator<Item = Line<'_>> {
+        let mut from = 0;
+        self.ends.iter().map(move |&(end, is_text)| {
+            let text = &self.text[from..end];
+            from = end;
+            Line { text, is_text }
+        })
+    }
 }
 
 /// The lines of `input`.
 pub(super) fn lines_of(input: Input) -> Lines {
     let name = input.path().display().to_string();
-    Lines::over(BufReader::new(input), &name)
+    Lines::over(BufReader::with_capacity(READ_BYTES, input), &name)
 }
 
-/// The next line; `None` at the end.
-pub(super) fn next_line(lines: &mut Lines) -> Result<Option<Line>> {
-    let found = lines.advance().map_err(|error| match error {
+/// Moves to the next line; false at the end.
+fn advance(lines: &mut Lines) -> Result<bool> {
+    lines.advance().map_err(|error| match error {
         grouser_log::Error::Unreadable { at, source } => {
             Error::file("read", Path::new(&at.file), &source)
         }
         error => error.into(),
-    });
-    Ok(found?.then(|| Line {
-        text: String::from_utf8_lossy(lines.raw()).into_owned(),
-        is_text: str::from_utf8(lines.raw()).is_ok(),
-    }))
+    })
+}
+
+/// The next line; nothing at the end.
+pub(super) fn next_line(lines: &mut Lines) -> Result<Text> {
+    let mut line = Text::default();
+    if advance(lines)? {
+        let text = String::from_utf8_lossy(lines.raw());
+        line.push(&text, matches!(text, Cow::Borrowed(_)));
+    }
+    Ok(line)
 }
 
 /// Lines read together.
 struct Chunk {
     /// Its place in the table, from 0.
     number: u64,
-    lines: Vec<Line>,
+    lines: Text,
     /// How many bytes they took.
     bytes: u64,
 }
@@ -76,7 +115,7 @@ struct Answered<T> {
 /// Where the system grants no thread to read and one to solve (`ulimit -u`), the calling thread does all of it.
 pub(super) fn solve_lines<T: Send>(
     lines: Lines,
-    solve: impl Fn(Vec<Line>) -> T + Sync,
+    solve: impl Fn(Text) -> T + Sync,
     mut write: impl FnMut(T, u64) -> Result<()>,
 ) -> Result<Lines> {
     let wanted = thread::available_parallelism().map_or(1, usize::from);
@@ -122,13 +161,13 @@ pub(super) fn solve_lines<T: Send>(
 /// Reads, solves and writes chunk after chunk.
 fn solve_alone<T>(
     lines: &mut Lines,
-    solve: impl Fn(Vec<Line>) -> T,
+    solve: impl Fn(Text) -> T,
     mut write: impl FnMut(T, u64) -> Result<()>,
 ) -> Result<()> {
     loop {
         let before = lines.bytes();
         let chunk = next_chunk(lines)?;
-        if chunk.is_empty() {
+        if chunk.len() == 0 {
             return Ok(());
         }
         write(solve(chunk), lines.bytes() - before)?;
@@ -142,7 +181,7 @@ fn read(lines: &mut Lines, permits: &Receiver<()>, send: &Sender<Chunk>) -> Resu
         let chunk = next_chunk(lines)?;
         let bytes = lines.bytes() - before;
         // a writer that is gone has its own reason to tell
-        if chunk.is_empty() || permits.recv().is_err() {
+        if chunk.len() == 0 || permits.recv().is_err() {
             break;
         }
         let _ = send.send(Chunk {
@@ -157,7 +196,7 @@ fn read(lines: &mut Lines, permits: &Receiver<()>, send: &Sender<Chunk>) -> Resu
 /// Solves chunk after chunk until there is none.
 fn solve_chunks<T>(
     chunks: &Mutex<Receiver<Chunk>>,
-    solve: impl Fn(Vec<Line>) -> T,
+    solve: impl Fn(Text) -> T,
     answers: &Sender<Answered<T>>,
 ) {
     loop {
@@ -200,14 +239,14 @@ fn write_in_order<T>(
     Ok(Ok(()))
 }
 
-fn next_chunk(lines: &mut Lines) -> Result<Vec<Line>> {
-    let mut chunk = Vec::with_capacity(CHUNK_ROWS);
+fn next_chunk(lines: &mut Lines) -> Result<Text> {
+    let mut chunk = Text::default();
     let from = lines.bytes();
-    while chunk.len() < CHUNK_ROWS && lines.bytes() - from < CHUNK_BYTES {
-        match next_line(lines)? {
-            Some(line) if line.text.trim().is_empty() && line.is_text => {}
-            Some(line) => chunk.push(line),
-            None => break,
+    while chunk.len() < CHUNK_ROWS && lines.bytes() - from < CHUNK_BYTES && advance(lines)? {
+        match str::from_utf8(lines.raw()) {
+            Ok(line) if line.trim().is_empty() => {}
+            Ok(line) => chunk.push(line, true),
+            Err(_) => chunk.push(&String::from_utf8_lossy(lines.raw()), false),
         }
     }
     Ok(chunk)

@@ -13,6 +13,8 @@ mod lanes_of;
 use lanes_of::lanes_of;
 
 use super::Lanes;
+use super::columns::{BatchColumns, Inputs};
+use super::curve::{self, CurveNodes};
 use super::forces::{self, ForceSheet};
 use super::load::{self, LoadSheet, Start};
 use super::nodes;
@@ -88,6 +90,24 @@ impl Level {
             // SAFETY: as in `forces`.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
             Self::Avx512 => unsafe { load_avx512(chunk, sheet, start) },
+        }
+    }
+
+    /// [`curve::write`].
+    pub(super) fn curve(
+        self,
+        nodes: &CurveNodes<'_>,
+        inputs: &Inputs<'_>,
+        out: &mut BatchColumns<'_>,
+    ) -> bool {
+        match self {
+            Self::Portable => curve::write::<Lanes>(nodes, inputs, out),
+            // SAFETY: as in `forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx2 => unsafe { curve_avx2(nodes, inputs, out) },
+            // SAFETY: as in `forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx512 => unsafe { curve_avx512(nodes, inputs, out) },
         }
     }
 
@@ -176,6 +196,18 @@ fn forces_avx512(chunk: &mut Chunk<'_>, sheet: &mut ForceSheet) {
 #[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
 fn load_avx512(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start: Start<'_>) {
     load::run::<avx512::Avx512>(chunk, sheet, start);
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma")]
+fn curve_avx2(nodes: &CurveNodes<'_>, inputs: &Inputs<'_>, out: &mut BatchColumns<'_>) -> bool {
+    curve::write::<avx2::Avx2>(nodes, inputs, out)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
+fn curve_avx512(nodes: &CurveNodes<'_>, inputs: &Inputs<'_>, out: &mut BatchColumns<'_>) -> bool {
+    curve::write::<avx512::Avx512>(nodes, inputs, out)
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
