@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use grouser_rover::body::{Body, BodyState, Hold, Link, Linkage, MAX_SPEEDS, Speeds};
 use grouser_rover::dynamics::Vehicle;
 use grouser_rover::ground::{Ground, HeightMap};
 use grouser_rover::robot::RobotModel;
 use grouser_rover::statics::{gradeability, stability_margins, wheel_loads};
+use grouser_rover::vector::{Attitude, Tensor, Vector};
 use grouser_terra::{Kinematics, Settings, Slip, Soil, WheelOnSoil, catalogue};
 
 fn robot(name: &str) -> RobotModel {
@@ -46,6 +48,98 @@ fn go_on(
             vehicle.set_input(wheel, 2.0 * off + *integral, 0.0);
         }
         vehicle.advance(ground);
+    }
+}
+
+/// A chassis with two links, one upon the other, that one freedom turns either way.
+fn differential_in_one_chain() -> Linkage {
+    let body = |link, centre: [f64; 3]| Body {
+        link,
+        mass: 3.0,
+        centre: Vector::new(centre[0], centre[1], centre[2]),
+        inertia: Tensor {
+            diagonal: Vector::new(0.05, 0.07, 0.06),
+            products: Vector::new(0.002, -0.004, 0.003),
+        },
+    };
+    let link = |on, x, sign| Link {
+        on,
+        pivot: Vector::new(x, 0.1, 0.3),
+        freedom: 0,
+        sign,
+    };
+    let hold = Hold {
+        stiffness: 0.0,
+        damping: 0.0,
+        preload: 0.0,
+        range: 3.0,
+    };
+    Linkage::new(
+        vec![
+            body(None, [0.0, 0.0, 0.3]),
+            body(Some(0), [0.3, 0.2, 0.2]),
+            body(Some(0), [0.4, -0.1, 0.1]),
+            body(Some(1), [0.6, 0.1, 0.2]),
+        ],
+        vec![link(None, 0.1, 1.0), link(Some(0), 0.4, -1.0)],
+        vec![hold],
+    )
+}
+
+/// The kinetic energy sums the bodies one by one; the equations join them and solve the chassis' velocity first.
+#[test]
+fn accelerations_are_those_of_the_kinetic_energy() {
+    let linkages = [
+        robot("five-wheel").linkage,
+        robot("rocker-bogie").linkage,
+        differential_in_one_chain(),
+    ];
+    for linkage in linkages.map(|linkage| linkage.under_gravity(0.0)) {
+        let size = 6 + linkage.freedoms();
+        let number = |i: usize, seed: f64| (12.9898 * (i as f64 + seed)).sin();
+        let mut state = BodyState::at(Vector::ZERO, Attitude::from_angles(0.3, -0.2, 0.9));
+        for (i, joint) in state.joints.iter_mut().enumerate().take(size - 6) {
+            *joint = 0.3 * number(i, 0.4);
+        }
+        let energy = |state: &BodyState| linkage.energy(state, &linkage.pose(state)).0;
+        let accelerate = |state: &BodyState, forces: &Speeds| {
+            linkage.accelerate(state, &linkage.pose(state), forces)
+        };
+        let power = |forces: &Speeds, speeds: &Speeds| -> f64 {
+            forces.iter().zip(speeds).map(|(f, u)| f * u).sum()
+        };
+        // from rest, a = M⁻¹ f and so f · a = aᵀ M a, twice the energy at the speeds a
+        let mut forces = [0.0; MAX_SPEEDS];
+        for round in 0..8 {
+            for (i, force) in forces.iter_mut().enumerate().take(size) {
+                *force = number(i, 3.7 * f64::from(round));
+            }
+            let speeds = accelerate(&state, &forces);
+            let mut moving = state;
+            moving.speeds = speeds;
+            let twice = 2.0 * energy(&moving);
+            let work = power(&forces, &speeds);
+            assert!((twice - work).abs() < 1e-12 * work, "{twice} {work}");
+        }
+        // in motion the energy grows by the power of the forces; central difference, error of the second order
+        for (i, speed) in state.speeds.iter_mut().enumerate().take(size) {
+            *speed = 2.0 * number(i, 1.3);
+        }
+        let rates = accelerate(&state, &forces);
+        let after = |h: f64| {
+            let mut moved = state;
+            linkage.advance(&mut moved, h);
+            for (speed, rate) in moved.speeds.iter_mut().zip(rates) {
+                *speed += h * rate;
+            }
+            energy(&moved)
+        };
+        let growth = (after(1e-5) - after(-1e-5)) / 2e-5;
+        let work = power(&forces, &state.speeds);
+        assert!(
+            (growth - work).abs() < 1e-6 * energy(&state),
+            "{growth} {work}"
+        );
     }
 }
 

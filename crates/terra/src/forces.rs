@@ -51,19 +51,28 @@ impl<R: Scalar> Contact<R> {
 
 impl Contact<f64> {
     /// Forces in plain numbers: eight nodes at a time, in reference mode one by one.
+    #[inline]
     pub(crate) fn forces_by(&self, rules: Option<&ExponentTables>, order: Order) -> Forces {
-        let lanes = EightNodes::best();
-        if order == Order::Simulation
-            && let Some(plan) = self.quick()
-        {
-            return self.assemble(&self.with_lost_work(lanes.quick(&plan)));
+        let quick = if order == Order::Simulation {
+            self.quick(|plan| EightNodes::best().quick(plan))
+        } else {
+            None
+        };
+        match quick {
+            Some(integrals) => self.assemble(&self.with_lost_work(integrals)),
+            None => self.forces_by_panels(rules, order),
         }
-        if order == Order::Standard
-            && self.shear.swings(self.arc())
-            && let Some(plan) = self.quick()
-            && let Some(integrals) = plan.halved(|part| lanes.quick_part(&plan.contact, part))
-        {
-            return self.assemble(&self.with_lost_work(integrals));
+    }
+
+    #[inline(never)]
+    fn forces_by_panels(&self, rules: Option<&ExponentTables>, order: Order) -> Forces {
+        let lanes = EightNodes::best();
+        if order == Order::Standard && self.shear.swings(self.arc()) {
+            let halved =
+                self.quick(|plan| plan.halved(|part| lanes.quick_part(&plan.contact, part)));
+            if let Some(integrals) = halved.flatten() {
+                return self.assemble(&self.with_lost_work(integrals));
+            }
         }
         let integrals = if order <= Order::Check {
             self.integrals(rules, order, &lanes)
@@ -75,6 +84,7 @@ impl Contact<f64> {
 }
 
 impl<R: Real> Contact<R> {
+    #[inline]
     pub(crate) fn assemble(&self, i: &Integrals<R>) -> Forces<R> {
         let r = self.size.radius;
         let area = r * self.size.width;

@@ -98,26 +98,57 @@ impl Kinematics {
         })
     }
 
+    /// At `slip`, drifting at `drift` = v_y/max(|v_x|, |r ω|), forwards: what slips over time are made of.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for a drift of NaN or infinity.
+    ///
+    /// ```
+    /// use grouser_terra::{Kinematics, Slip};
+    ///
+    /// let motion = Kinematics::with_drift(Slip::new(0.2)?, 0.1)?;
+    /// let speeds = Kinematics::from_speeds(0.8, 0.1, 1.0)?;
+    /// assert!((motion.slip_angle().rad() - speeds.slip_angle().rad()).abs() < 1e-15);
+    /// assert!((motion.q_y() - speeds.q_y()).abs() < 1e-15);
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    #[inline]
+    pub fn with_drift(slip: Slip, drift: f64) -> Result<Self> {
+        Error::check_finite("drift", drift, "1")?;
+        let s = slip.value();
+        let (forward, rim) = (1.0 - s.max(0.0), 1.0 + s.min(0.0));
+        Ok(Self {
+            slip,
+            slip_angle: Real::atan2(drift, forward),
+            q_y: if rim == 0.0 { drift } else { drift / rim },
+            reversed: false,
+        })
+    }
+
     /// Slip in the wheel's plane.
     #[must_use]
+    #[inline]
     pub const fn slip(&self) -> Slip {
         self.slip
     }
 
     /// Slip angle β, positive when the wheel drifts to its left.
     #[must_use]
+    #[inline]
     pub const fn slip_angle(&self) -> Angle {
         Angle::from_rad(self.slip_angle)
     }
 
     /// q_y = v_y/(r ω); for a locked wheel v_y/v_x.
     #[must_use]
+    #[inline]
     pub const fn q_y(&self) -> f64 {
         self.q_y
     }
 
     /// Does the wheel roll backwards?
     #[must_use]
+    #[inline]
     pub const fn is_reversed(&self) -> bool {
         self.reversed
     }

@@ -32,6 +32,7 @@ impl Slip {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] outside [−1, 1] and for NaN.
+    #[inline]
     pub fn new(value: f64) -> Result<Self> {
         Error::check_range("slip", value, -1.0, 1.0, "1")?;
         Ok(Self(value))
@@ -87,6 +88,7 @@ impl Slip {
 
     /// The number, in [−1, 1].
     #[must_use]
+    #[inline]
     pub const fn value(self) -> f64 {
         self.0
     }

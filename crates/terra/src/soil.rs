@@ -16,6 +16,9 @@ use crate::slip_velocity::{SlipNorm, SlipVelocity};
 
 /// The sinkage exponents that the laws are used with.
 pub(crate) const EXPONENT: (f64, f64) = (0.1, 3.0);
+/// Slip angle below which moving sideways takes nothing of the pressure, rad: sin²⁴β is 1.5e-17 there, and 1 − sin²⁴β rounds
+/// to 1.
+const MIN_SUPPORT_ANGLE_RAD: f64 = 0.2;
 
 /// Everything a soil is to a wheel; each number is checked by [`Soil::new`].
 ///
@@ -282,6 +285,7 @@ impl<R: Scalar> SoilLaws<R> {
     }
 
     /// The sinkage exponent in this motion.
+    #[inline]
     pub fn exponent_at(&self, motion: &Motion<R>) -> R {
         match self.choice.slip_sinkage {
             SlipSinkage::InPlane => self.exponent.at(motion.slip),
@@ -296,6 +300,7 @@ impl<R: Scalar> SoilLaws<R> {
     }
 
     /// θ_m/θ_1 in this motion, before it is held in [0, 1].
+    #[inline]
     pub fn position_at(&self, motion: &Motion<R>) -> R {
         let slip = self
             .choice
@@ -305,6 +310,7 @@ impl<R: Scalar> SoilLaws<R> {
     }
 
     /// The rebound ratio in this motion: λ times the square of the share of the rear that is left.
+    #[inline]
     pub fn rebound_at(&self, motion: &Motion<R>) -> R {
         if self.rebound.value() == 0.0 {
             return self.rebound;
@@ -318,14 +324,16 @@ impl<R: Scalar> SoilLaws<R> {
     }
 
     /// What moving sideways leaves of the pressure: 1 − (1 − `sideways_support`) sin²⁴β.
+    #[inline]
     pub(crate) fn support_at(&self, motion: &Motion<R>) -> R {
-        if motion.slip_angle.value() == 0.0 {
+        if motion.slip_angle.value().abs() < MIN_SUPPORT_ANGLE_RAD {
             return R::ONE;
         }
         R::ONE - (R::ONE - self.sideways_support) * sideways_weight(motion)
     }
 
     /// What soil carried away leaves of the pressure at the entry angle `theta_1`.
+    #[inline]
     pub(crate) fn share_left(
         &self,
         motion: &Motion<R>,
@@ -344,6 +352,7 @@ impl<R: Scalar> SoilLaws<R> {
 
 impl<R: Real> SoilLaws<R> {
     /// The modulus k of p = k zⁿ under a wheel of `width` (m) at the exponent `n`, Pa/mⁿ.
+    #[inline]
     pub fn modulus(&self, width: R, n: R) -> R {
         match &self.pressure {
             Pressure::Bekker(law) => law.modulus(width),

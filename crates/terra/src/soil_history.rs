@@ -24,6 +24,7 @@ pub struct SoilHistory {
 impl SoilHistory {
     /// Undisturbed soil under a wheel in steady motion: every law is that without a history.
     #[must_use]
+    #[inline]
     pub const fn steady(motion: Kinematics) -> Self {
         Self {
             dug_by: motion,
@@ -33,6 +34,7 @@ impl SoilHistory {
 
     /// The same with another factor of K.
     #[must_use]
+    #[inline]
     pub const fn with_k_shear_factor(self, k_shear_factor: f64) -> Self {
         Self {
             k_shear_factor,
@@ -62,6 +64,7 @@ impl WheelOnSoil {
     /// assert!(now.vertical_force > 1.5 * on_soil.forces_at(0.02, &straight(0.6)?)?.vertical_force);
     /// # Ok::<(), grouser_terra::Error>(())
     /// ```
+    #[inline]
     pub fn forces_after(
         &self,
         sinkage: f64,
@@ -95,6 +98,7 @@ impl WheelOnSoil {
     /// assert!((side - exact.side_force).abs() < 1e-6 * forces.vertical_force);
     /// # Ok::<(), grouser_terra::Error>(())
     /// ```
+    #[inline]
     pub fn forces_and_side_after(
         &self,
         sinkage: f64,
@@ -109,6 +113,7 @@ impl WheelOnSoil {
         Ok((forces, side))
     }
 
+    #[inline]
     fn check_history(&self, history: &SoilHistory) -> Result<()> {
         self.check_exponent(&history.dug_by)?;
         Error::check_range("k_shear_factor", history.k_shear_factor, 1e-3, 1e3, "1")

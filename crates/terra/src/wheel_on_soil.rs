@@ -3,7 +3,8 @@
 use crate::bulldozing::Bulldozing;
 use crate::caution::{Caution, Cautions};
 use crate::contact::{
-    Contact, ContactAngles, ExponentTables, Order, WheelSize, entry_angle, sinkage_from_entry_angle,
+    Contact, ContactAngles, ContactConstants, Dug, ExponentTables, Order, WheelSize, entry_angle,
+    sinkage_from_entry_angle,
 };
 use crate::error::{Error, Result};
 use crate::forces::Forces;
@@ -14,7 +15,7 @@ use crate::shear::ShearLaw;
 use crate::soil::{EXPONENT, Soil, SoilLaws};
 use crate::soil_history::SoilHistory;
 use crate::wheel::RigidWheel;
-use grouser_real::Scalar;
+use grouser_real::{Real, Scalar};
 
 /// Least slip angle, rad, at which [`Bulldozing::Disc`] carries a wheel whose hub is buried: 60°, the least that it was
 /// tried at. Below, its weight is less than 0.03.
@@ -43,6 +44,7 @@ pub struct WheelOnSoil {
     settings: Settings,
     size: WheelSize<f64>,
     laws: SoilLaws<f64>,
+    constants: ContactConstants,
 }
 
 /// Does the soil carry a wheel of this width at all?
@@ -68,12 +70,19 @@ impl WheelOnSoil {
         };
         settings.bulldozing.check(soil.params())?;
         laws.choice.bulldozing = Some(settings.bulldozing);
+        let size: WheelSize = wheel.size();
+        let constants = ContactConstants {
+            tan_phi: Real::tan(laws.strength.phi),
+            radius_power: (laws.exponent.n_1 == 0.0 && laws.exponent.n_2 == 0.0)
+                .then(|| size.radius_power(laws.exponent.n_0)),
+        };
         Ok(Self {
             wheel,
             soil,
             settings,
-            size: wheel.size(),
+            size,
             laws,
+            constants,
         })
     }
 
@@ -125,6 +134,7 @@ impl WheelOnSoil {
     }
 
     /// The forces of a contact in the direction of rolling.
+    #[inline]
     pub(crate) fn forces_of(&self, contact: &Contact<f64>, kinematics: &Kinematics) -> Forces {
         mirrored(contact.forces_by(self.tables(), self.order()), kinematics)
     }
@@ -142,6 +152,7 @@ impl WheelOnSoil {
     }
 
     /// The entry angle of a sinkage inside the model.
+    #[inline]
     pub(crate) fn entry_angle(&self, sinkage: f64, kinematics: &Kinematics) -> Result<f64> {
         let radius = self.size.radius;
         Error::check_range("sinkage", sinkage, 0.0, f64::MAX, "m")?;
@@ -160,6 +171,7 @@ impl WheelOnSoil {
     }
 
     /// The greatest sinkage over the radius: 1, or with the law for the soil beside the hub [`BURIED_PER_RADIUS`].
+    #[inline]
     pub(crate) fn depth_limit(&self, kinematics: &Kinematics) -> f64 {
         let sideways = kinematics.slip_angle().rad().abs() >= BURIED_FROM_RAD;
         if sideways && self.settings.bulldozing == Bulldozing::Disc {
@@ -169,11 +181,13 @@ impl WheelOnSoil {
         }
     }
 
+    #[inline]
     pub(crate) fn check_exponent(&self, kinematics: &Kinematics) -> Result<()> {
         let n = self.laws.exponent_at(&kinematics.motion());
         Error::check_range("n at this slip", n, EXPONENT.0, EXPONENT.1, "1")
     }
 
+    #[inline]
     pub(crate) fn order(&self) -> Order {
         match self.settings.accuracy {
             Accuracy::Simulation => Order::Simulation,
@@ -182,6 +196,7 @@ impl WheelOnSoil {
         }
     }
 
+    #[inline]
     pub(crate) fn tables(&self) -> Option<&ExponentTables> {
         self.soil.tables()
     }
@@ -213,26 +228,22 @@ impl WheelOnSoil {
     }
 
     /// The contact at an entry angle (rad) on soil with a history.
+    #[inline]
     pub(crate) fn contact_after(
         &self,
         theta_1: f64,
         kinematics: &Kinematics,
         history: &SoilHistory,
     ) -> Contact<f64> {
-        let mut laws = self.laws;
-        for k in [
-            &mut laws.k_shear,
-            &mut laws.k_shear_1,
-            &mut laws.k_shear_side,
-            &mut laws.k_shear_side_1,
-        ] {
-            *k *= history.k_shear_factor;
-        }
+        let dug = Dug {
+            by: &history.dug_by.motion(),
+            k_shear_factor: history.k_shear_factor,
+        };
         Contact::digging(
             &self.size,
-            &laws,
+            (&self.laws, &self.constants),
             self.settings.shear,
-            (&kinematics.motion(), &history.dug_by.motion()),
+            (&kinematics.motion(), &dug),
             theta_1,
         )
     }
@@ -286,6 +297,7 @@ impl WheelOnSoil {
     }
 
     /// −sign(v_y) [r b ∫ |τ_y| + κ ∫ R_b (r − h cos θ)], N.
+    #[inline]
     pub(crate) fn side_force(
         &self,
         contact: &Contact<f64>,
@@ -349,6 +361,7 @@ impl WheelOnSoil {
 }
 
 /// The forces of a wheel that rolls backwards, from those of its forward-rolling twin.
+#[inline]
 fn mirrored(forces: Forces, kinematics: &Kinematics) -> Forces {
     if !kinematics.is_reversed() {
         return forces;

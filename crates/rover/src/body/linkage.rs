@@ -4,11 +4,14 @@
 //! the rates of the freedoms. Kane's equations give M u̇ = Q − bias, with Σ over the bodies of
 //! M = m Jᵥᵀ Jᵥ + J_ωᵀ I J_ω. Every axis lies across the robot, so that a chain of links only adds up angles.
 
+mod accelerate;
+
 use grouser_real::Real;
 use grouser_slip::onboard::{CarrierLink, MAX_CARRIER_LINKS, MAX_JOINTS, WheelCarrier};
 use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 use crate::vector::{Attitude, Tensor, Vector};
+pub(crate) use accelerate::solve;
 
 /// Greatest number of freedoms beside the chassis' six.
 pub const MAX_FREEDOMS: usize = MAX_JOINTS;
@@ -75,6 +78,9 @@ pub struct Linkage {
     links: Vec<Link>,
     holds: Vec<Hold>,
     gravity: f64,
+    /// The bodies of the chassis and of each link as one, links without a body left out.
+    joined: Vec<Body>,
+    mass: f64,
 }
 
 /// Where the body is and how it moves.
@@ -133,6 +139,24 @@ struct LinkPose {
     rate: f64,
     trigonometry: (f64, f64),
     pivot: Vector,
+    /// Velocity of the pivot relative to the chassis, m/s.
+    velocity: Vector,
+    /// The part of its acceleration that comes from the rates alone, m/s².
+    acceleration: Vector,
+}
+
+impl LinkPose {
+    /// Velocity of the link's point that is now at `at`, relative to the chassis.
+    fn velocity_at(&self, at: Vector) -> Vector {
+        let arm = at - self.pivot;
+        self.velocity + Vector::new(arm.z, 0.0, -arm.x) * self.rate
+    }
+
+    /// The part of its acceleration that comes from the rates alone.
+    fn acceleration_at(&self, at: Vector) -> Vector {
+        let arm = at - self.pivot;
+        self.acceleration - Vector::new(arm.x, 0.0, arm.z) * (self.rate * self.rate)
+    }
 }
 
 /// The pose of every link, from which points and their motion follow.
@@ -141,31 +165,47 @@ pub struct Pose {
     links: Vec<LinkPose>,
 }
 
-/// A column of the Jacobians of a point: generalised speed, velocity and turning that it gives.
-type Column = (usize, Vector, Vector);
-
-/// The columns of one point.
-struct Columns {
-    list: [Column; 6 + MAX_CHAIN],
-    count: usize,
-}
-
-impl Columns {
-    fn as_slice(&self) -> &[Column] {
-        &self.list[..self.count]
-    }
-}
-
 impl Linkage {
     /// A body of these parts; links stand after the links that carry them.
     #[must_use]
     pub fn new(bodies: Vec<Body>, links: Vec<Link>, holds: Vec<Hold>) -> Self {
-        Self {
+        let mut linkage = Self {
             bodies,
             links,
             holds,
             gravity: EARTH_GRAVITY_M_PER_S2,
-        }
+            joined: Vec::new(),
+            mass: 0.0,
+        };
+        linkage.join();
+        linkage
+    }
+
+    /// Joins the bodies of the chassis and of each link.
+    fn join(&mut self) {
+        self.mass = self.bodies.iter().map(|body| body.mass).sum();
+        let links = (0..self.links.len()).map(Some);
+        self.joined = std::iter::once(None)
+            .chain(links)
+            .filter_map(|link| {
+                let on_it = || self.bodies.iter().filter(move |body| body.link == link);
+                let mass: f64 = on_it().map(|body| body.mass).sum();
+                let mut centre = Vector::ZERO;
+                for body in on_it() {
+                    centre += body.centre * (body.mass / mass);
+                }
+                let inertia = on_it().fold(Tensor::default(), |sum, body| {
+                    sum.plus(body.inertia, 1.0)
+                        .plus(Tensor::of_point(body.mass, body.centre - centre), 1.0)
+                });
+                (mass > 0.0).then_some(Body {
+                    link,
+                    mass,
+                    centre,
+                    inertia,
+                })
+            })
+            .collect();
     }
 
     /// The same body under another gravity than the Earth's, m/s².
@@ -236,12 +276,13 @@ impl Linkage {
         for link in &mut self.links {
             link.pivot = stretched(link.pivot);
         }
+        self.join();
     }
 
     /// Mass of the whole, kg.
     #[must_use]
-    pub fn mass(&self) -> f64 {
-        self.bodies.iter().map(|body| body.mass).sum()
+    pub const fn mass(&self) -> f64 {
+        self.mass
     }
 
     /// Centre of gravity in the robot's frame, m.
@@ -285,12 +326,15 @@ impl Linkage {
                 link.sign * state.speeds[6 + link.freedom],
             );
             let mut pivot = link.pivot;
+            let (mut velocity, mut acceleration) = (Vector::ZERO, Vector::ZERO);
             if let Some(on) = link.on {
                 let carrier = pose.links[on];
                 angle += carrier.angle;
                 rate += carrier.rate;
                 pivot = carrier.pivot
                     + (link.pivot - self.links[on].pivot).pitched(carrier.trigonometry);
+                velocity = carrier.velocity_at(pivot);
+                acceleration = carrier.acceleration_at(pivot);
             }
             let (sin, cos) = Real::sin_cos(angle);
             pose.links[index] = LinkPose {
@@ -298,6 +342,8 @@ impl Linkage {
                 rate,
                 trigonometry: (cos, sin),
                 pivot,
+                velocity,
+                acceleration,
             };
         }
     }
@@ -338,59 +384,24 @@ impl Linkage {
         link: Option<usize>,
         at: Vector,
     ) -> Vector {
-        state.velocity() + state.turning().cross(at) + self.relative(pose, link, at, false)
+        let relative = link.map_or(Vector::ZERO, |index| pose.links[index].velocity_at(at));
+        state.velocity() + state.turning().cross(at) + relative
     }
 
-    /// Velocity of the point relative to the chassis, or the part of its acceleration that comes from the
-    /// rates alone.
-    fn relative(
+    /// The links from one to the chassis: freedom, and the velocity of the point `at` that its rate gives, with its turning
+    /// about y.
+    fn chain(
         &self,
         pose: &Pose,
         link: Option<usize>,
-        mut at: Vector,
-        accelerates: bool,
-    ) -> Vector {
-        let mut sum = Vector::ZERO;
-        let mut next = link;
-        while let Some(index) = next {
-            let now = pose.links[index];
-            let arm = at - now.pivot;
-            let rate = now.rate;
-            sum += if accelerates {
-                Vector::new(arm.x, 0.0, arm.z) * (-rate * rate)
-            } else {
-                Vector::new(arm.z, 0.0, -arm.x) * rate
-            };
-            at = now.pivot;
-            next = self.links[index].on;
-        }
-        sum
-    }
-
-    fn columns(&self, pose: &Pose, link: Option<usize>, at: Vector) -> Columns {
-        let [e_x, e_y, e_z] = Vector::AXES;
-        let none = Vector::ZERO;
-        let mut out = Columns {
-            list: [(0, none, none); 6 + MAX_CHAIN],
-            count: 6,
-        };
-        for (index, axis) in [e_x, e_y, e_z].into_iter().enumerate() {
-            out.list[index] = (index, axis.cross(at), axis);
-            out.list[3 + index] = (3 + index, axis, none);
-        }
-        let mut next = link;
-        while let Some(index) = next {
-            let link = self.links[index];
+        at: Vector,
+    ) -> impl Iterator<Item = (usize, Vector, f64)> {
+        std::iter::successors(link, |index| self.links[*index].on).map(move |index| {
+            let link = &self.links[index];
             let arm = at - pose.links[index].pivot;
-            out.list[out.count] = (
-                6 + link.freedom,
-                Vector::new(arm.z, 0.0, -arm.x) * link.sign,
-                e_y * link.sign,
-            );
-            out.count += 1;
-            next = link.on;
-        }
-        out
+            let linear = Vector::new(arm.z, 0.0, -arm.x) * link.sign;
+            (link.freedom, linear, link.sign)
+        })
     }
 
     /// Adds a force (N) at the point `at` of a link and a moment (N m), in the robot's frame.
@@ -402,8 +413,13 @@ impl Linkage {
         force: Vector,
         moment: Vector,
     ) {
-        for (index, linear, angular) in self.columns(pose, link, at).as_slice() {
-            forces[*index] += linear.dot(force) + angular.dot(moment);
+        let about_origin = at.cross(force) + moment;
+        for axis in 0..3 {
+            forces[axis] += about_origin[axis];
+            forces[3 + axis] += force[axis];
+        }
+        for (freedom, linear, turning) in self.chain(pose, link, at) {
+            forces[6 + freedom] += linear.dot(force) + turning * moment.y;
         }
     }
 
@@ -413,45 +429,6 @@ impl Linkage {
             let (angle, rate) = (state.joints[index], state.speeds[6 + index]);
             forces[6 + index] += hold.moment(angle, rate);
         }
-    }
-
-    /// Accelerations under `forces` and gravity.
-    #[must_use]
-    pub fn accelerate(&self, state: &BodyState, pose: &Pose, forces: &Speeds) -> Speeds {
-        let size = 6 + self.freedoms();
-        let mut right = *forces;
-        let mut matrix = [[0.0; MAX_SPEEDS]; MAX_SPEEDS];
-        let down = state.attitude.to_robot(Vector::AXES[2] * -self.gravity);
-        let (turning, velocity) = (state.turning(), state.velocity());
-        for body in &self.bodies {
-            let at = self.point(pose, body.link, body.centre);
-            let rate = self.rate(pose, body.link);
-            let relative = self.relative(pose, body.link, at, false);
-            let bias = turning.cross(velocity + turning.cross(at))
-                + turning.cross(relative) * 2.0
-                + self.relative(pose, body.link, at, true);
-            let inertia = match body.link {
-                None => body.inertia,
-                Some(index) => pitched(&body.inertia, pose.links[index].trigonometry),
-            };
-            let spin = turning + Vector::AXES[1] * rate;
-            let turn_bias = turning.cross(Vector::AXES[1] * rate);
-            let force = (down - bias) * body.mass;
-            let moment = -(inertia.times(turn_bias) + spin.cross(inertia.times(spin)));
-            let columns = self.columns(pose, body.link, at);
-            let columns = columns.as_slice();
-            for (i, (row, linear, angular)) in columns.iter().enumerate() {
-                right[*row] += linear.dot(force) + angular.dot(moment);
-                let (heavy, turned) = (*linear * body.mass, inertia.times(*angular));
-                for (column, linear, angular) in &columns[..=i] {
-                    let value = heavy.dot(*linear) + turned.dot(*angular);
-                    let (low, high) = (*row.min(column), *row.max(column));
-                    matrix[high][low] += value;
-                }
-            }
-        }
-        solve(&mut matrix, &mut right, size);
-        right
     }
 
     /// Kinetic energy, and potential energy above z = 0 with the springs' (J).
@@ -530,36 +507,5 @@ fn pitched(inertia: &Tensor, (cos, sin): (f64, f64)) -> Tensor {
             (cos * cos - sin * sin) * xz + cos * sin * (zz - xx),
             cos * p.z + sin * p.x,
         ),
-    }
-}
-
-/// Solves a symmetric positive definite system in place by Cholesky's method; the lower triangle is given.
-pub(crate) fn solve(matrix: &mut [[f64; MAX_SPEEDS]; MAX_SPEEDS], right: &mut Speeds, size: usize) {
-    for i in 0..size {
-        for j in 0..=i {
-            let (left, upper) = (&matrix[i][..j], &matrix[j][..j]);
-            let known: f64 = left.iter().zip(upper).map(|(a, b)| a * b).sum();
-            let sum = matrix[i][j] - known;
-            matrix[i][j] = if i == j {
-                // masses are positive, so that only rounding could bring it to 0
-                sum.max(f64::MIN_POSITIVE).sqrt()
-            } else {
-                sum / matrix[j][j]
-            };
-        }
-    }
-    for i in 0..size {
-        let mut sum = right[i];
-        for k in 0..i {
-            sum -= matrix[i][k] * right[k];
-        }
-        right[i] = sum / matrix[i][i];
-    }
-    for i in (0..size).rev() {
-        let mut sum = right[i];
-        for k in i + 1..size {
-            sum -= matrix[k][i] * right[k];
-        }
-        right[i] = sum / matrix[i][i];
     }
 }

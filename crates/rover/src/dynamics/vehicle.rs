@@ -11,7 +11,7 @@ use crate::body::{BodyState, MAX_SPEEDS, MotorNow, Pose};
 use crate::error::{Error, Result};
 use crate::ground::{Ground, Track};
 use crate::robot::RobotModel;
-use crate::vector::{Attitude, Vector};
+use crate::vector::{Attitude, Axes, Vector};
 
 /// Bearing friction is proportional to the rate below this one, rad/s, so that it does not jump at standstill: 7.5 mm/s at
 /// a rim of 0.15 m.
@@ -19,6 +19,8 @@ const BEARING_RATE_RAD_PER_S: f64 = 0.05;
 /// The contact plane passes through the ground this share of the radius before and behind the wheel: acos(0.9), half of the
 /// contact of a wheel sunk by a tenth of its radius.
 const CONTACT_REACH_SHARE: f64 = 0.45;
+/// A wheel that leans further over than to this cosine is treated as one that leans so far, so that its sinkage is finite.
+const MIN_LEAN_COSINE: f64 = 0.2;
 /// A rut ends this many cells behind the wheel's axle: heights are linear between nodes, so that it fades over one cell.
 const RUT_DISTANCE_CELLS: f64 = 1.05;
 
@@ -110,6 +112,8 @@ pub struct Vehicle {
     /// The way that each wheel has made so far, m.
     ways: Vec<f64>,
     wheels: Vec<WheelNow>,
+    /// Direction of each wheel's axle at its steering angle, in the pose of the description.
+    axles: Vec<Vector>,
     inputs: Vec<WheelInput>,
     /// Acceleration of the origin in the robot's frame with gravity's reaction, m/s².
     specific_force: Vector,
@@ -176,8 +180,10 @@ impl Vehicle {
                 (at.x, at.y)
             })
             .collect();
+        let axles = model.wheels.iter().map(|mount| mount.axle(0.0)).collect();
         Ok(Self {
             model,
+            axles,
             pairs,
             state,
             pose,
@@ -278,8 +284,10 @@ impl Vehicle {
     /// Moves on by one step.
     pub fn advance(&mut self, ground: &mut Ground) {
         let mut forces = [0.0; MAX_SPEEDS];
+        let axes = self.state.attitude.axes();
         for index in 0..self.wheels.len() {
-            self.wheel_step(index, ground, self.inputs[index], &mut forces);
+            self.steer(index);
+            self.wheel_step(index, ground, axes, &mut forces);
         }
         self.model.linkage.hold(&self.state, &mut forces);
         for (hold, rate) in self
@@ -295,10 +303,7 @@ impl Vehicle {
             .model
             .linkage
             .accelerate(&self.state, &self.pose, &forces);
-        let gravity = self
-            .state
-            .attitude
-            .to_robot(Vector::AXES[2] * self.model.linkage.gravity());
+        let gravity = axes.to_robot(Vector::AXES[2] * self.model.linkage.gravity());
         let velocity = self.state.velocity();
         self.specific_force = Vector::new(rates[3], rates[4], rates[5])
             + self.state.turning().cross(velocity)
@@ -312,50 +317,59 @@ impl Vehicle {
         self.time = self.steps as f64 * self.step;
     }
 
+    /// Turns a wheel's steering towards its setpoint.
+    fn steer(&mut self, index: usize) {
+        let (mount, wheel) = (&self.model.wheels[index], &mut self.wheels[index]);
+        let most = mount.steer_rate * self.step;
+        let turn = (self.inputs[index].steering_angle - wheel.steer).clamp(-most, most);
+        let steer = (wheel.steer + turn).clamp(-mount.steer_range, mount.steer_range);
+        if steer != wheel.steer {
+            wheel.steer = steer;
+            self.axles[index] = mount.axle(steer);
+        }
+    }
+
     /// One wheel: contact, force, motor, spin; adds what it does to the body.
     fn wheel_step(
         &mut self,
         index: usize,
         ground: &mut Ground,
-        input: WheelInput,
+        axes: Axes,
         forces: &mut [f64; MAX_SPEEDS],
     ) {
         let step = self.step;
+        let input = self.inputs[index];
         let mount = &self.model.wheels[index];
         let linkage = &self.model.linkage;
         let wheel = &mut self.wheels[index];
-        let turn = (input.steering_angle - wheel.steer)
-            .clamp(-mount.steer_rate * step, mount.steer_rate * step);
-        wheel.steer = (wheel.steer + turn).clamp(-mount.steer_range, mount.steer_range);
-
         // the contact plane
         let at = linkage.point(&self.pose, mount.link, mount.centre);
-        let place = self.state.position + self.state.attitude.to_world(at);
-        let axle = linkage.direction(&self.pose, mount.link, mount.axle(wheel.steer));
-        let across = self.state.attitude.to_world(axle);
-        let level = Real::hypot(across.x, across.y).max(1e-9);
+        let place = self.state.position + axes.to_world(at);
+        let axle = linkage.direction(&self.pose, mount.link, self.axles[index]);
+        let across = axes.to_world(axle);
+        let per_level = 1.0 / Real::hypot(across.x, across.y).max(1e-9);
         let radius = mount.wheel.radius();
         let spot = ground.under(
             (place.x, place.y),
-            (across.y / level, -across.x / level),
+            (across.y * per_level, -across.x * per_level),
             CONTACT_REACH_SHARE * radius,
             mount.wheel.width(),
         );
-        let up = self
-            .state
-            .attitude
-            .to_robot(Vector::new(-spot.slope[0], -spot.slope[1], 1.0).unit());
-        let steepness =
-            1.0 / (1.0 + Real::powi(spot.slope[0], 2) + Real::powi(spot.slope[1], 2)).sqrt();
-        let forward = axle.cross(up).unit();
+        let [slope_x, slope_y] = spot.slope;
+        let steepness = 1.0 / (1.0 + slope_x * slope_x + slope_y * slope_y).sqrt();
+        let up = axes.to_robot(Vector::new(-slope_x, -slope_y, 1.0) * steepness);
+        // its length is the cosine of the angle between the wheel's plane and the ground's normal
+        let forward = axle.cross(up);
+        let cosine = forward.length();
+        let forward = forward * (1.0 / cosine.max(f64::MIN_POSITIVE));
         let left = up.cross(forward);
         // height of the centre in the wheel's own plane
-        let lean = forward.cross(axle).dot(up).max(0.2);
-        let height = (place.z - spot.height) * steepness / lean;
+        let per_lean = 1.0 / cosine.max(MIN_LEAN_COSINE);
+        let height = (place.z - spot.height) * steepness * per_lean;
         let velocity = linkage.velocity(&self.state, &self.pose, mount.link, at);
         let motion = WheelMotionNow {
             sinkage: radius - height,
-            sinking: -velocity.dot(up) / lean,
+            sinking: -velocity.dot(up) * per_lean,
             velocity: [velocity.dot(forward), velocity.dot(left)],
             rim: radius * wheel.spin,
         };
@@ -382,8 +396,15 @@ impl Vehicle {
         // The contact lies below the centre; moments about the axle are handled by the wheel's spin equation.
         let arm = up * -height.clamp(0.0, radius);
         let moment = arm.cross(force);
-        let moment = moment - axle * moment.dot(axle) - axle * onto_wheel;
-        linkage.push(&self.pose, forces, (mount.link, at), force, moment);
+        let moment = moment - axle * moment.dot(axle);
+        let at_link = (mount.link, at);
+        linkage.push(
+            &self.pose,
+            forces,
+            at_link,
+            force,
+            moment - axle * onto_wheel,
+        );
 
         let mean_spin = 0.5 * (spin_before + wheel.spin);
         wheel.angle += step * wheel.spin;
@@ -395,9 +416,7 @@ impl Vehicle {
         wheel.load = load;
         wheel.motor = motor;
         wheel.soil = spot.soil;
-        let lost = load.torque * mean_spin
-            - force.dot(velocity)
-            - moment_power(&arm, &force, &axle, &self.state);
+        let lost = load.torque * mean_spin - force.dot(velocity) - moment.dot(self.state.turning());
         self.ledger.soil += step * lost;
         self.ledger.electric += step * motor.power;
         self.ledger.motor_heat += step * (motor.power - motor.torque * rate);
@@ -424,10 +443,4 @@ impl Vehicle {
             self.pressed_at[index] = to;
         }
     }
-}
-
-/// Power that the moment of a contact force, the axle's part left out, gives to the turning of the body.
-fn moment_power(arm: &Vector, force: &Vector, axle: &Vector, state: &BodyState) -> f64 {
-    let moment = arm.cross(*force);
-    (moment - *axle * moment.dot(*axle)).dot(state.turning())
 }

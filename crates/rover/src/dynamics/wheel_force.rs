@@ -19,7 +19,7 @@
 //!   own; rolling forgets z_p over L.
 
 use grouser_real::Real;
-use grouser_terra::{Kinematics, RigidWheel, SoilHistory, WheelOnSoil};
+use grouser_terra::{Kinematics, RigidWheel, Slip, SoilHistory, WheelOnSoil};
 
 /// The shear is evaluated this much ahead in time, s. It damps a robot at rest with about 0.3 of the critical damping at a
 /// few kilogrammes a wheel.
@@ -149,8 +149,10 @@ impl WheelContact {
         let radius = pair.wheel().running_radius();
         let rolling = motion.rim.abs().max(motion.velocity[0].abs());
         let length = contact_length(pair.wheel(), self.pressed.max(motion.sinkage));
-        let share = step * rolling / length;
-        let forgotten = self.pressed - (self.pressed - motion.sinkage) * (share / (1.0 + share));
+        let per_length = 1.0 / length;
+        // what rolling leaves of the past in an implicit step
+        let kept = 1.0 / (1.0 + step * rolling * per_length);
+        let forgotten = motion.sinkage + (self.pressed - motion.sinkage) * kept;
         let limit = MAX_SINKAGE_SHARE * radius;
         let buried = motion.sinkage > limit;
         self.pressed = motion.sinkage.max(forgotten).clamp(0.0, limit);
@@ -158,13 +160,14 @@ impl WheelContact {
             *self = Self::default();
             return WheelLoad::default();
         }
-        let slips = self.shear_on(motion, length, share, step);
+        let slips = self.shear_on(motion, (length, per_length), kept, step);
         let dominant = if motion.rim.abs() >= motion.velocity[0].abs() {
             motion.rim
         } else {
             motion.velocity[0]
         };
-        let turned = |way: f64, speed: f64| (way + 2.0 * step * speed / length).clamp(-1.0, 1.0);
+        let per_speed = 2.0 * step * per_length;
+        let turned = |way: f64, speed: f64| (way + per_speed * speed).clamp(-1.0, 1.0);
         self.direction = turned(self.direction, dominant);
         self.travel = turned(self.travel, motion.velocity[0]);
         self.dig(motion, soil.settling_way, slips, step);
@@ -206,19 +209,20 @@ impl WheelContact {
     fn shear_on(
         &mut self,
         motion: &WheelMotionNow,
-        length: f64,
-        share: f64,
+        (length, per_length): (f64, f64),
+        kept: f64,
         step: f64,
     ) -> [f64; 2] {
         let speeds = [motion.rim - motion.velocity[0], motion.velocity[1]];
         let limits = [1.0, MAX_DRIFT_RATIO];
+        let lead = SHEAR_LEAD_S / step;
         std::array::from_fn(|i| {
             let before = self.shear[i];
             let most = limits[i] * length;
-            let after = ((before + step * speeds[i]) / (1.0 + share)).clamp(-most, most);
+            let after = ((before + step * speeds[i]) * kept).clamp(-most, most);
             self.shear[i] = after;
-            let ahead = after + (after - before) / step * SHEAR_LEAD_S;
-            (ahead / length).clamp(-limits[i], limits[i])
+            let ahead = after + (after - before) * lead;
+            (ahead * per_length).clamp(-limits[i], limits[i])
         })
     }
 
@@ -282,12 +286,7 @@ struct Past {
 
 /// The motion at slip `s` of forward rolling and drift `w`.
 fn motion_at([s, w]: [f64; 2]) -> grouser_terra::Result<Kinematics> {
-    let (travel, rim) = if s >= 0.0 {
-        (1.0 - s, 1.0)
-    } else {
-        (1.0, 1.0 + s)
-    };
-    Kinematics::from_speeds(travel, w, rim)
+    Kinematics::with_drift(Slip::new(s)?, w)
 }
 
 /// The laws at slip `s` and drift `w` = v_y over the faster of rim and travel, rolling forwards: the load with the thrust

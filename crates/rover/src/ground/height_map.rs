@@ -42,12 +42,15 @@ pub(crate) struct Corner {
 
 impl Corner {
     /// Bilinear value of a field of the grid.
+    #[inline]
     pub(crate) fn mix(&self, field: &[f32]) -> f64 {
         let (x, y) = self.share;
-        let at = |index: usize| f64::from(field[index]);
-        let low = at(self.index) + x * (at(self.index + 1) - at(self.index));
-        let above = self.index + self.columns;
-        let high = at(above) + x * (at(above + 1) - at(above));
+        let row = |from: usize| {
+            let pair = &field[from..from + 2];
+            let (left, right) = (f64::from(pair[0]), f64::from(pair[1]));
+            left + x * (right - left)
+        };
+        let (low, high) = (row(self.index), row(self.index + self.columns));
         low + y * (high - low)
     }
 
@@ -63,7 +66,6 @@ impl Corner {
 pub(crate) struct Surface {
     pub(crate) height: f64,
     pub(crate) slope: [f64; 2],
-    pub(crate) known: bool,
 }
 
 impl HeightMap {
@@ -222,12 +224,32 @@ impl HeightMap {
     /// ```
     #[must_use]
     pub fn known(&self, x: f64, y: f64) -> bool {
-        self.surface(&self.corner(x, y)).known
+        self.is_known(&self.corner(x, y))
     }
 
     pub(crate) fn corner(&self, x: f64, y: f64) -> Corner {
-        let (column, share_x, in_x) = place((x - self.origin.0) / self.cell, self.columns);
-        let (row, share_y, in_y) = place((y - self.origin.1) / self.cell, self.rows);
+        let (along, across) = self.in_cells(x, y);
+        self.corner_in_cells(along, across)
+    }
+
+    /// Where (x, y) lies in cells from the first node.
+    pub(crate) fn in_cells(&self, x: f64, y: f64) -> (f64, f64) {
+        (
+            (x - self.origin.0) / self.cell,
+            (y - self.origin.1) / self.cell,
+        )
+    }
+
+    /// Height at a place in cells from the first node, m.
+    #[inline]
+    pub(crate) fn height_in_cells(&self, along: f64, across: f64) -> f64 {
+        self.corner_in_cells(along, across).mix(&self.heights)
+    }
+
+    #[inline]
+    pub(crate) fn corner_in_cells(&self, along: f64, across: f64) -> Corner {
+        let (column, share_x, in_x) = place(along, self.columns);
+        let (row, share_y, in_y) = place(across, self.rows);
         Corner {
             index: row * self.columns + column,
             columns: self.columns,
@@ -247,13 +269,13 @@ impl HeightMap {
                 ((1.0 - y) * (b - a) + y * (d - c)) / self.cell,
                 ((1.0 - x) * (c - a) + x * (d - b)) / self.cell,
             ],
-            known: corner.inside
-                && !self
-                    .unknown
-                    .get(corner.nearest())
-                    .copied()
-                    .unwrap_or_default(),
         }
+    }
+
+    /// Does the point lie on the map, and is the height of the node next to it known?
+    pub(crate) fn is_known(&self, corner: &Corner) -> bool {
+        let is_unknown = || self.unknown.get(corner.nearest()).copied();
+        corner.inside && !is_unknown().unwrap_or_default()
     }
 
     /// The nodes of a rectangle, row by row.
@@ -279,22 +301,22 @@ impl HeightMap {
     }
 }
 
-/// The node below `at` (in cells), the share towards the next, and whether it lies on the map.
+/// The node below `at` (in cells), the share towards the next, and whether it lies on the map. NaN counts as 0.
 #[allow(
     clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
     clippy::cast_sign_loss,
-    reason = "clamped to the map before"
+    reason = "clamped to the map, which has at most 1e5 nodes a side"
 )]
+#[inline]
 fn place(at: f64, count: usize) -> (usize, f64, bool) {
-    let last = (count - 1) as f64;
+    // conversions from and to i32 are one instruction each
+    let count = count as i32;
+    let last = f64::from(count - 1);
     let inside = at >= 0.0 && at <= last;
-    let at = if at.is_nan() {
-        0.0
-    } else {
-        at.clamp(0.0, last)
-    };
-    let below = (at as usize).min(count - 2);
-    (below, at - below as f64, inside)
+    let at = at.max(0.0).min(last);
+    let below = (at as i32).min(count - 2);
+    (below as usize, at - f64::from(below), inside)
 }
 
 #[allow(
@@ -348,8 +370,7 @@ mod tests {
         let surface = map.surface(&map.corner(0.61, -0.13));
         assert!((surface.height - (0.25 * 0.61 + 0.5 * 0.13)).abs() < 1e-7);
         assert!((surface.slope[0] - 0.25).abs() < 1e-6 && (surface.slope[1] + 0.5).abs() < 1e-6);
-        assert!(surface.known);
-        assert!(!map.surface(&map.corner(-0.1, 0.0)).known);
+        assert!(map.known(0.61, -0.13) && !map.known(-0.1, 0.0));
         assert_eq!(map.extent(), ((0.0, -0.5), (2.0, 0.5)));
     }
 
@@ -359,7 +380,7 @@ mod tests {
         let map = HeightMap::new((0.0, 0.0), 1.0, 3, vec![five, gap, five, gap, gap, gap]).unwrap();
         assert_eq!(map.height(1.0, 0.0), 5.0);
         assert_eq!(map.height(1.5, 1.0), 5.0);
-        assert!(!map.surface(&map.corner(1.0, 1.0)).known);
+        assert!(!map.known(1.0, 1.0));
         assert!(HeightMap::new((0.0, 0.0), 1.0, 2, vec![gap; 4]).is_err());
         assert!(HeightMap::new((0.0, 0.0), 1.0, 2, vec![1.0, 2.0, 3.0, f32::INFINITY]).is_err());
         assert!(HeightMap::new((0.0, 0.0), 1.0, 2, vec![1.0; 5]).is_err());

@@ -19,6 +19,7 @@ pub use shape::{Rocks, Shape};
 use grouser_real::Real;
 use grouser_terra::{MultiPass, Soil};
 
+use self::height_map::{Corner, Surface};
 use self::passes::Passes;
 use crate::error::{Error, Result};
 pub use crate::terrain_fault::{NoCell, TerrainFault};
@@ -290,26 +291,32 @@ impl Ground {
         reach: f64,
         width: f64,
     ) -> Spot {
-        let spot = self.at(x, y);
-        let half = 0.5 * width;
-        let fore = self.map.height(x + reach * cos, y + reach * sin);
-        let aft = self.map.height(x - reach * cos, y - reach * sin);
-        let left = self.map.height(x - half * sin, y + half * cos);
-        let right = self.map.height(x + half * sin, y - half * cos);
+        let (x, y) = self.map.in_cells(x, y);
+        let per_cell = 1.0 / self.map.cell();
+        let (ahead, aside) = (reach * per_cell, 0.5 * width * per_cell);
+        let height = |along: f64, across: f64| self.map.height_in_cells(x + along, y + across);
+        let fore = height(ahead * cos, ahead * sin);
+        let aft = height(-ahead * cos, -ahead * sin);
+        let left = height(-aside * sin, aside * cos);
+        let right = height(aside * sin, -aside * cos);
         let along = (fore - aft) / (2.0 * reach);
         let across = (left - right) / width;
-        Spot {
-            height: 0.25 * (fore + aft + left + right) - spot.rut,
+        let plane = Surface {
+            height: 0.25 * (fore + aft + left + right),
             slope: [along * cos - across * sin, along * sin + across * cos],
-            ..spot
-        }
+        };
+        self.spot(&self.map.corner_in_cells(x, y), plane)
     }
 
     /// The ground under (x, y).
     #[must_use]
     pub fn at(&self, x: f64, y: f64) -> Spot {
         let corner = self.map.corner(x, y);
-        let base = self.map.surface(&corner);
+        self.spot(&corner, self.map.surface(&corner))
+    }
+
+    /// The ground in a cell whose undisturbed surface is `surface`.
+    fn spot(&self, corner: &Corner, surface: Surface) -> Spot {
         let rut = corner.mix(&self.rut);
         let scatter = if self.scatter.is_empty() {
             1.0
@@ -324,13 +331,13 @@ impl Ground {
         let nearest = corner.nearest();
         let passed = self.passes.as_ref().map(|passes| passes.change(nearest));
         Spot {
-            height: base.height - rut,
-            slope: base.slope,
+            height: surface.height - rut,
+            slope: surface.slope,
             soil: usize::from(self.soil_of[nearest]),
             strength: scatter * packed * passed.map_or(1.0, |change| change.strength_factor),
             k_shear: passed.map_or(1.0, |change| change.k_shear_factor),
             rut,
-            known: base.known,
+            known: self.map.is_known(corner),
         }
     }
 

@@ -128,8 +128,8 @@ pub fn stance(model: &RobotModel, footing: &Footing<'_>) -> Result<Stance> {
 
 /// Forces that do not balance, and how they change.
 struct Balance {
-    matrix: [[f64; MAX_SPEEDS]; MAX_SPEEDS],
-    right: Speeds,
+    matrix: [[f64; MAX_UNKNOWNS]; MAX_UNKNOWNS],
+    right: [f64; MAX_UNKNOWNS],
 }
 
 impl Balance {
@@ -157,9 +157,8 @@ impl Balance {
             heave -= weight;
         }
         linkage.hold(state, &mut forces);
-        let mut right = [0.0; MAX_SPEEDS];
-        right[..MAX_UNKNOWNS].copy_from_slice(&rows(&forces, heave));
-        let mut matrix = [[0.0; MAX_SPEEDS]; MAX_SPEEDS];
+        let mut right = rows(&forces, heave);
+        let mut matrix = [[0.0; MAX_UNKNOWNS]; MAX_UNKNOWNS];
         for (index, hold) in linkage.holds().iter().enumerate() {
             // a slope of the moment, stops included, and a trace for links that nothing holds
             let (angle, h) = (state.joints[index], 1e-6);

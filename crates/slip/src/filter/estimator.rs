@@ -48,6 +48,8 @@ pub(super) struct Core {
     pub(super) output: Outputs,
     /// The time up to which samples have been used.
     pub(super) now_ns: Option<i64>,
+    /// Have readings changed estimates that are not updated yet?
+    pub(super) has_news: bool,
     pseudo_measured_ns: Option<i64>,
     /// The last time at which any reference measured the robot's speed.
     pub(super) speed_known_ns: Option<i64>,
@@ -81,6 +83,7 @@ impl Core {
             cross_slope: 0.0,
             output: Outputs::new(count),
             now_ns: None,
+            has_news: false,
             pseudo_measured_ns: None,
             speed_known_ns: None,
             nis: 0.0,
@@ -90,13 +93,17 @@ impl Core {
         core
     }
 
-    /// One cycle: predict, pseudo-measurements, gate and update, health.
+    /// One cycle: predict, pseudo-measurements, gate and update. The estimates of one moment are updated once, after the last
+    /// of its readings ([`Core::settle_estimates`]).
     pub(super) fn step(&mut self, sample: &Sample, input: &Input) -> Result<(), Fault> {
         let Sample {
             time_ns,
             measurement,
         } = *sample;
         let moves_on = self.now_ns != Some(time_ns);
+        if moves_on {
+            self.settle_estimates(input);
+        }
         self.predict(time_ns, !self.is_sparse(time_ns));
         let due = self
             .pseudo_measured_ns
@@ -110,7 +117,8 @@ impl Core {
         }
         let outcome = self.update(time_ns, &measurement);
         if moves_on || self.changes_estimate(time_ns, &measurement) {
-            self.update_health(time_ns, input);
+            self.update_disputes(time_ns);
+            self.has_news = true;
         }
         outcome
     }
@@ -238,6 +246,7 @@ impl Core {
     pub(super) fn restart_clock(&mut self) {
         self.path.restart_clock();
         self.now_ns = None;
+        self.has_news = false;
         self.pseudo_measured_ns = None;
         self.output.checked_ns = None;
         self.accelerometer.last = None;

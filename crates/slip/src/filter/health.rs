@@ -19,11 +19,30 @@ use crate::wheel_estimate::WheelEstimate;
 const MAX_SIDE_SLIP_SIGMA_RAD: f64 = 0.5;
 
 impl Core {
-    /// Updates the estimate of every wheel.
+    /// Updates the estimate of every wheel, and what its health needs of the robot's motion.
     pub(super) fn update_health(&mut self, now_ns: i64, input: &Input) {
+        self.update_disputes(now_ns);
+        self.update_estimates(now_ns, input);
+    }
+
+    /// Is the robot blocked, and do its references contradict each other?
+    pub(super) fn update_disputes(&mut self, now_ns: i64) {
         self.recovery.is_blocked = self.is_blocked(now_ns);
         self.recovery.is_disputed =
             self.is_disputed(now_ns) || self.only_reference_misses_pulses(now_ns);
+    }
+
+    /// Updates the estimates that the readings since the last call have changed.
+    pub(super) fn settle_estimates(&mut self, input: &Input) {
+        if self.has_news
+            && let Some(now_ns) = self.now_ns
+        {
+            self.update_estimates(now_ns, input);
+        }
+    }
+
+    fn update_estimates(&mut self, now_ns: i64, input: &Input) {
+        self.has_news = false;
         for index in 0..self.wheels.channels.len() {
             let estimate = self.wheel_estimate(index, now_ns, input);
             let last_good_ns = if estimate.health == Health::Ok {

@@ -155,6 +155,11 @@ impl SlipFilter {
     /// # Errors
     /// A [`Fault`] refuses the sample (or one that waited before it): it is counted and changes no estimate.
     pub fn update(&mut self, sample: Sample) -> ::core::result::Result<FilterOutput<'_>, Fault> {
+        self.push(sample).map(|()| self.latest())
+    }
+
+    /// [`SlipFilter::update`] without an output.
+    pub(crate) fn push(&mut self, sample: Sample) -> ::core::result::Result<(), Fault> {
         let outcome = if sample.measurement.is_raw() {
             Ok(())
         } else {
@@ -163,7 +168,8 @@ impl SlipFilter {
         if let Err(fault) = &outcome {
             self.input.rejected.count(fault);
         }
-        outcome.map(|()| self.latest())
+        self.core.settle_estimates(&self.input);
+        outcome
     }
 
     /// The output after the last sample.

@@ -8,8 +8,10 @@ use crate::sample::{Measurement, Sample};
 /// A sorted queue of bounded size.
 #[derive(Clone, Debug)]
 pub(crate) struct ReorderBuffer {
-    /// The newest first, so that the oldest is taken from the end.
+    /// A ring, the oldest first: a sample mostly is the newest, and moves no other.
     queue: Box<[Sample]>,
+    /// Where the oldest is.
+    first: usize,
     len: usize,
     horizon_ns: i64,
     newest_ns: Option<i64>,
@@ -33,6 +35,7 @@ impl ReorderBuffer {
         };
         Self {
             queue: vec![empty; capacity.max(1)].into_boxed_slice(),
+            first: 0,
             len: 0,
             horizon_ns,
             newest_ns: None,
@@ -59,6 +62,16 @@ impl ReorderBuffer {
         self.len == self.queue.len()
     }
 
+    /// Where the sample of a rank is, the oldest's being 0.
+    fn place(&self, rank: usize) -> usize {
+        let place = self.first + rank;
+        if place < self.queue.len() {
+            place
+        } else {
+            place - self.queue.len()
+        }
+    }
+
     /// Puts a sample in its place; the caller makes room first ([`ReorderBuffer::release`] while [`ReorderBuffer::is_full`]).
     pub(crate) fn offer(&mut self, sample: Sample) -> Offered {
         if self
@@ -68,10 +81,14 @@ impl ReorderBuffer {
         {
             return Offered::TooLate;
         }
-        let mut place = self.len;
-        while place > 0 && precedes(&self.queue[place - 1], &sample) {
-            self.queue[place] = self.queue[place - 1];
-            place -= 1;
+        let mut place = self.place(self.len);
+        for rank in (0..self.len).rev() {
+            let before = self.place(rank);
+            if precedes(&self.queue[before], &sample) {
+                break;
+            }
+            self.queue[place] = self.queue[before];
+            place = before;
         }
         self.queue[place] = sample;
         self.len += 1;
@@ -82,15 +99,16 @@ impl ReorderBuffer {
 
     /// The oldest sample, if the horizon has passed it or `force` is set.
     pub(crate) fn release(&mut self, force: bool) -> Option<Sample> {
-        let last = self.len.checked_sub(1)?;
-        let sample = self.queue[last];
+        let left = self.len.checked_sub(1)?;
+        let sample = self.queue[self.first];
         let ripe = self
             .newest_ns
             .is_some_and(|newest| newest.saturating_sub(sample.time_ns) >= self.horizon_ns);
         if !ripe && !force {
             return None;
         }
-        self.len = last;
+        self.first = self.place(1);
+        self.len = left;
         self.released_ns = Some(sample.time_ns);
         Some(sample)
     }

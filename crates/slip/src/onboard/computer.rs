@@ -211,7 +211,7 @@ impl OnBoard {
         }
         for sample in self.carriers.samples(time_ns, rate[1]) {
             // a refusal is counted by the filter
-            let _ = self.filter.update(sample);
+            let _ = self.filter.push(sample);
         }
         self.filter.set_roll(self.attitude.roll());
         let [forward, left] = self.attitude.without_gravity(force);
@@ -248,8 +248,10 @@ impl OnBoard {
         if !is_warm {
             return false;
         }
-        let is_accepted = self.filter.update(sample).is_ok();
-        self.start.update(&sample, &self.filter.latest());
+        let is_accepted = self.filter.push(sample).is_ok();
+        if self.start.is_looking() {
+            self.start.update(&sample, &self.filter.latest());
+        }
         is_accepted
     }
 

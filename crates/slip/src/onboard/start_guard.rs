@@ -62,9 +62,14 @@ impl StartGuard {
         }
     }
 
+    /// Is it not decided yet whether the sensors are plausible?
+    pub(super) const fn is_looking(&self) -> bool {
+        !self.is_done && self.fault.is_none()
+    }
+
     /// A sample, and the filter's output after it.
     pub(super) fn update(&mut self, sample: &Sample, output: &FilterOutput<'_>) {
-        if self.is_done || self.fault.is_some() {
+        if !self.is_looking() {
             return;
         }
         match self.check.take(sample, output) {

@@ -51,4 +51,13 @@ impl<R: Real> ContactAngles<R> {
             theta_m: position.clamp(R::ZERO, R::ONE) * theta_1,
         }
     }
+
+    /// [`ContactAngles::new`] on soil without rebound: θ_2 = 0.
+    pub(crate) fn without_rebound(theta_1: R, position: R) -> Self {
+        Self {
+            theta_1,
+            theta_2: R::ZERO,
+            theta_m: position.clamp(R::ZERO, R::ONE) * theta_1,
+        }
+    }
 }

@@ -44,12 +44,18 @@ pub(crate) const MIN_SINKAGE_PER_RADIUS: f64 = 4.5e-4;
 /// Greatest sinkage over radius: θ_1 = 60°.
 pub(crate) const MAX_SINKAGE_PER_RADIUS: f64 = 0.5;
 
-/// A number whose power of two may be short.
+/// A number whose power of two and logarithm may be short.
 pub(crate) trait Short: Real {
     /// 2ˣ for −1000 ≤ x ≤ ½: to 1.1e-10, and 2ˣ − 1 near 0 to 3e-10 of itself.
     #[inline(always)]
     fn exp2_short(self) -> Self {
         (self * Self::from_f64(core::f64::consts::LN_2)).exp()
+    }
+
+    /// Base-2 logarithm of a positive normal number, to 1e-12.
+    #[inline(always)]
+    fn log2_short(self) -> Self {
+        self.ln() * Self::from_f64(core::f64::consts::LOG2_E)
     }
 }
 

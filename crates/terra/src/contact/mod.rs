@@ -75,6 +75,35 @@ impl<R: Real> WheelSize<R> {
     }
 }
 
+impl<R: Scalar> WheelSize<R> {
+    /// μ r_sⁿ + (1 − μ) rⁿ with the share μ of the lugs' tips.
+    pub(crate) fn radius_power(&self, n: R) -> R {
+        let tips = self.radius.powf(n);
+        if self.tip_share.value() < 1.0 {
+            self.tip_share * tips + (R::ONE - self.tip_share) * self.rim_radius.powf(n)
+        } else {
+            tips
+        }
+    }
+}
+
+/// What no motion of a wheel changes, computed once for many contacts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ContactConstants<R = f64> {
+    pub(crate) tan_phi: R,
+    /// [`WheelSize::radius_power`] where the exponent does not depend on slip.
+    pub(crate) radius_power: Option<R>,
+}
+
+/// What a wheel's way, and wheels before it, have made of the soil.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Dug<'a, R = f64> {
+    /// The motion whose slip-sinkage, n(s) and the transported layer, holds.
+    pub(crate) by: &'a Motion<R>,
+    /// Factor of the shear deformation modulus K, 1.
+    pub(crate) k_shear_factor: R,
+}
+
 impl RigidWheel {
     /// The sizes as numbers of any kind.
     #[must_use]
@@ -111,6 +140,7 @@ pub struct Motion<R = f64> {
 impl Kinematics {
     /// The motion as numbers of any kind.
     #[must_use]
+    #[inline]
     pub fn motion<R: Real>(&self) -> Motion<R> {
         Motion {
             slip: R::from_f64(self.slip().value()),
@@ -157,18 +187,30 @@ impl<R: Scalar> Contact<R> {
         motion: &Motion<R>,
         theta_1: R,
     ) -> Self {
-        Self::digging(size, soil, law, (motion, motion), theta_1)
+        let constants = ContactConstants {
+            tan_phi: soil.strength.phi.tan(),
+            radius_power: None,
+        };
+        let dug = Dug {
+            by: motion,
+            k_shear_factor: R::ONE,
+        };
+        Self::digging(size, (soil, &constants), law, (motion, &dug), theta_1)
     }
 
-    /// The contact of a wheel in `motion` whose slip-sinkage, n(s) and the transported layer, is that of the motion
-    /// `dug_by`.
+    /// The contact of a wheel in `motion` on soil that has been `dug`.
+    #[inline]
     pub(crate) fn digging(
         size: &WheelSize<R>,
-        soil: &SoilLaws<R>,
+        (soil, constants): (&SoilLaws<R>, &ContactConstants<R>),
         law: ShearLaw,
-        (motion, dug_by): (&Motion<R>, &Motion<R>),
+        (motion, dug): (&Motion<R>, &Dug<'_, R>),
         theta_1: R,
     ) -> Self {
+        let Dug {
+            by: dug_by,
+            k_shear_factor,
+        } = *dug;
         let slip = motion.slip;
         let driving = slip.value() >= 0.0;
         let locked = slip.value() <= -1.0;
@@ -181,12 +223,9 @@ impl<R: Scalar> Contact<R> {
             (R::ONE / skid, slip / skid, skid, R::ONE)
         };
         let n = soil.exponent_at(dug_by);
-        let tips = size.radius.powf(n);
-        let tips = if size.tip_share.value() < 1.0 {
-            size.tip_share * tips + (R::ONE - size.tip_share) * size.rim_radius.powf(n)
-        } else {
-            tips
-        };
+        let radius_power = constants
+            .radius_power
+            .unwrap_or_else(|| size.radius_power(n));
         let displacement = Displacement {
             theta_1,
             q,
@@ -212,22 +251,28 @@ impl<R: Scalar> Contact<R> {
             Some(theta_0) if law == ShearLaw::TowedWongReece => theta_0 / theta_1,
             _ => soil.position_at(motion),
         };
-        let angles = ContactAngles::new(theta_1, soil.rebound_at(motion), position);
+        let rebound = soil.rebound_at(motion);
+        let angles = if rebound.value() > 0.0 {
+            ContactAngles::new(theta_1, rebound, position)
+        } else {
+            ContactAngles::without_rebound(theta_1, position)
+        };
         Self {
             angles,
             amplitude: soil.modulus(size.width, n)
-                * tips
+                * radius_power
                 * soil.share_left(dug_by, theta_1, size, n)
                 * soil.support_at(motion),
             n,
             cohesion: soil.strength.cohesion,
-            tan_phi: soil.strength.phi.tan(),
+            tan_phi: constants.tan_phi,
             shear: ShearState {
                 law,
                 displacement,
                 radius: size.shear_radius,
-                k_shear: soil.k_shear + soil.k_shear_1 * motion.slip_angle,
-                k_side: soil.k_shear_side + soil.k_shear_side_1 * motion.slip_angle,
+                k_shear: k_shear_factor * (soil.k_shear + soil.k_shear_1 * motion.slip_angle),
+                k_side: k_shear_factor
+                    * (soil.k_shear_side + soil.k_shear_side_1 * motion.slip_angle),
                 q_y: motion.q_y,
                 locked,
                 sideways,

@@ -211,6 +211,10 @@ impl Short for Lanes {
     fn exp2_short(self) -> Self {
         super::vector::exp2_short(self)
     }
+    #[inline(always)]
+    fn log2_short(self) -> Self {
+        super::vector::log2_short(self)
+    }
 }
 
 impl Vector for Lanes {

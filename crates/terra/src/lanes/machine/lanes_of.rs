@@ -245,6 +245,10 @@ macro_rules! lanes_of {
             fn exp2_short(self) -> Self {
                 vector::exp2_short(self)
             }
+            #[inline(always)]
+            fn log2_short(self) -> Self {
+                vector::log2_short(self)
+            }
         }
 
         impl Vector for $name {
