@@ -74,6 +74,16 @@ fn a_lean_that_lasts_a_fifth_of_a_second_ends_the_drive() {
         (open.pitch, open.roll) = (Some(pitch), Some(roll));
         open.quiet(300);
     }
+    // at the limit of time and at that of the tilt, here 0, it has not leant too far
+    let mut open = with_slip(0.1);
+    open.roll = Some(0.7);
+    open.period_ns = 100_000_000;
+    open.quiet(2);
+    open.until(Action::End(Ending::Tipping), Reason::TiltHigh);
+    let mut upright = settings();
+    upright.max_tilt = 0.0;
+    let mut open = OpenLoop::new(&upright);
+    open.quiet(100);
     // shorter ones are bumps, and the time begins anew
     let mut open = with_slip(0.1);
     for _ in 0..5 {
@@ -227,6 +237,25 @@ fn a_steady_slip_digs_only_from_nine_tenths_on() {
     open.request.speed = SPEED;
     let (_, decision) = open.until(Action::AcceptSlip, Reason::Demanded);
     assert!((decision.value - 0.88).abs() < 1e-6);
+    let mut accepted = settings();
+    accepted.limits_slip = true;
+    (accepted.gain, accepted.integral_gain, accepted.crawl) = (0.0, 0.0, 0.0);
+    let mut open = OpenLoop::new(&accepted);
+    open.request.speed = 0.0;
+    open.each(|wheel| wheel.slip = Some(0.88));
+    open.quiet(6000);
+    open.request.speed = SPEED;
+    open.each(|wheel| wheel.forward_speed = Some(1.0));
+    open.until(Action::AcceptSlip, Reason::Demanded);
+    open.each(|wheel| wheel.forward_speed = Some(0.001));
+    assert!((open.step().commands[0].rim_speed - 0.001 / (1.0 - 0.94)).abs() < 1e-6);
+    // a robot that does not advance at all has no slip to accept
+    let mut settings = settings();
+    settings.stuck_share = 0.0;
+    let mut open = OpenLoop::new(&settings);
+    open.speed = Some(0.0);
+    open.each(|wheel| wheel.slip = Some(0.5));
+    open.quiet(3000);
     let mut open = with_slip(0.1);
     open.request.speed = 0.0;
     open.each(|wheel| wheel.slip = Some(0.91));
@@ -244,6 +273,7 @@ fn a_robot_that_does_not_advance_for_two_seconds_backs_out() {
         (0.019, 0.2, true),
         (-0.019, 0.2, true),
         (0.021, 0.2, false),
+        (0.1 * 0.2, 0.2, false),
         (-0.021, 0.2, false),
         // rims that stand count as `creep` of the request: 0.12 m/s
         (0.0119, 0.0, true),
@@ -818,6 +848,7 @@ fn ground_that_takes_little_torque_is_soft_if_two_wheels_say_so() {
         ([0.3, 0.9, 1.0, 1.0], None),
         ([1.0, 0.7, 0.3, 0.9], Some(0.55)),
         ([0.66, 0.66, 0.66, 0.66], None),
+        ([0.65, 0.65, 0.65, 0.65], None),
     ] {
         let mut open = known(0.02);
         for (wheel, firmness) in open.wheels.iter_mut().zip(firmness) {
@@ -868,12 +899,43 @@ fn nothing_is_said_of_the_ground_while_a_powered_wheel_stands_or_has_lost_its_to
     // slower than a fifth of the mean: 0.03 of (0.03 + 3 · 0.2)/4
     assert!(!soft(|wheels| wheels[2].rim_speed = Some(0.03)));
     assert!(soft(|wheels| wheels[2].rim_speed = Some(0.033)));
+    // at the share itself, here of nothing, it turns
+    assert!(soft(|wheels| wheels
+        .iter_mut()
+        .for_each(|wheel| wheel.rim_speed = Some(0.0))));
     // one that runs and pushes backwards turns too
     assert!(soft(|wheels| (
         wheels[2].rim_speed,
         wheels[2].torque_share
     ) = (Some(-0.2), Some(-0.3))));
     assert!(!soft(|wheels| wheels[2].rim_speed = None));
+}
+
+#[test]
+fn a_wheel_whose_torque_returns_says_nothing_of_the_ground() {
+    let mut open = known(0.02);
+    open.wheels[2].rim_speed = Some(0.0);
+    open.wheels[2].torque_share = Some(0.9);
+    open.until(Action::ShedTorque, Reason::Stall);
+    open.wheels[2].rim_speed = Some(SPEED);
+    open.wheels[2].torque_share = Some(0.3);
+    // within 1.8 s its share of the torque is whole again
+    open.each(|wheel| wheel.firmness = Some(0.3));
+    let (steps, _) = open.until(Action::BackOut, Reason::SoftGround);
+    assert!(at(steps, 180 + 30), "{steps}");
+    // and then its firmness counts: it is one of two
+    for returning in [false, true] {
+        let mut open = known(0.02);
+        if returning {
+            open.wheels[2].motion = Some(grouser_slip::Motion::Stall);
+            open.until(Action::ShedTorque, Reason::Stall);
+            open.wheels[2].motion = Some(grouser_slip::Motion::Driving);
+        }
+        open.wheels[2].firmness = Some(0.3);
+        open.wheels[3].firmness = Some(0.3);
+        let (steps, _) = open.until(Action::BackOut, Reason::SoftGround);
+        assert!(at(steps, if returning { 210 } else { 30 }), "{steps}");
+    }
 }
 
 #[test]
@@ -904,6 +966,7 @@ fn soil_is_judged_once_it_is_sheared() {
         "{:?}",
         rolls(0.5)
     );
+    assert!(rolls(0.02).is_some());
     assert_eq!(rolls(0.0199), None);
     // on a slope the known soil is not compared
     let mut open = known(0.02);
@@ -911,6 +974,15 @@ fn soil_is_judged_once_it_is_sheared() {
     open.quiet(600);
     open.each(|wheel| wheel.firmness = Some(0.3));
     open.quiet(600);
+    // nor soon after a slope: the tilt is also smoothed over four seconds
+    let mut open = known(0.02);
+    open.pitch = Some(0.3);
+    open.quiet(6000);
+    open.pitch = Some(0.0);
+    open.each(|wheel| wheel.firmness = Some(0.3));
+    let (steps, _) = open.until(Action::BackOut, Reason::SoftGround);
+    let level = first(|n| 0.3 - smoothed(0.3, 4.0, n) < 0.09);
+    assert!(at(steps, level + 29), "{steps}, not {level} + 29");
     // nor off the course or without a request
     let mut open = known(0.02);
     open.heading = Some(0.4);
@@ -1084,4 +1156,383 @@ fn names_are_distinct() {
             .iter()
             .all(|ending| ending.name() == format!("{ending:?}"))
     );
+}
+
+// --- Limits themselves ---
+
+/// Times and ways in steps of 1/64 s, whose sums are exact, with limits of time that are multiples of it.
+fn exact() -> OpenLoop {
+    let mut settings = settings();
+    (
+        settings.dig_time,
+        settings.high_slip_time,
+        settings.soft_time,
+    ) = (0.5, 0.5, 0.5);
+    (settings.traverse_length, settings.back_length) = (2.0, 0.5);
+    settings.blind_time = 0.5;
+    let mut open = OpenLoop::new(&settings);
+    open.period_ns = 15_625_000;
+    open.step();
+    open
+}
+
+#[test]
+fn limits_of_time_and_way_are_inclusive_and_those_of_silence_and_turning_are_not() {
+    // the mode's first second, then half a second of digging: 64 + 31 steps
+    let mut open = exact();
+    open.request.speed = 0.0;
+    open.each(|wheel| wheel.slip = Some(1.0));
+    open.quiet(400);
+    open.request.speed = SPEED;
+    assert_eq!(open.until(Action::BackOut, Reason::DiggingIn).0, 32);
+    // back by a metre, 1/1024 m a step
+    open.each(|wheel| wheel.slip = Some(0.1));
+    open.speed = Some(-0.0625);
+    assert_eq!(open.until(Action::Detour, Reason::BackedOut).0, 1024);
+    // and aside by 2.2 m: straight across, 1/32 m a step of exactly sin π/2
+    open.heading = Some(std::f64::consts::FRAC_PI_2);
+    open.speed = Some(2.0);
+    let (steps, decision) = open.until(Action::Resume, Reason::ClearedSoftGround);
+    assert_eq!(steps, 71);
+    assert!(decision.value >= 2.2);
+    // a second after the start, not later
+    let mut open = exact();
+    open.speed = Some(0.0);
+    assert_eq!(open.until(Action::BackOut, Reason::NoProgress).0, 64 + 63);
+    // firmness
+    let mut open = exact();
+    open.quiet(200);
+    open.each(|wheel| wheel.firmness = Some(0.3));
+    let (steps, decision) = open.until(Action::BackOut, Reason::SoftGround);
+    assert_eq!((steps, decision.limit), (32, 0.65));
+    // soil is sheared by more than a quarter of a metre: 64 steps of 1/256 m are not enough, 32 more are counted
+    let mut open = exact();
+    open.speed = Some(0.25);
+    open.each(|wheel| wheel.firmness = Some(0.3));
+    assert_eq!(open.until(Action::BackOut, Reason::SoftGround).0, 64 + 32);
+    // the same of a slip above what is demanded
+    let mut open = exact();
+    open.speed = Some(0.25);
+    open.slip_demand = Some(SlipPrior {
+        mean: 0.1,
+        sigma: 0.02,
+    });
+    open.each(|wheel| wheel.slip = Some(0.3));
+    assert_eq!(open.until(Action::BackOut, Reason::SoftGround).0, 64 + 32);
+    // a slip that is steady for more than 2.5 s, and one that is low for more than that: the 161st step
+    let mut open = exact();
+    open.each(|wheel| wheel.slip = Some(0.5));
+    let kept = |time_s: f64, n: usize| (1.0 + 1.0 / (64.0 * time_s)).powf(-(n as f64));
+    let gap = |n: usize| 0.5 * (kept(4.0, n) - kept(1.0, n));
+    let still = first(|n| gap(n) < 0.03 && n > 64 && 0.5 * (1.0 - kept(1.0, n)) > 0.32);
+    assert_eq!(
+        open.until(Action::AcceptSlip, Reason::Demanded).0,
+        still + 160
+    );
+    open.quiet(2000);
+    open.each(|wheel| wheel.slip = Some(0.1));
+    let low = first(|n| 0.1 + 0.4 * kept(1.0, n) < 0.3);
+    assert_eq!(
+        open.until(Action::Resume, Reason::SlipRegained).0,
+        low + 160
+    );
+    // a leg of 2 m on a slope, and a turn that takes more than 12 s
+    let mut open = exact();
+    open.pitch = Some(-0.3);
+    open.speed = Some(0.0);
+    open.each(|wheel| wheel.slip = Some(0.7));
+    open.until(Action::Traverse, Reason::DiggingIn);
+    open.each(|wheel| wheel.slip = Some(0.2));
+    let mut turning = open.clone();
+    assert_eq!(
+        turning.until(Action::BackOut, Reason::NoProgress).0,
+        12 * 64 + 1
+    );
+    open.heading = Some(0.8);
+    open.speed = Some(0.0625);
+    assert_eq!(open.until(Action::SwitchSide, Reason::LegCompleted).0, 2048);
+    // a gentle slope from more than 0.3 of 10 m on
+    let mut long = *open.controller.settings();
+    (long.traverse_length, long.traverse_angle) = (10.0, 0.6);
+    let mut open = OpenLoop::new(&long);
+    open.period_ns = 15_625_000;
+    open.pitch = Some(-0.3);
+    open.speed = Some(0.0);
+    open.each(|wheel| wheel.slip = Some(0.7));
+    open.step();
+    open.until(Action::Traverse, Reason::DiggingIn);
+    open.heading = Some(0.6);
+    open.speed = Some(0.0625);
+    let mut high = open.clone();
+    open.each(|wheel| wheel.slip = Some(0.2));
+    open.pitch = Some(0.0);
+    assert_eq!(open.until(Action::Resume, Reason::SlopeGentle).0, 3073);
+    // a high slip for half a second after the mode's first one
+    high.each(|wheel| wheel.slip = Some(0.85));
+    assert_eq!(high.until(Action::Traverse, Reason::SlipHigh).0, 64 + 31);
+    // half a second of silence is not more than half a second
+    let mut open = exact();
+    open.speed = None;
+    let (steps, decision) = open.until(Action::End(Ending::SensorsLost), Reason::SensorTimeout);
+    assert_eq!((steps, decision.value), (33, 33.0 / 64.0));
+}
+
+#[test]
+fn speeds_at_their_limits_are_no_standstill() {
+    // a quarter of 0.02 m/s backwards
+    let mut open = with_slip(0.1);
+    dig(&mut open);
+    open.speed = Some(-0.25 * 0.02);
+    open.quiet(1100);
+    // half of the speed of backing out is not slow: no more slip is allowed
+    let mut settings = settings();
+    settings.limits_slip = true;
+    (settings.gain, settings.integral_gain, settings.crawl) = (0.0, 0.0, 0.0);
+    let mut open = OpenLoop::new(&settings);
+    open.each(|wheel| wheel.forward_speed = Some(1.0));
+    open.step();
+    dig(&mut open);
+    open.speed = Some(-(0.5 * (0.7 * SPEED)));
+    open.each(|wheel| wheel.forward_speed = Some(-0.01));
+    open.quiet(100);
+    assert!(close(open.step().commands[0].rim_speed, -0.01 / 0.7));
+    // while nothing is requested it has no direction: backwards is backwards
+    let mut open = with_slip(0.1);
+    dig(&mut open);
+    open.request.speed = 0.0;
+    open.speed = Some(-0.1);
+    assert!(at(open.until(Action::Detour, Reason::BackedOut).0, 1000));
+}
+
+#[test]
+fn backing_out_before_a_traverse_has_its_own_time() {
+    // eight times 0.8 m over 0.14 m/s, on a slope
+    let mut open = OpenLoop::new(&settings());
+    open.pitch = Some(-0.3);
+    open.speed = Some(0.01);
+    open.each(|wheel| wheel.slip = Some(0.3));
+    open.step();
+    open.until(Action::BackOut, Reason::NoProgress);
+    open.speed = Some(-0.0051);
+    let (steps, decision) = open.until(Action::End(Ending::Immobilised), Reason::NoProgress);
+    let max_time = 8.0 * 0.8 / (0.7 * SPEED);
+    assert!(at(steps, (max_time / STEP_S).ceil() as usize), "{steps}");
+    assert!(close(decision.limit, max_time));
+}
+
+#[test]
+fn spinning_wheels_on_a_slope_turn_the_robot_aside_too() {
+    let mut open = OpenLoop::new(&settings());
+    open.pitch = Some(-0.3);
+    open.request.speed = 0.0;
+    open.each(|wheel| wheel.slip = Some(0.95));
+    open.step();
+    open.quiet(6000);
+    open.request.speed = SPEED;
+    let (steps, _) = open.until(Action::Traverse, Reason::DiggingIn);
+    assert!(at(steps, 100), "{steps}");
+}
+
+#[test]
+fn a_detour_is_measured_across_the_requested_heading() {
+    let mut open = with_slip(0.1);
+    open.request.heading = 0.5;
+    open.heading = Some(0.5);
+    open.each(|wheel| wheel.slip = Some(1.0));
+    open.until(Action::BackOut, Reason::DiggingIn);
+    open.each(|wheel| wheel.slip = Some(0.1));
+    back_out(&mut open, 0.1, (Action::Detour, Reason::BackedOut));
+    assert!(close(open.step().heading, 1.7));
+    open.heading = Some(1.7);
+    open.speed = Some(SPEED);
+    let (steps, _) = open.until(Action::Resume, Reason::ClearedSoftGround);
+    let needed = 2.2 / (1.2_f64.sin() * SPEED * STEP_S);
+    assert!(at(steps, needed.ceil() as usize), "{steps}, not {needed}");
+}
+
+#[test]
+fn wheels_in_the_middle_are_on_no_side() {
+    use grouser_slip::control::Controller;
+    use grouser_slip::{Robot, Wheel};
+    let wheels = [
+        ("a", 0.3, 0.2),
+        ("b", 0.3, -0.2),
+        ("c", -0.3, 0.0),
+        ("d", -0.4, 0.0),
+    ];
+    let wheels = wheels.map(|(name, x, y)| {
+        Wheel::powered(name)
+            .at(x, y)
+            .radius(0.1)
+            .ticks_per_turn(1000)
+            .load(50.0)
+    });
+    let robot = Robot::new("with a middle".into(), wheels.to_vec()).unwrap();
+    // the middle slips more than either side; the left side hardly more, or much more, than the right one
+    for (left, right, side) in [(0.3, 0.3, 1.0), (0.33, 0.3, -1.0)] {
+        let mut open = OpenLoop::with(Controller::new(&robot, settings()).unwrap());
+        open.slip_demand = Some(SlipPrior {
+            mean: 0.1,
+            sigma: 0.02,
+        });
+        open.step();
+        open.quiet(1000);
+        for (wheel, slip) in open.wheels.iter_mut().zip([left, right, 0.5, 0.5]) {
+            wheel.slip = Some(slip);
+        }
+        open.until(Action::BackOut, Reason::SoftGround);
+        open.each(|wheel| wheel.slip = Some(0.1));
+        open.slip_demand = None;
+        assert!(close(
+            back_out(&mut open, 0.1, (Action::Detour, Reason::BackedOut))
+                .1
+                .signum(),
+            side
+        ));
+    }
+}
+
+#[test]
+fn where_nothing_counts_as_level_every_ground_is_a_slope() {
+    let mut settings = settings();
+    (settings.steep, settings.level) = (0.0, 0.0);
+    // the known soil is not compared
+    let mut open = OpenLoop::new(&settings);
+    open.step();
+    open.quiet(1000);
+    open.each(|wheel| wheel.firmness = Some(0.3));
+    open.quiet(300);
+    // a slip that rises to 0.88 does not dig
+    open.each(|wheel| wheel.slip = Some(0.88));
+    open.until(Action::AcceptSlip, Reason::Demanded);
+    // one above 0.9 does; the robot backs out by 0.8 m before a traverse
+    open.each(|wheel| wheel.slip = Some(1.0));
+    open.until(Action::BackOut, Reason::DiggingIn);
+    open.each(|wheel| wheel.slip = Some(0.1));
+    open.speed = Some(-0.1);
+    assert!(at(open.until(Action::Traverse, Reason::BackedOut).0, 800));
+    // no slope is ever gentle
+    open.each(|wheel| wheel.slip = Some(0.4));
+    open.heading = Some(0.6);
+    open.speed = Some(SPEED);
+    assert!(at(
+        open.until(Action::SwitchSide, Reason::LegCompleted).0,
+        1500
+    ));
+    // and its rims keep `creep` of their speed
+    settings.limits_slip = true;
+    settings.decides = Decides::Nothing;
+    let mut open = OpenLoop::new(&settings);
+    open.each(|wheel| wheel.forward_speed = Some(0.0));
+    open.step();
+    assert!(close(motion(&open).0, 0.0) && close(open.step().commands[0].rim_speed, 0.6 * SPEED));
+}
+
+#[test]
+fn backing_out_needs_no_more_slip_than_the_optimum() {
+    let mut settings = settings();
+    settings.limits_slip = true;
+    (settings.gain, settings.integral_gain, settings.crawl) = (0.0, 0.0, 0.0);
+    let mut open = OpenLoop::new(&settings);
+    open.each(|wheel| wheel.forward_speed = Some(1.0));
+    open.step();
+    dig(&mut open);
+    open.slip_demand = Some(SlipPrior {
+        mean: 0.5,
+        sigma: 0.1,
+    });
+    open.speed = Some(-0.1);
+    open.each(|wheel| wheel.forward_speed = Some(-0.01));
+    assert!(close(open.step().commands[0].rim_speed, -0.01 / 0.7));
+}
+
+#[test]
+fn progress_is_measured_along_the_requested_heading() {
+    // 2 m at 1 rad beside it are 1.08 m of progress and forget no attempt; 3 m are 1.62 m and do
+    for (metres, forgets) in [(2.0, false), (3.0, true)] {
+        let mut settings = settings();
+        settings.max_attempts = 1;
+        let mut open = OpenLoop::new(&settings);
+        open.request.heading = 0.8;
+        open.pitch = Some(-0.3);
+        open.heading = Some(0.8);
+        open.step();
+        open.speed = Some(0.01);
+        open.each(|wheel| wheel.slip = Some(0.3));
+        open.until(Action::BackOut, Reason::NoProgress);
+        open.speed = Some(-0.1);
+        open.until(Action::Traverse, Reason::BackedOut);
+        // 0.6 rad beside the requested heading, and 0.3 rad further
+        open.heading = Some(1.7);
+        open.speed = Some(SPEED);
+        // the first second of the mode does not count
+        open.quiet(99 + (metres / (SPEED * STEP_S)) as usize - 99 * usize::from(metres > 2.5));
+        open.speed = Some(0.0);
+        if forgets {
+            open.until(Action::BackOut, Reason::NoProgress);
+        } else {
+            open.until(Action::End(Ending::Immobilised), Reason::AttemptsUsed);
+        }
+    }
+    // exactly as much as is needed to forget an attempt does not forget it
+    let mut settings = settings();
+    settings.max_attempts = 1;
+    (settings.dig_time, settings.traverse_angle) = (0.5, 0.3);
+    (settings.traverse_length, settings.progress) = (10.0, 1.0);
+    let mut open = OpenLoop::new(&settings);
+    open.period_ns = 15_625_000;
+    open.pitch = Some(-0.3);
+    open.speed = Some(0.0);
+    open.each(|wheel| wheel.slip = Some(0.7));
+    open.step();
+    open.until(Action::Traverse, Reason::DiggingIn);
+    open.each(|wheel| wheel.slip = Some(0.2));
+    open.quiet(64);
+    open.speed = Some(0.0625);
+    open.quiet(1024);
+    open.speed = Some(0.0);
+    open.until(Action::End(Ending::Immobilised), Reason::AttemptsUsed);
+}
+
+#[test]
+fn a_steady_slip_is_counted_anew_after_a_turn_and_forgotten_where_the_ground_is_soft() {
+    let mut open = with_slip(0.5);
+    let (steps, _) = open.clone().until(Action::AcceptSlip, Reason::Demanded);
+    open.quiet(steps - 10);
+    // off its course for a moment, after which 2.5 s count again
+    open.heading = Some(0.5);
+    open.quiet(1);
+    open.heading = Some(0.0);
+    let (steps, _) = open.until(Action::AcceptSlip, Reason::Demanded);
+    assert!(at(steps, 251), "{steps}");
+    // an accepted slip is no setpoint for the way back out of soft ground
+    let mut settings = settings();
+    settings.limits_slip = true;
+    (settings.gain, settings.integral_gain, settings.crawl) = (0.0, 0.0, 0.0);
+    let mut open = OpenLoop::new(&settings);
+    open.each(|wheel| (wheel.slip, wheel.forward_speed) = (Some(0.5), Some(1.0)));
+    open.step();
+    open.until(Action::AcceptSlip, Reason::Demanded);
+    open.each(|wheel| wheel.firmness = Some(0.3));
+    open.until(Action::BackOut, Reason::SoftGround);
+    open.speed = Some(-0.1);
+    open.each(|wheel| wheel.forward_speed = Some(-0.01));
+    assert!(close(open.step().commands[0].rim_speed, -0.01 / 0.7));
+}
+
+#[test]
+fn soft_ground_is_judged_anew_after_each_change_of_mode() {
+    let mut settings = settings();
+    (settings.soft_time, settings.soft_back) = (5.0, 0.05);
+    let mut open = OpenLoop::new(&settings);
+    open.each(|wheel| wheel.firmness = Some(0.3));
+    open.step();
+    let (steps, _) = open.until(Action::BackOut, Reason::SoftGround);
+    assert!(at(steps, 125 + 499), "{steps}");
+    back_out(&mut open, 0.1, (Action::Detour, Reason::BackedOut));
+    // a quarter of a metre on its new course, and then the whole time again
+    open.heading = Some(1.2);
+    open.speed = Some(SPEED);
+    let (steps, _) = open.until(Action::BackOut, Reason::SoftGround);
+    assert!(at(steps, 125 + 499), "{steps}");
 }

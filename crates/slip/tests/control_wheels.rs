@@ -387,6 +387,9 @@ fn a_stall_is_a_standing_rim_with_more_than_four_fifths_of_the_torque() {
         (0.003, 0.81, Motion::Driving, true),
         (-0.003, -0.81, Motion::Driving, true),
         (0.003, 0.79, Motion::Driving, false),
+        // at the limits themselves it has not
+        (0.003, 0.8, Motion::Driving, false),
+        (0.004, 0.81, Motion::Driving, false),
         (0.005, 0.81, Motion::Driving, false),
         (0.2, 0.3, Motion::Stall, true),
     ] {
@@ -451,6 +454,7 @@ fn a_rim_that_is_to_stand_has_not_stalled() {
     for (speed, stalls) in [
         (0.0, false),
         (0.0079, false),
+        (0.008, false),
         (0.0081, true),
         (-0.0081, true),
     ] {
@@ -474,6 +478,7 @@ fn without_torque_a_standing_rim_stalls_after_half_a_second() {
         (None, -0.0039, -0.2, Some(50)),
         (None, 0.0041, 0.2, None),
         (None, 0.0, 0.029, None),
+        (None, 0.0, 0.03, None),
         (None, 0.0, 0.031, Some(50)),
         (Some(0.3), 0.0, 0.2, None),
     ] {
@@ -513,6 +518,11 @@ fn a_rim_that_is_measured_against_its_command_sheds_its_torque_after_a_fifth_of_
         (-0.031, 0.3, 0.2, 0.2, true),
         (0.031, -0.3, -0.2, -0.2, true),
         (-0.029, 0.3, 0.2, 0.2, false),
+        (-0.03, 0.3, 0.2, 0.2, false),
+        // a wheel that is to stand, one that does not push, and one whose robot stands
+        (-0.1, 0.3, 0.2, 0.0, false),
+        (-0.1, 0.0, 0.2, 0.2, false),
+        (-0.1, 0.3, 0.0, 0.2, true),
         (0.1, 0.3, 0.2, 0.2, false),
         // it pushes the way that it is measured to turn
         (-0.1, -0.3, 0.2, 0.2, false),
@@ -745,6 +755,8 @@ fn free_wheels_get_no_torque() {
         .with_steering(&[0.0, 0.5]);
     let mut input = OpenLoop::with(controller);
     input.request.yaw_rate = Some(0.1);
+    // its slip is none of the robot's
+    input.wheels[1].slip = Some(0.9);
     let time = |step: i64| step * 10_000_000;
     for step in 0..3 {
         let output = input.controller.step(&ControlInput {
@@ -763,6 +775,10 @@ fn free_wheels_get_no_torque() {
         );
         let angle = (-0.03_f64 / (SPEED - 0.02)).atan();
         assert!(close(output.commands[1].steering_angle, angle));
+        assert!(close(
+            output.slip,
+            smoothed(0.1, 1.0, usize::try_from(step).unwrap())
+        ));
     }
 }
 
@@ -862,10 +878,62 @@ fn absurd_requests_are_limited_or_count_as_none() {
         }),
         SPEED
     );
-    let turned = rim(Request {
-        speed: SPEED,
-        heading: 0.9e6,
-        yaw_rate: None,
-    });
-    assert!((turned - SPEED).abs() > 1e-3);
+    for heading in [0.9e6, -1e6] {
+        let turned = rim(Request {
+            speed: SPEED,
+            heading,
+            yaw_rate: None,
+        });
+        assert!((turned - SPEED).abs() > 1e-3, "{heading}");
+    }
+}
+
+#[test]
+fn a_motors_limits_of_time_are_inclusive() {
+    // steps whose sums are exact: 0.01 + 0.02, 8/16 and 2 · 0.1 s
+    for (rim, torque, forward, steps_ns, reason) in [
+        (
+            0.0,
+            Some(0.9),
+            0.2,
+            &[10_000_000, 20_000_000][..],
+            Reason::Stall,
+        ),
+        (0.0, None, 0.2, &[62_500_000; 8], Reason::Stall),
+        (
+            -0.1,
+            Some(0.3),
+            0.2,
+            &[100_000_000; 2],
+            Reason::EncoderReversed,
+        ),
+    ] {
+        let mut settings = direct();
+        settings.limits_slip = false;
+        let mut open = OpenLoop::new(&settings);
+        open.run(10);
+        open.wheels[1].rim_speed = Some(rim);
+        open.wheels[1].torque_share = torque;
+        open.wheels[1].forward_speed = Some(forward);
+        let (last, before) = steps_ns.split_last().unwrap();
+        for passed_ns in before {
+            assert_eq!(open.after(*passed_ns).decision, None);
+        }
+        assert_eq!(open.after(*last).decision.unwrap().reason, reason);
+    }
+}
+
+#[test]
+fn another_optimum_is_the_setpoint_from_then_on() {
+    let mut settings = direct();
+    settings.integral_gain = 0.0;
+    let mut open = OpenLoop::new(&settings);
+    open.each(|wheel| (wheel.slip, wheel.forward_speed) = (Some(0.5), Some(0.05)));
+    open.step();
+    open.controller.set_optimum(0.5).unwrap();
+    assert!(all_close(rims(&open.step().commands), 0.1));
+    for optimum in [0.0, 1.0, f64::NAN] {
+        assert!(open.controller.set_optimum(optimum).is_err());
+    }
+    assert_eq!(open.controller.settings().optimum, 0.5);
 }

@@ -28,6 +28,7 @@ pub(crate) struct Last {
 pub(crate) struct OpenLoop {
     pub(crate) controller: Controller,
     pub(crate) time_ns: i64,
+    pub(crate) period_ns: i64,
     pub(crate) wheels: [WheelObservation; 4],
     pub(crate) speed: Option<f64>,
     pub(crate) heading: Option<f64>,
@@ -62,6 +63,7 @@ impl OpenLoop {
         Self {
             controller,
             time_ns: 0,
+            period_ns: 10_000_000,
             wheels: [rolling(); 4],
             speed: Some(SPEED),
             heading: Some(0.0),
@@ -102,10 +104,10 @@ impl OpenLoop {
 
     /// One step after a period.
     pub(crate) fn step(&mut self) -> Last {
-        self.after(10_000_000)
+        self.after(self.period_ns)
     }
 
-    /// So many steps; gives the last one.
+    /// Several steps; gives the last one.
     pub(crate) fn run(&mut self, steps: usize) -> Last {
         (0..steps).map(|_| self.step()).last().unwrap()
     }
