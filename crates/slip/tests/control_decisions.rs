@@ -1169,7 +1169,7 @@ fn exact() -> OpenLoop {
         settings.soft_time,
     ) = (0.5, 0.5, 0.5);
     (settings.traverse_length, settings.back_length) = (2.0, 0.5);
-    settings.blind_time = 0.5;
+    (settings.blind_time, settings.soft_across) = (0.5, 2.0);
     let mut open = OpenLoop::new(&settings);
     open.period_ns = 15_625_000;
     open.step();
@@ -1189,12 +1189,11 @@ fn limits_of_time_and_way_are_inclusive_and_those_of_silence_and_turning_are_not
     open.each(|wheel| wheel.slip = Some(0.1));
     open.speed = Some(-0.0625);
     assert_eq!(open.until(Action::Detour, Reason::BackedOut).0, 1024);
-    // and aside by 2.2 m: straight across, 1/32 m a step of exactly sin π/2
+    // and aside by 2 m: straight across, 1/32 m a step of exactly sin π/2
     open.heading = Some(std::f64::consts::FRAC_PI_2);
     open.speed = Some(2.0);
     let (steps, decision) = open.until(Action::Resume, Reason::ClearedSoftGround);
-    assert_eq!(steps, 71);
-    assert!(decision.value >= 2.2);
+    assert_eq!((steps, decision.value), (64, 2.0));
     // a second after the start, not later
     let mut open = exact();
     open.speed = Some(0.0);
@@ -1236,6 +1235,15 @@ fn limits_of_time_and_way_are_inclusive_and_those_of_silence_and_turning_are_not
         open.until(Action::Resume, Reason::SlipRegained).0,
         low + 160
     );
+    // half a second of silence is not more than half a second
+    let mut open = exact();
+    open.speed = None;
+    let (steps, decision) = open.until(Action::End(Ending::SensorsLost), Reason::SensorTimeout);
+    assert_eq!((steps, decision.value), (33, 33.0 / 64.0));
+}
+
+#[test]
+fn limits_of_time_and_way_on_a_slope_and_while_backing_out_are_exact_too() {
     // a leg of 2 m on a slope, and a turn that takes more than 12 s
     let mut open = exact();
     open.pitch = Some(-0.3);
@@ -1270,11 +1278,29 @@ fn limits_of_time_and_way_are_inclusive_and_those_of_silence_and_turning_are_not
     // a high slip for half a second after the mode's first one
     high.each(|wheel| wheel.slip = Some(0.85));
     assert_eq!(high.until(Action::Traverse, Reason::SlipHigh).0, 64 + 31);
-    // half a second of silence is not more than half a second
-    let mut open = exact();
-    open.speed = None;
-    let (steps, decision) = open.until(Action::End(Ending::SensorsLost), Reason::SensorTimeout);
-    assert_eq!((steps, decision.value), (33, 33.0 / 64.0));
+    // on a slope, half a second of digging or of standing
+    for (slip, speed) in [(0.95, SPEED), (0.7, 0.0)] {
+        let mut open = exact();
+        open.pitch = Some(-0.3);
+        open.request.speed = 0.0;
+        open.each(|wheel| wheel.slip = Some(slip));
+        open.quiet(400);
+        (open.request.speed, open.speed) = (SPEED, Some(speed));
+        assert_eq!(open.until(Action::Traverse, Reason::DiggingIn).0, 32);
+    }
+    // standing for more than 10 s while it backs out; backing out for more than 8 · 1 m over 0.125 m/s
+    let mut slow = *exact().controller.settings();
+    slow.back_speed = 0.5;
+    for (speed, steps) in [(0.0, 640), (-0.0051, 4096)] {
+        let mut open = OpenLoop::new(&slow);
+        open.period_ns = 15_625_000;
+        open.request.speed = 0.25;
+        open.step();
+        dig(&mut open);
+        open.speed = Some(speed);
+        let end = Action::End(Ending::Immobilised);
+        assert_eq!(open.until(end, Reason::NoProgress).0, steps + 1);
+    }
 }
 
 #[test]

@@ -937,3 +937,23 @@ fn another_optimum_is_the_setpoint_from_then_on() {
     }
     assert_eq!(open.controller.settings().optimum, 0.5);
 }
+
+#[test]
+fn limits_of_a_wheels_loop_are_passed_and_not_only_reached() {
+    // half a second in steps of 1/64 s is not more than half a second
+    let mut open = OpenLoop::new(&direct());
+    open.period_ns = 15_625_000;
+    open.step();
+    open.wheels[1].slip = Some(0.8);
+    open.wheels[1].forward_speed = Some(0.05);
+    assert_eq!(open.until(Action::ReduceTorque, Reason::SlipHigh).0, 33);
+    open.wheels[1].slip = Some(0.25);
+    assert_eq!(open.until(Action::RaiseTorque, Reason::SlipRegained).0, 33);
+    // a limit that is the requested speed limits nothing: 0.1/(1 − 0.5) m/s
+    let mut settings = direct();
+    (settings.optimum, settings.gain, settings.integral_gain) = (0.5, 0.0, 0.5);
+    let mut open = OpenLoop::new(&settings);
+    open.each(|wheel| (wheel.slip, wheel.forward_speed) = (Some(0.7), Some(0.1)));
+    open.step();
+    assert!(all_close(rims(&open.quiet(200).commands), SPEED));
+}
