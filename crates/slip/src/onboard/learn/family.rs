@@ -174,9 +174,8 @@ impl SoilFamily {
 
     /// The known soil itself.
     pub(super) fn known(&self) -> Option<&SoilMember> {
-        let is_one = |value: f64| (value - 1.0).abs() < f64::EPSILON;
         let mut members = self.members.iter();
-        members.find(|member| is_one(member.strength) && is_one(member.stiffness))
+        members.find(|member| member.strength == 1.0 && member.stiffness == 1.0)
     }
 }
 
@@ -281,5 +280,93 @@ impl SoilMember {
     /// The greatest pull over load.
     pub(super) fn max_pull(&self) -> f64 {
         self.pulls.iter().copied().fold(f64::MIN, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::{format, vec::Vec};
+
+    use super::*;
+    use crate::robot::Wheel;
+
+    /// The family on dry sand of wheels at (x, y) under a load (N), the free ones with a width of 0.05 m.
+    fn family(wheels: &[(f64, f64, f64, bool)]) -> SoilFamily {
+        let setups: Vec<WheelSetup> = (wheels.iter())
+            .map(|(_, _, load, is_free)| WheelSetup {
+                load: *load,
+                max_torque: (!is_free).then_some(10.0),
+                ..WheelSetup::default()
+            })
+            .collect();
+        let wheels = wheels
+            .iter()
+            .enumerate()
+            .map(|(index, (x, y, _, is_free))| {
+                let name = format!("wheel {index}");
+                let wheel = if *is_free {
+                    Wheel::free(name).width(0.05)
+                } else {
+                    Wheel::powered(name).width(0.1)
+                };
+                wheel.at(*x, *y).radius(0.1)
+            });
+        let robot = Robot::new("cart".into(), wheels.collect()).expect("a robot");
+        let sand = grouser_terra::catalogue::find("dry-sand").expect("a soil");
+        SoilFamily::solve(&robot, &setups, &sand.soil().expect("a soil")).expect("a family")
+    }
+
+    const FRONT: [(f64, f64, f64, bool); 2] = [(0.3, 0.2, 50.0, false), (0.3, -0.2, 50.0, false)];
+
+    fn with_free(loads: &[f64]) -> SoilFamily {
+        let free = loads.iter().enumerate();
+        let free = free.map(|(index, load)| (-0.3, index as f64, *load, true));
+        family(&FRONT.into_iter().chain(free).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn wheels_that_lead_sink_under_their_own_mean_load() {
+        // 40 and 60 N in front, and a wheel in the rut of one of them that does not count
+        let wheels = [
+            (0.3, 0.2, 40.0, false),
+            (0.3, -0.2, 60.0, false),
+            (-0.3, 0.2, 80.0, false),
+        ];
+        for (found, expected) in family(&wheels)
+            .members()
+            .iter()
+            .zip(family(&FRONT).members())
+        {
+            assert_eq!(found.sinkages, expected.sinkages);
+            assert!(found.pulls != expected.pulls);
+        }
+    }
+
+    #[test]
+    fn free_wheels_take_their_resistance_from_the_pull() {
+        let (none, one, two) = (family(&FRONT), with_free(&[20.0]), with_free(&[20.0, 20.0]));
+        for index in 0..LEVELS {
+            let [none, one, two] = [&none, &one, &two].map(|family| family.members()[index]);
+            // N: the powered wheels' pull less that of all wheels
+            let resistance = |of: &SoilMember, load: f64, slip: usize| {
+                100.0 * none.pulls[slip] - load * of.pulls[slip]
+            };
+            let first = resistance(&one, 120.0, 0);
+            assert!(first > 0.0, "{first} N");
+            for slip in 0..SLIP_POINTS {
+                assert!((resistance(&one, 120.0, slip) - first).abs() < 1e-9);
+                assert!((resistance(&two, 140.0, slip) - 2.0 * first).abs() < 1e-9);
+            }
+            assert_eq!((one.torques, one.sinkages), (none.torques, none.sinkages));
+        }
+        // a wheel that carries nothing is no wheel of the model
+        for load in [0.0, MIN_LOAD_N] {
+            assert_eq!(
+                with_free(&[load]).members()[0].pulls,
+                none.members()[0].pulls
+            );
+        }
+        let known = none.known().expect("the known soil");
+        assert_eq!((known.strength, known.stiffness), (1.0, 1.0));
     }
 }
