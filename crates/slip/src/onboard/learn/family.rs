@@ -369,4 +369,54 @@ mod tests {
         let known = none.known().expect("the known soil");
         assert_eq!((known.strength, known.stiffness), (1.0, 1.0));
     }
+
+    /// A member whose pull is `at_rest` and rises by `rise` for each unit of slip.
+    fn linear(at_rest: f64, rise: f64) -> SoilMember {
+        SoilMember {
+            strength: 1.0,
+            stiffness: 1.0,
+            pulls: core::array::from_fn(|index| at_rest + rise * slip_at(index)),
+            torques: [0.0; SLIP_POINTS],
+            sinkages: [0.0; SLIP_POINTS],
+        }
+    }
+
+    #[test]
+    fn a_pull_has_the_slip_of_its_line() {
+        let member = linear(-0.1, 0.5);
+        for slip in [MIN_SLIP, 0.0, 0.123, 0.5, 0.999, 1.0] {
+            let pull = -0.1 + 0.5 * slip;
+            let (found, rise) = member.slip_of_pull(pull).expect("a slip");
+            assert!((found - slip).abs() < 1e-9, "{slip}: {found}");
+            assert!((rise - 0.5).abs() < 1e-9);
+            let (value, rise) = value_at(&member.pulls, slip);
+            assert!((value - pull).abs() < 1e-9 && (rise - 0.5).abs() < 1e-9);
+        }
+        // less pull than the least has the least slip, more than the greatest has none
+        let (least, rise) = member.slip_of_pull(-9.0).expect("a slip");
+        assert!((least - MIN_SLIP).abs() < 1e-9 && (rise - 0.5).abs() < 1e-9);
+        assert_eq!(member.slip_of_pull(0.41), None);
+        assert!((member.max_pull() - 0.4).abs() < 1e-9);
+        assert!((linear(0.3, -0.2).max_pull() - (0.3 - 0.2 * MIN_SLIP)).abs() < 1e-9);
+        // a table ends at its ends
+        for (slip, end) in [(7.0, 0.4), (-7.0, -0.3)] {
+            assert!((value_at(&member.pulls, slip).0 - end).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_free_wheel_that_the_soil_does_not_turn_slides() {
+        let wheel = Wheel::free("free").radius(0.1);
+        let rigid = wheel.rigid(0.05).expect("a wheel");
+        let sand = grouser_terra::catalogue::find("dry-sand").expect("a soil");
+        let sand = sand.soil().expect("a soil");
+        let contact = WheelOnSoil::new(rigid, sand, LawSettings::default()).expect("a contact");
+        let locked = Kinematics::straight(Slip::new(-1.0).expect("a slip"));
+        let found = contact.under_load(20.0, &locked).expect("a load");
+        let resistance = -found.point().expect("a sinkage").forces.drawbar_pull;
+        let sliding = free_resistance((rigid, 20.0, 1e3), &sand).expect("a resistance");
+        let rolling = free_resistance((rigid, 20.0, 0.0), &sand).expect("a resistance");
+        assert_eq!(sliding, resistance);
+        assert!(0.0 < rolling && rolling < sliding, "{rolling}, {sliding} N");
+    }
 }
