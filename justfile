@@ -30,6 +30,10 @@ measured data:
 fuzz target executions="1000000":
     fuzz/run {{target}} {{executions}}
 
+# every mutant of a crate against its fast tests (mutants/README.md): just mutants real, just mutants slip --share 3/50
+mutants crate *options:
+    python3 mutants/run.py {{crate}} {{options}}
+
 # reading of logs beside the mcap crate, decoders of zstd and Python's rosbags
 bench-log:
     cargo run --release --manifest-path bench/log/Cargo.toml

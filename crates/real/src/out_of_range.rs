@@ -99,3 +99,54 @@ impl<Field: Display> Display for OutOfRange<Field> {
 }
 
 impl<Field: Debug + Display> core::error::Error for OutOfRange<Field> {}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::{format, string::ToString};
+
+    use super::*;
+
+    fn check(value: f64, limits: (f64, f64)) -> Result<(), OutOfRange<&'static str>> {
+        OutOfRange::check("load", value, limits, "N")
+    }
+
+    #[test]
+    fn limits_belong_to_the_range_and_nan_does_not() {
+        for value in [-1.0, 0.0, 2.0] {
+            assert!(check(value, (-1.0, 2.0)).is_ok(), "{value}");
+        }
+        for value in [
+            (-1.0_f64).next_down(),
+            2.0_f64.next_up(),
+            f64::NAN,
+            f64::INFINITY,
+        ] {
+            let error = check(value, (-1.0, 2.0)).expect_err("outside");
+            assert_eq!(error.value.to_bits(), value.to_bits());
+            assert_eq!((error.low, error.high), (-1.0, 2.0));
+        }
+        assert!(
+            check(1.0, (2.0, 0.0)).is_err(),
+            "an empty range holds nothing"
+        );
+    }
+
+    #[test]
+    fn a_message_has_value_limits_and_unit() {
+        let both = check(3.0, (-1.0, 2.0)).expect_err("outside");
+        assert_eq!(both.to_string(), "load is 3 N, but must lie in [-1, 2] N");
+        assert_eq!(
+            format!("{both:#}"),
+            "`load` is 3 N, but must lie in [-1, 2] N"
+        );
+        let least = check(-3.0, (0.5, f64::MAX)).expect_err("outside");
+        assert_eq!(
+            least.to_string(),
+            "load is -3 N, but must be at least 0.5 N"
+        );
+        let below = OutOfRange::<&str>::check("share", 3.0, (0.0, 1.0), "1").expect_err("outside");
+        assert_eq!(below.to_string(), "share is 3, but must lie in [0, 1]");
+    }
+}

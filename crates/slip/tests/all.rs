@@ -9,10 +9,13 @@
 mod cart;
 mod four_wheels;
 mod noise;
+mod open_loop;
 mod sane;
 mod world;
 
 mod control;
+mod control_decisions;
+mod control_wheels;
 mod counters;
 mod detect;
 mod estimator;

@@ -139,3 +139,47 @@ proptest! {
         prop_assert!(wrong.is_none(), "{wrong:?} with {control:?}");
     }
 }
+
+/// `check` refuses values beside the limits of every field, which the message names; the limits themselves are legal.
+fn check_limits<S: Copy + Default>(
+    fields: &[Field<S>],
+    check: impl Fn(&S) -> grouser_slip::Result<()>,
+) {
+    for field in fields {
+        let (low, high) = field.limits;
+        for value in [low.next_down(), high.next_up(), f64::NAN] {
+            let mut settings = S::default();
+            field.set(&mut settings, value);
+            assert_eq!(field.get(&settings).to_bits(), value.to_bits());
+            let refused = check(&settings).unwrap_err().to_string();
+            assert!(refused.contains(field.name), "{}: {refused}", field.name);
+        }
+        for value in [low, high] {
+            let mut settings = S::default();
+            field.set(&mut settings, value);
+            assert!(field.check("settings", &settings).is_ok());
+        }
+        let mut settings = S::default();
+        field.set_from_file(&mut settings, 0.5);
+        let expected = match field.key {
+            Some(key) if key.ends_with("_deg") || key.contains("_deg_") => 0.5_f64.to_radians(),
+            _ => 0.5,
+        };
+        assert!(
+            (field.get(&settings) - expected).abs() < 1e-15,
+            "{}",
+            field.name
+        );
+    }
+}
+
+#[test]
+fn what_is_outside_a_limit_is_refused_by_name() {
+    check_limits(ControlSettings::FIELDS, ControlSettings::check);
+    check_limits(FilterSettings::FIELDS, FilterSettings::check);
+    check_limits(WindowSettings::FIELDS, WindowSettings::check);
+    check_limits(DetectSettings::FIELDS, DetectSettings::check);
+    let mut settings = ControlSettings::default();
+    (settings.level, settings.steep) = (0.1, 0.05);
+    assert!(settings.check().unwrap_err().to_string().contains("level"));
+}

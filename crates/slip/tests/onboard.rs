@@ -1,12 +1,13 @@
 //! The robot's computer: it allocates nothing, remembers across a restart, and refuses to drive on a wrong description.
 
-use grouser_slip::control::Request;
+use grouser_slip::control::{Action, Ending, Mode, Request};
 use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::onboard::{
-    OnBoard, OnBoardSettings, SoilFamily, SoilLearnSettings, SoilTables, StartPolicy,
+    CarrierLink, OnBoard, OnBoardSettings, SoilFamily, SoilLearnSettings, SoilTables, StartPolicy,
+    WheelCarrier,
 };
 use grouser_slip::prior::SoilDoubt;
-use grouser_slip::{Measured, Measurement, Robot, Sample, Wheel};
+use grouser_slip::{Measured, Measurement, Motion, Robot, Sample, Wheel};
 use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 /// Rows and ticks come this often, ns.
@@ -292,4 +293,142 @@ fn what_does_not_exist_changes_nothing() {
     let mut short = settings(&robot);
     short.wheels.pop();
     assert!(OnBoard::new(&robot, short).is_err());
+}
+
+/// Rows from `from` to `to` with an upright robot and a tick after each.
+fn drive(on_board: &mut OnBoard, (from, to): (i64, i64), mut after: impl FnMut(&mut OnBoard, i64)) {
+    for index in from..to {
+        row(on_board, index, [0.0, 0.0, EARTH_GRAVITY_M_PER_S2], 0.0);
+        after(on_board, index * PERIOD_NS);
+        on_board.tick(index * PERIOD_NS, request());
+    }
+}
+
+#[test]
+fn poses_reach_the_filter_where_they_are_used_and_nowhere_else() {
+    for uses_poses in [true, false] {
+        let robot = robot();
+        let mut settings = settings(&robot);
+        settings.uses_poses = uses_poses;
+        let mut on_board = OnBoard::new(&robot, settings).unwrap();
+        drive(&mut on_board, (0, 400), |_, _| ());
+        let before = on_board.estimate().rejected.total();
+        // the filter refuses it and counts that
+        let (x, y, yaw) = (f64::NAN, 0.0, 0.0);
+        on_board.update(Sample {
+            time_ns: 400 * PERIOD_NS,
+            measurement: Measurement::Pose { x, y, yaw },
+        });
+        let refused = on_board.estimate().rejected.total() - before;
+        assert_eq!(refused > 0, uses_poses);
+    }
+}
+
+#[test]
+fn a_decision_is_that_of_the_last_tick() {
+    let robot = robot();
+    let mut on_board = OnBoard::new(&robot, settings(&robot)).unwrap();
+    drive(&mut on_board, (0, 300), |_, _| ());
+    assert_eq!(on_board.decision(), None);
+    // it falls on its side
+    let mut ends = Vec::new();
+    for index in 300..1500 {
+        row(
+            &mut on_board,
+            index,
+            [0.0, EARTH_GRAVITY_M_PER_S2, 0.0],
+            0.0,
+        );
+        on_board.tick(index * PERIOD_NS, request());
+        ends.extend(
+            on_board
+                .decision()
+                .map(|decision| (decision.time_ns, decision.action)),
+        );
+    }
+    let tipping = Action::End(Ending::Tipping);
+    let end = ends.iter().find(|(_, action)| *action == tipping).unwrap();
+    assert_eq!(on_board.mode(), Mode::Stopped);
+    assert_eq!(on_board.decision(), None);
+    assert!(end.0 > 300 * PERIOD_NS && ends.last().unwrap().1 == tipping);
+}
+
+#[test]
+fn a_joint_that_turns_a_rocker_turns_its_wheel() {
+    // the rocker turns nose down at 0.25 rad/s: its wheel of 0.1 m rolls 0.025 m/s faster than its encoder counts
+    let rim_speed = |rate: f64| {
+        let robot = robot();
+        let mut settings = settings(&robot);
+        let link = CarrierLink {
+            joint: 1,
+            sign: 1.0,
+            pivot: [0.2, 0.1],
+        };
+        settings.wheels[0].carrier = WheelCarrier::on_chassis([0.2, 0.1]).with_link(link);
+        let mut on_board = OnBoard::new(&robot, settings).unwrap();
+        drive(&mut on_board, (0, 600), |on_board, time_ns| {
+            let measurement = Measurement::JointAngle {
+                joint: 1,
+                angle: rate * time_ns as f64 * 1e-9,
+            };
+            on_board.update(Sample {
+                time_ns,
+                measurement,
+            });
+        });
+        on_board.estimate().wheels[0].rim_speed.unwrap().value
+    };
+    let faster = rim_speed(0.25) - rim_speed(0.0);
+    assert!((faster - 0.025).abs() < 0.003, "{faster}");
+}
+
+#[test]
+fn a_standing_wheel_with_four_fifths_of_its_greatest_torque_has_stalled() {
+    for (share, stalls) in [(0.85, true), (0.75, false)] {
+        let robot = robot();
+        let mut on_board = OnBoard::new(&robot, settings(&robot)).unwrap();
+        // all stand; the left wheel pushes
+        for index in 0..200 {
+            let time_ns = index * PERIOD_NS;
+            let current = Measurement::MotorCurrent { wheel: 0, share };
+            let force = [0.0, 0.0, EARTH_GRAVITY_M_PER_S2];
+            let inertial = Measurement::Inertial {
+                force,
+                rate: [0.0; 3],
+            };
+            let counts = [0, 1, 2].map(|wheel| Measurement::WheelCount { wheel, raw: 0 });
+            for measurement in counts.into_iter().chain([current, inertial]) {
+                on_board.update(Sample {
+                    time_ns,
+                    measurement,
+                });
+            }
+            on_board.tick(time_ns, request());
+        }
+        let motion = on_board.observations()[0].motion;
+        assert_eq!(motion == Some(Motion::Stall), stalls, "{share}: {motion:?}");
+        assert_eq!(on_board.observations()[0].torque_share, Some(share));
+    }
+}
+
+#[test]
+fn without_wheels_it_knows_no_speed() {
+    let robot = robot();
+    let mut on_board = OnBoard::new(&robot, settings(&robot)).unwrap();
+    assert_eq!(on_board.speed(), None);
+    drive(&mut on_board, (0, 500), |_, _| ());
+    assert!((on_board.speed().unwrap() - 0.25).abs() < 0.03);
+    for index in 500..800 {
+        let force = [0.0, 0.0, EARTH_GRAVITY_M_PER_S2];
+        let measurement = Measurement::Inertial {
+            force,
+            rate: [0.0; 3],
+        };
+        on_board.update(Sample {
+            time_ns: index * PERIOD_NS,
+            measurement,
+        });
+        on_board.tick(index * PERIOD_NS, request());
+    }
+    assert_eq!(on_board.speed(), None);
 }

@@ -433,3 +433,14 @@ fn ends_without_limit_and_intervals_without_numbers() {
     assert!(i(f64::MAX, f64::MAX).powi(2).high().is_infinite());
     assert!((Interval::ENTIRE - Interval::ENTIRE) == Interval::ENTIRE);
 }
+
+#[test]
+fn ends_that_are_0_belong_to_both_signs() {
+    let zero = Interval::point(0.0);
+    // the origin has no angle, and just below the negative axis the angle is −π
+    assert!(zero.crosses_branch_cut(zero));
+    assert!(Interval::new(-1.0, 0.0).crosses_branch_cut(Interval::new(-1.0, 1.0)));
+    assert!(!Interval::new(-1.0, 1.0).crosses_branch_cut(Interval::new(0.1, 1.0)));
+    // no power of what is not negative is
+    assert_eq!(Interval::new(0.0, 2.0).powi(3).low, 0.0);
+}

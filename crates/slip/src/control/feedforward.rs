@@ -23,7 +23,8 @@ impl Feedforward {
         slip: Option<f64>,
         step: f64,
     ) {
-        let setpoint = if motion.stopped || motion.speed == 0.0 || !motion.limits_slip {
+        // a robot that stops, rests or turns on the spot limits no slip
+        let setpoint = if !motion.limits_slip {
             0.0
         } else if let Some(slip) = slip {
             let max_slip = settings.max_feedforward / (1.0 + settings.max_feedforward);

@@ -256,4 +256,16 @@ mod tests {
         filter.set_heading(-1.0);
         assert_eq!(filter.heading(), -1.0);
     }
+
+    #[test]
+    fn readings_at_the_end_of_their_range_count() {
+        let mut filter = AttitudeFilter::new(0.0, MAX_FORCE_M_PER_S2);
+        filter.update(0, [MAX_FORCE_M_PER_S2, 0.0, 0.0], [0.0; 3]);
+        assert!((filter.pitch() + core::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        let mut filter = AttitudeFilter::new(0.0, 10.0);
+        for time_ns in [0, 10_000_000] {
+            filter.update(time_ns, FALLING, [0.0, 0.0, MAX_RATE_RAD_PER_S]);
+        }
+        assert!((filter.heading() - 1.0).abs() < 1e-12);
+    }
 }

@@ -137,7 +137,7 @@ impl Joint {
             return;
         }
         self.last_ns = Some(time_ns);
-        if !(passed > 0.0 && passed <= MAX_GAP_S) {
+        if !(0.0..=MAX_GAP_S).contains(&passed) {
             self.angle = angle;
             self.rate = 0.0;
             return;
@@ -296,6 +296,19 @@ mod tests {
         }
         let (angle, rate) = joint(&carriers);
         assert!((angle - 0.795).abs() < 1e-9 && (rate - 0.5).abs() < 1e-9);
+        // the wheel turns with its link and with the chassis
+        let rocker = CarrierLink {
+            joint: 2,
+            sign: 1.0,
+            pivot: [0.0, 0.2],
+        };
+        carriers.wheels[0] = WheelCarrier::on_chassis([0.3, 0.2]).with_link(rocker);
+        for sample in carriers.samples(7, 0.25) {
+            let Measurement::Carrier { wheel: 0, turn, .. } = sample.measurement else {
+                panic!("{sample:?}")
+            };
+            assert!(sample.time_ns == 7 && (turn - 0.75).abs() < 1e-9);
+        }
         // a reading of the same time, one that is no number and a joint that does not exist change nothing
         carriers.update(990_000_000, 2, 7.0);
         carriers.update(1_000_000_000, 2, f64::NAN);

@@ -172,6 +172,10 @@ mod tests {
         assert!((found.unwrap() - kept).abs() < 1e-12);
         let at_least = firmness.update(1, (Some(1.0), Some(MIN_SLIP)), soil(1.0), STEP_S);
         assert!(at_least.is_some());
+        // 0.02 of 60 N m itself
+        let mut at_limit = Firmness::new(&[Some([1.2; TORQUE_POINTS])], &[Some(60.0)]);
+        let found = at_limit.update(0, (Some(1.0), Some(0.25)), soil(1.0), STEP_S);
+        assert!(found.is_some());
         for without in [0, 2] {
             let found = firmness.update(without, (Some(1.0), Some(0.3)), soil(1.0), STEP_S);
             assert_eq!(found, None);
@@ -183,6 +187,9 @@ mod tests {
         for usual in [0.5, 1.5] {
             let mut firmness = wheel();
             let slip = Some(1.0);
+            // a first tick has no length
+            let torque = (Some(9.0), slip);
+            assert_eq!(firmness.update(1, torque, Compared::Before, 0.0), None);
             let mut update = |ratio: f64| {
                 let torque = Some(ratio * expected(1.0));
                 firmness.update(1, (torque, slip), Compared::Before, STEP_S)

@@ -214,10 +214,8 @@ impl Supervisor {
             step,
         };
         let (slip, soft, recovery) = (&mut self.slip, &mut self.soft_ground, &mut self.recovery);
-        match &mut self.mode {
-            ModeState::BackOut(mode) => return mode.decide(&view, recovery),
-            ModeState::Stopped => return None,
-            _ => {}
+        if let ModeState::BackOut(mode) = &self.mode {
+            return mode.decide(&view, recovery);
         }
         // in every mode that goes ahead soft ground comes first
         if let Some(transition) = recovery.leave_soft_ground(&view, slip, soft) {

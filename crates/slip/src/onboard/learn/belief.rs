@@ -211,4 +211,11 @@ mod tests {
             );
         }
     }
+
+    #[test]
+    fn without_any_weight_an_interval_ends_above_the_last_cell() {
+        let none = interval(&[0.5, 1.0, 3.0], &[0.0; 3]);
+        assert_eq!((none.low, none.high), (none.high, none.low));
+        assert!((none.low - 3.0 * 3.0_f64.sqrt()).abs() < 1e-12);
+    }
 }

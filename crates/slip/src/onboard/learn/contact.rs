@@ -266,9 +266,58 @@ mod tests {
             one.tick(true);
         }
         assert!(one.take().is_some());
+        // one more is
+        one.add(0, ContactKind::Sinkage, 0.03).expect("possible");
+        for _ in 0..STUCK_READINGS - 1 {
+            one.add(0, ContactKind::Sinkage, 0.03).expect("possible");
+            one.tick(true);
+        }
+        assert_eq!((one.take(), one.stuck), (None, 2));
+        // what was begun and is discarded is no reading
+        one.add(0, ContactKind::Sinkage, 0.05).expect("possible");
+        one.tick(true);
+        one.add(0, ContactKind::Sinkage, 0.06).expect("possible");
+        one.discard();
+        one.tick(true);
+        assert_eq!(one.take(), None);
         // while the robot turns nothing counts
         one.add(0, ContactKind::Sinkage, 0.04).expect("possible");
         one.tick(false);
         assert_eq!(one.take(), None);
+    }
+
+    #[test]
+    fn entry_angles_within_four_sigma_of_a_quarter_turn_are_readings() {
+        let noise = MAX_NOISE_SIGMA * SoilLearnSettings::default().entry_angle_sigma;
+        let mut one = readings();
+        for (value, is_taken) in [
+            (MAX_ENTRY_ANGLE_RAD + 0.99 * noise, true),
+            (MAX_ENTRY_ANGLE_RAD + 1.01 * noise, false),
+            (-0.99 * noise, true),
+            (-1.01 * noise, false),
+            (0.5 * noise, true),
+        ] {
+            let added = one.add(0, ContactKind::EntryAngle, value);
+            assert_eq!(added.is_ok(), is_taken, "{value}");
+        }
+    }
+
+    #[test]
+    fn a_wheel_leads_unless_half_of_both_widths_lies_in_a_track_ahead() {
+        let wheel = |x, y, width| Wheel::powered("wheel").at(x, y).width(width);
+        let front = wheel(0.3, 0.2, 0.1);
+        // 0.15 m between the middles of wheels of 0.1 and 0.2 m
+        for (y, is_in_rut) in [
+            (0.2, true),
+            (0.349, true),
+            (0.051, true),
+            (0.351, false),
+            (0.049, false),
+        ] {
+            let rear = wheel(-0.3, y, 0.2);
+            let wheels = [front.clone(), rear.clone()];
+            assert!(leads(&front, &wheels));
+            assert_eq!(leads(&rear, &wheels), !is_in_rut, "{y}");
+        }
     }
 }

@@ -174,9 +174,8 @@ impl SoilFamily {
 
     /// The known soil itself.
     pub(super) fn known(&self) -> Option<&SoilMember> {
-        let is_one = |value: f64| (value - 1.0).abs() < f64::EPSILON;
         let mut members = self.members.iter();
-        members.find(|member| is_one(member.strength) && is_one(member.stiffness))
+        members.find(|member| member.strength == 1.0 && member.stiffness == 1.0)
     }
 }
 
@@ -281,5 +280,143 @@ impl SoilMember {
     /// The greatest pull over load.
     pub(super) fn max_pull(&self) -> f64 {
         self.pulls.iter().copied().fold(f64::MIN, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::{format, vec::Vec};
+
+    use super::*;
+    use crate::robot::Wheel;
+
+    /// The family on dry sand of wheels at (x, y) under a load (N), the free ones with a width of 0.05 m.
+    fn family(wheels: &[(f64, f64, f64, bool)]) -> SoilFamily {
+        let setups: Vec<WheelSetup> = (wheels.iter())
+            .map(|(_, _, load, is_free)| WheelSetup {
+                load: *load,
+                max_torque: (!is_free).then_some(10.0),
+                ..WheelSetup::default()
+            })
+            .collect();
+        let wheels = wheels
+            .iter()
+            .enumerate()
+            .map(|(index, (x, y, _, is_free))| {
+                let name = format!("wheel {index}");
+                let wheel = if *is_free {
+                    Wheel::free(name).width(0.05)
+                } else {
+                    Wheel::powered(name).width(0.1)
+                };
+                wheel.at(*x, *y).radius(0.1)
+            });
+        let robot = Robot::new("cart".into(), wheels.collect()).expect("a robot");
+        let sand = grouser_terra::catalogue::find("dry-sand").expect("a soil");
+        SoilFamily::solve(&robot, &setups, &sand.soil().expect("a soil")).expect("a family")
+    }
+
+    const FRONT: [(f64, f64, f64, bool); 2] = [(0.3, 0.2, 50.0, false), (0.3, -0.2, 50.0, false)];
+
+    fn with_free(loads: &[f64]) -> SoilFamily {
+        let free = loads.iter().enumerate();
+        let free = free.map(|(index, load)| (-0.3, index as f64, *load, true));
+        family(&FRONT.into_iter().chain(free).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn wheels_that_lead_sink_under_their_own_mean_load() {
+        // 40 and 60 N in front, and a wheel in the rut of one of them that does not count
+        let wheels = [
+            (0.3, 0.2, 40.0, false),
+            (0.3, -0.2, 60.0, false),
+            (-0.3, 0.2, 80.0, false),
+        ];
+        for (found, expected) in family(&wheels)
+            .members()
+            .iter()
+            .zip(family(&FRONT).members())
+        {
+            assert_eq!(found.sinkages, expected.sinkages);
+            assert!(found.pulls != expected.pulls);
+        }
+    }
+
+    #[test]
+    fn free_wheels_take_their_resistance_from_the_pull() {
+        let (none, one, two) = (family(&FRONT), with_free(&[20.0]), with_free(&[20.0, 20.0]));
+        for index in 0..LEVELS {
+            let [none, one, two] = [&none, &one, &two].map(|family| family.members()[index]);
+            // N: the powered wheels' pull less that of all wheels
+            let resistance = |of: &SoilMember, load: f64, slip: usize| {
+                100.0 * none.pulls[slip] - load * of.pulls[slip]
+            };
+            let first = resistance(&one, 120.0, 0);
+            assert!(first > 0.0, "{first} N");
+            for slip in 0..SLIP_POINTS {
+                assert!((resistance(&one, 120.0, slip) - first).abs() < 1e-9);
+                assert!((resistance(&two, 140.0, slip) - 2.0 * first).abs() < 1e-9);
+            }
+            assert_eq!((one.torques, one.sinkages), (none.torques, none.sinkages));
+        }
+        // a wheel that carries nothing is no wheel of the model
+        for load in [0.0, MIN_LOAD_N] {
+            assert_eq!(
+                with_free(&[load]).members()[0].pulls,
+                none.members()[0].pulls
+            );
+        }
+        let known = none.known().expect("the known soil");
+        assert_eq!((known.strength, known.stiffness), (1.0, 1.0));
+    }
+
+    /// A member whose pull is `at_rest` and rises by `rise` for each unit of slip.
+    fn linear(at_rest: f64, rise: f64) -> SoilMember {
+        SoilMember {
+            strength: 1.0,
+            stiffness: 1.0,
+            pulls: core::array::from_fn(|index| at_rest + rise * slip_at(index)),
+            torques: [0.0; SLIP_POINTS],
+            sinkages: [0.0; SLIP_POINTS],
+        }
+    }
+
+    #[test]
+    fn a_pull_has_the_slip_of_its_line() {
+        let member = linear(-0.1, 0.5);
+        for slip in [MIN_SLIP, 0.0, 0.123, 0.5, 0.999, 1.0] {
+            let pull = -0.1 + 0.5 * slip;
+            let (found, rise) = member.slip_of_pull(pull).expect("a slip");
+            assert!((found - slip).abs() < 1e-9, "{slip}: {found}");
+            assert!((rise - 0.5).abs() < 1e-9);
+            let (value, rise) = value_at(&member.pulls, slip);
+            assert!((value - pull).abs() < 1e-9 && (rise - 0.5).abs() < 1e-9);
+        }
+        // less pull than the least has the least slip, more than the greatest has none
+        let (least, rise) = member.slip_of_pull(-9.0).expect("a slip");
+        assert!((least - MIN_SLIP).abs() < 1e-9 && (rise - 0.5).abs() < 1e-9);
+        assert_eq!(member.slip_of_pull(0.41), None);
+        assert!((member.max_pull() - 0.4).abs() < 1e-9);
+        assert!((linear(0.3, -0.2).max_pull() - (0.3 - 0.2 * MIN_SLIP)).abs() < 1e-9);
+        // a table ends at its ends
+        for (slip, end) in [(7.0, 0.4), (-7.0, -0.3)] {
+            assert!((value_at(&member.pulls, slip).0 - end).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_free_wheel_that_the_soil_does_not_turn_slides() {
+        let wheel = Wheel::free("free").radius(0.1);
+        let rigid = wheel.rigid(0.05).expect("a wheel");
+        let sand = grouser_terra::catalogue::find("dry-sand").expect("a soil");
+        let sand = sand.soil().expect("a soil");
+        let contact = WheelOnSoil::new(rigid, sand, LawSettings::default()).expect("a contact");
+        let locked = Kinematics::straight(Slip::new(-1.0).expect("a slip"));
+        let found = contact.under_load(20.0, &locked).expect("a load");
+        let resistance = -found.point().expect("a sinkage").forces.drawbar_pull;
+        let sliding = free_resistance((rigid, 20.0, 1e3), &sand).expect("a resistance");
+        let rolling = free_resistance((rigid, 20.0, 0.0), &sand).expect("a resistance");
+        assert_eq!(sliding, resistance);
+        assert!(0.0 < rolling && rolling < sliding, "{rolling}, {sliding} N");
     }
 }

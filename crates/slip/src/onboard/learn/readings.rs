@@ -212,3 +212,227 @@ impl SoilReadings {
         Some(now)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec;
+
+    use super::*;
+    use crate::robot::Wheel;
+
+    /// Steps whose sums are exact, s.
+    const STEP_S: f64 = 1.0 / 64.0;
+    const SPEED: f64 = 0.5;
+
+    /// Two powered wheels of 30 and 60 N, 0.2 m aside, and a free one of 10 N.
+    fn readings() -> SoilReadings {
+        let wheels = vec![
+            Wheel::powered("left").at(0.0, 0.2).radius(0.1),
+            Wheel::powered("right").at(0.0, -0.2).radius(0.1),
+            Wheel::free("free").at(-0.3, 0.0).radius(0.1),
+        ];
+        let robot = Robot::new("cart".into(), wheels).expect("a robot");
+        let setup = |load, max_torque| WheelSetup {
+            load,
+            max_torque,
+            ..WheelSetup::default()
+        };
+        let setups = [
+            setup(30.0, Some(8.0)),
+            setup(60.0, Some(8.0)),
+            setup(10.0, None),
+        ];
+        SoilReadings::new(&robot, &setups, &SoilLearnSettings::default())
+    }
+
+    fn wheel(slip: f64, sigma: f64, rim_speed: f64) -> WheelObservation {
+        WheelObservation {
+            slip: Some(slip),
+            sigma: Some(sigma),
+            health: Health::Ok,
+            motion: Some(Motion::Driving),
+            rim_speed: Some(rim_speed),
+            ..WheelObservation::unknown(1.0)
+        }
+    }
+
+    /// What the three wheels show; the free one would spoil every mean.
+    fn seen() -> [WheelObservation; 3] {
+        [
+            wheel(0.2, 0.01, 0.3),
+            wheel(0.5, 0.04, -0.4),
+            wheel(-0.9, 0.9, 9.0),
+        ]
+    }
+
+    const TORQUES: [Option<f64>; 3] = [Some(1.0), Some(2.0), Some(50.0)];
+
+    /// Ticks until a reading comes, and the reading.
+    fn read(
+        readings: &mut SoilReadings,
+        seen: &[WheelObservation; 3],
+        torques: &[Option<f64>; 3],
+        motion: (f64, f64),
+    ) -> Option<(usize, SoilReading)> {
+        (1..400).find_map(|tick| {
+            readings.add_force([1.0, 7.0, 10.0]);
+            let reading = readings.update(seen, torques, motion, STEP_S);
+            reading.map(|reading| (tick, reading))
+        })
+    }
+
+    fn close(a: f64, b: f64) -> bool {
+        (a - b).abs() < 1e-12
+    }
+
+    #[test]
+    fn a_reading_is_the_mean_over_half_a_turn_once_the_soil_is_sheared() {
+        let mut readings = readings();
+        // 0.25 m at 0.5 m/s are 32 steps, the last of which counts; rims of (30 · 0.3 + 60 · 0.4)/90 m/s turn by π
+        let rim = (30.0 * 0.3 + 60.0 * 0.4) / 90.0;
+        let turning = (core::f64::consts::PI / (rim / 0.1 * STEP_S)).ceil();
+        let (ticks, reading) =
+            read(&mut readings, &seen(), &TORQUES, (SPEED, 0.0)).expect("a reading");
+        assert_eq!(ticks as f64, 31.0 + turning);
+        assert!(close(reading.slip.0, 0.4) && close(reading.slip.1, 0.03));
+        assert!(close(reading.pull, 0.1));
+        assert!(close(reading.torque.expect("measured"), 3.0 / (90.0 * 0.1)));
+        assert_eq!(reading.sinkage, None);
+        // the next one follows at once
+        let (ticks, next) =
+            read(&mut readings, &seen(), &TORQUES, (SPEED, 0.0)).expect("a reading");
+        assert!(ticks as f64 == turning && close(next.pull, 0.1));
+        // after a standstill, and where what was begun is discarded, the soil is sheared first
+        for stands in [true, false] {
+            if stands {
+                let standing = (STANDSTILL_SPEED_M_PER_S.next_down(), 0.0);
+                assert_eq!(readings.update(&seen(), &TORQUES, standing, STEP_S), None);
+            } else {
+                readings.add_force([900.0, 0.0, 900.0]);
+                readings.update(&seen(), &TORQUES, (SPEED, 0.0), STEP_S);
+                readings.add_force([900.0, 0.0, 900.0]);
+                readings.discard();
+            }
+            let (ticks, next) =
+                read(&mut readings, &seen(), &TORQUES, (SPEED, 0.0)).expect("a reading");
+            assert_eq!(ticks as f64, 31.0 + turning);
+            assert!(close(next.pull, 0.1));
+        }
+        // the least speed is no standstill
+        assert!(
+            read(
+                &mut readings,
+                &seen(),
+                &TORQUES,
+                (STANDSTILL_SPEED_M_PER_S, 0.0)
+            )
+            .is_some()
+        );
+    }
+
+    #[test]
+    fn wheels_that_tell_nothing_are_left_out() {
+        type Change = fn(&mut WheelObservation);
+        let changes: [Change; 6] = [
+            |wheel| wheel.health = Health::Uninitialised,
+            |wheel| wheel.motion = Some(Motion::Stall),
+            |wheel| wheel.motion = None,
+            |wheel| wheel.slip = None,
+            |wheel| wheel.sigma = None,
+            |wheel| wheel.rim_speed = None,
+        ];
+        for change in changes {
+            // the heavy wheel carries two thirds, the light one less than half
+            let mut heavy_alone = seen();
+            change(&mut heavy_alone[0]);
+            let found = read(&mut readings(), &heavy_alone, &TORQUES, (SPEED, 0.0));
+            let (_, reading) = found.expect("a reading");
+            assert!(
+                close(reading.slip.0, 0.5) && close(reading.torque.expect("measured"), 2.0 / 6.0)
+            );
+            let mut light_alone = seen();
+            change(&mut light_alone[1]);
+            assert_eq!(
+                read(&mut readings(), &light_alone, &TORQUES, (SPEED, 0.0)),
+                None
+            );
+        }
+        let mut braking = seen();
+        braking[0].motion = Some(Motion::Braking);
+        assert!(read(&mut readings(), &braking, &TORQUES, (SPEED, 0.0)).is_some());
+        // torques that are not measured, or no numbers, are those of the other wheels
+        for torque in [None, Some(f64::NAN)] {
+            let torques = [torque, Some(2.0), None];
+            let (_, reading) =
+                read(&mut readings(), &seen(), &torques, (SPEED, 0.0)).expect("a reading");
+            assert!(close(reading.torque.expect("measured"), 2.0 / 6.0));
+        }
+        let (_, reading) =
+            read(&mut readings(), &seen(), &[None; 3], (SPEED, 0.0)).expect("a reading");
+        assert_eq!(reading.torque, None);
+    }
+
+    #[test]
+    fn a_robot_that_turns_or_falls_gives_no_reading() {
+        // 0.2 m aside a yaw rate of 0.5 rad/s is a fifth of 0.5 m/s
+        for (yaw_rate, is_straight) in [(0.49, true), (-0.49, true), (0.5, false), (-0.51, false)] {
+            let found = read(&mut readings(), &seen(), &TORQUES, (SPEED, yaw_rate));
+            assert_eq!(found.is_some(), is_straight, "{yaw_rate}");
+        }
+        // forces that no accelerometer measures do not count, and without one there is no pull
+        for force in [
+            [0.0; 3],
+            [f64::NAN, 0.0, 10.0],
+            [1.0, 0.0, 1000.1],
+            [1000.1, 0.0, 10.0],
+            [1.0, 0.0, -1.0],
+        ] {
+            let mut readings = readings();
+            for _ in 0..200 {
+                readings.add_force(force);
+                let reading = readings.update(&seen(), &TORQUES, (SPEED, 0.0), STEP_S);
+                assert_eq!(reading, None, "{force:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn impossible_readings_are_none() {
+        let possible = SoilReading {
+            slip: (1.0, 1.0),
+            pull: -MAX_LOAD_MULTIPLE,
+            torque: Some(MAX_LOAD_MULTIPLE),
+            sinkage: None,
+        };
+        assert!(possible.is_possible());
+        let beyond = MAX_LOAD_MULTIPLE.next_up();
+        for impossible in [
+            SoilReading {
+                slip: (1.0_f64.next_up(), 0.1),
+                ..possible
+            },
+            SoilReading {
+                slip: (f64::NAN, 0.1),
+                ..possible
+            },
+            SoilReading {
+                slip: (0.1, -0.1),
+                ..possible
+            },
+            SoilReading {
+                slip: (0.1, 1.1),
+                ..possible
+            },
+            SoilReading {
+                pull: beyond,
+                ..possible
+            },
+            SoilReading {
+                torque: Some(-beyond),
+                ..possible
+            },
+        ] {
+            assert!(!impossible.is_possible(), "{impossible:?}");
+        }
+    }
+}
