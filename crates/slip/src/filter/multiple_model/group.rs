@@ -19,7 +19,7 @@ const MIN_WEIGHT: f64 = 1e-6;
 const MIN_LIKELIHOOD: f64 = 1e-200;
 /// Models are mixed this often, s: much faster than they change into one another.
 const MIXING_PERIOD_S: f64 = 0.02;
-/// Jumps are told apart to this time, s, and one within a longer gap of the reference has at most this probability.
+/// Jumps less than this apart count as one, s, and a jump within a gap of the reference has at most this probability.
 const MIN_JUMP_PERIOD_S: f64 = 0.1;
 const MAX_JUMP_PROBABILITY: f64 = 0.3;
 
