@@ -448,3 +448,21 @@ fn a_free_wheel_that_fails_is_found() {
     let known = |moment: &trial::Moment| moment.wheels[..FREE].iter().all(|w| w.health == suspect);
     assert!(out.between(3.5, 8.0).all(known));
 }
+
+/// A free wheel that crosses a rut slows and catches up within half a second: it remains the reference.
+#[test]
+fn a_free_wheel_that_crosses_a_rut_remains_the_reference() {
+    for (share, from) in [(0.4, 8.0), (0.5, 14.5), (0.6, 8.0), (1.5, 14.5)] {
+        let mut trusted = 0.0;
+        for seed in 0..10 {
+            let event = Event::FreeWheelSkids { share };
+            let out = Trial::new(seed).event(event, from, from + 0.25).run();
+            honest(&out, &format!("{event:?} from {from} s, seed {seed}"));
+            let after = out.between(from + 0.75, from + 3.75);
+            let known = |moment: &&trial::Moment| moment.wheels[0].health == Health::Ok;
+            trusted += after.filter(known).count() as f64 / 300.0 / 10.0;
+        }
+        println!("{share} from {from} s: trusted for {trusted:.2}");
+        assert!(trusted >= 0.9, "{share} from {from} s: {trusted:.2}");
+    }
+}

@@ -13,6 +13,7 @@ use super::output::Outputs;
 use super::recovery::Recovery;
 use super::reference_sensor::ReferenceSensor;
 use super::settings::{FilterSettings, SlipPrior};
+use super::start_shear::StartShear;
 use super::wheel_bank::WheelBank;
 use super::{CLOCK_STEP_S, PSEUDO_MEASUREMENT_PERIOD_S};
 use crate::fault::Fault;
@@ -43,6 +44,8 @@ pub(super) struct Core {
     /// Does the motion over the ground lead the state?
     pub(super) is_led: bool,
     pub(super) recovery: Recovery,
+    /// The start on unsheared soil; `None` without a free wheel, which measures the slip there.
+    start: Option<StartShear>,
     /// Tangent of the robot's roll, either side down; 0 where it is not known.
     pub(super) cross_slope: f64,
     pub(super) output: Outputs,
@@ -80,6 +83,7 @@ impl Core {
                 .then(|| GroundTrack::boxed(&settings)),
             is_led: false,
             recovery: Recovery::default(),
+            start: StartShear::of(robot),
             cross_slope: 0.0,
             output: Outputs::new(count),
             now_ns: None,
@@ -147,6 +151,10 @@ impl Core {
                 .iter()
                 .map(|wheel| (wheel.free, wheel.noise_scale));
             motion_model::predict_slips(state, settings, dt, wheels);
+            if let Some(start) = &mut self.start {
+                let rims = self.wheels.mean_powered_rim(time_ns, settings.dropout);
+                start.predict(state, dt, rims, settings.low_speed);
+            }
             self.path.advance(dt, gained);
             let by_wheels = self.wheels.forward_speed(time_ns, settings.dropout);
             self.output.distance += state.mean(FORWARD) * dt;

@@ -113,6 +113,8 @@ impl Core {
         wheel.rolling.record(w, self.accelerometer.noise_scale);
         if w.is_off && was_off && w.has_slip && w.rim != 0.0 {
             self.doubt_after_jump(w);
+        } else {
+            self.end_jump(w);
         }
         self.accelerometer.learn_noise(w.innovation, w.variance);
         let skid_known = self.state.sigma(own_slip(w.index)) < MAX_SKID_SIGMA;
@@ -138,10 +140,26 @@ impl Core {
         let doubted = motion_model::is_doubted(&self.state, &self.settings, w.index);
         if w.innovation * w.rim < 0.0 || doubted {
             let step = (w.innovation / w.faster).clamp(-MAX_SKID_STEP, MAX_SKID_STEP);
+            let rolling = &mut self.wheels.channels[w.index].rolling;
+            if !doubted {
+                let slip = own_slip(w.index);
+                rolling.jumps(
+                    w,
+                    (self.state.mean(slip), self.state.covariance(slip, slip)),
+                );
+            }
             self.state
                 .inflate(own_slip(w.index), step * step, step * step);
-            let rolling = &mut self.wheels.channels[w.index].rolling;
             rolling.jumped_ns = rolling.was_calm.then_some(w.to_ns);
+        }
+    }
+
+    /// A wheel that turns as before soon after a jump has crossed a bump or a rut: its skid is what it was.
+    fn end_jump(&mut self, w: &WheelWindow) {
+        let accel_integral = self.path.forward_integral();
+        let rolling = &mut self.wheels.channels[w.index].rolling;
+        if let Some((mean, variance)) = rolling.returns(w, accel_integral) {
+            self.state.reset(own_slip(w.index), mean, variance);
         }
     }
 }

@@ -60,6 +60,7 @@ mod rolling_history;
 mod sensor_checks;
 mod sensor_clocks;
 mod settings;
+mod start_shear;
 mod turn_agreement;
 mod wheel_bank;
 mod wheel_channel;

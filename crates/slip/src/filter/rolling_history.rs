@@ -11,6 +11,12 @@ const CALM_TIME_S: f64 = 1.0;
 const CALM_NOISE_SCALE: f64 = 2.0;
 /// The speed of a free wheel is remembered from at least this long ago, s.
 const REMEMBERED_TIME_S: f64 = 0.3;
+/// A wheel is as fast as before a jump where it is off by less than this share of the jump.
+const RETURN_SHARE: f64 = 0.5;
+/// And a jump is over after this long of it, s: two windows of 0.05 s with their jitter.
+const RETURN_TIME_S: f64 = 0.09;
+/// A longer jump is a change of the skid, s: a robot at 0.1 m/s crosses the rut of a wheel of 0.1 m.
+const MAX_JUMP_S: f64 = 1.0;
 
 /// A speed along the wheel (m/s) at a time, its variance, and the change of speed by the accelerometer until then.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +25,20 @@ pub(super) struct KnownSpeed {
     pub(super) speed: f64,
     pub(super) variance: f64,
     pub(super) accel_integral: f64,
+}
+
+/// A jump that may be over soon: a bump or a rut that the wheel crosses.
+#[derive(Clone, Copy, Debug)]
+struct Jump {
+    began_ns: i64,
+    /// The motion before.
+    before: KnownSpeed,
+    /// The skid before, and its variance.
+    skid: (f64, f64),
+    /// By how much the wheel jumped, m/s.
+    size: f64,
+    /// Since when the wheel has been as fast as before.
+    back_since_ns: Option<i64>,
 }
 
 /// The rolling of one free wheel.
@@ -35,6 +55,8 @@ pub(super) struct RollingHistory {
     pub(super) was_calm: bool,
     /// Its speed, the older first.
     known: [Option<KnownSpeed>; 2],
+    /// A jump that is not over and not older than [`MAX_JUMP_S`].
+    jump: Option<Jump>,
 }
 
 impl Default for RollingHistory {
@@ -46,6 +68,7 @@ impl Default for RollingHistory {
             calm_since_ns: None,
             was_calm: false,
             known: [None; 2],
+            jump: None,
         }
     }
 }
@@ -58,6 +81,7 @@ impl RollingHistory {
 
     /// The robot stands with all its wheels.
     pub(super) const fn stands(&mut self) {
+        self.jump = None;
         self.has_turned = false;
         self.stop_expected = true;
     }
@@ -95,5 +119,38 @@ impl RollingHistory {
     pub(super) fn known_before(&self) -> Option<KnownSpeed> {
         let [older, newer] = self.known;
         older.or(newer)
+    }
+
+    /// The wheel jumps; its skid was `skid` (mean, variance).
+    pub(super) fn jumps(&mut self, w: &WheelWindow, skid: (f64, f64)) {
+        self.jump = self.known_before().map(|before| Jump {
+            began_ns: w.to_ns,
+            before,
+            skid,
+            size: w.innovation.abs(),
+            back_since_ns: None,
+        });
+    }
+
+    /// Is the jump over, since the wheel is as fast as the robot by its speed before and the accelerometer since? Returns the
+    /// skid before, with its variance.
+    pub(super) fn returns(&mut self, w: &WheelWindow, accel_integral: f64) -> Option<(f64, f64)> {
+        let jump = self.jump.as_mut()?;
+        let expected = jump.before.speed + accel_integral - jump.before.accel_integral;
+        let off = w.rim * (1.0 - jump.skid.0) - expected;
+        let is_back = off.abs() < RETURN_SHARE * jump.size;
+        jump.back_since_ns = is_back.then(|| jump.back_since_ns.unwrap_or(w.to_ns));
+        let lasts = |since_ns, time_s| seconds_between(since_ns, w.to_ns) >= time_s;
+        let skid = jump.skid;
+        let is_over = jump
+            .back_since_ns
+            .is_some_and(|since| lasts(since, RETURN_TIME_S));
+        if is_over || lasts(jump.began_ns, MAX_JUMP_S) {
+            self.jump = None;
+        }
+        if is_over {
+            self.jumped_ns = None;
+        }
+        is_over.then_some(skid)
     }
 }
