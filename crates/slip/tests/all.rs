@@ -28,6 +28,7 @@ mod mode_machine;
 mod onboard;
 mod prior;
 mod promises;
+mod soil_learner;
 mod speed_laws;
 mod tick_properties;
 mod turning;

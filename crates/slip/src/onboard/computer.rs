@@ -466,7 +466,7 @@ impl OnBoard {
         }
         self.filter.restore(&state.learnt)?;
         if let (Some(learner), Some(belief)) = (&mut self.learner, &state.soil) {
-            learner.restore(belief);
+            learner.restore(belief)?;
             if let Some(slip) = learner.running_slip() {
                 self.controller.set_optimum(slip)?;
             }
