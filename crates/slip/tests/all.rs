@@ -29,6 +29,7 @@ mod onboard;
 mod prior;
 mod promises;
 mod soil_learner;
+mod soil_tables;
 mod speed_laws;
 mod tick_properties;
 mod turning;
