@@ -26,6 +26,7 @@ mod learnt_soil;
 mod legal_settings;
 mod mode_machine;
 mod onboard;
+mod onboard_start;
 mod prior;
 mod promises;
 mod soil_learner;

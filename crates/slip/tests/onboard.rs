@@ -1,13 +1,13 @@
 //! The robot's computer: it allocates nothing, remembers across a restart, and refuses to drive on a wrong description.
 
-use grouser_slip::control::{Action, Ending, Mode, Request};
-use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::control::{Action, Decides, Ending, Mode, Request};
+use grouser_slip::filter::{FilterSettings, SlipFilter, SlipPrior};
 use grouser_slip::onboard::{
     CarrierLink, OnBoard, OnBoardSettings, SoilFamily, SoilLearnSettings, SoilTables, StartPolicy,
     WheelCarrier,
 };
-use grouser_slip::prior::SoilDoubt;
-use grouser_slip::{Measured, Measurement, Motion, Robot, Sample, Wheel};
+use grouser_slip::prior::{SlipDemand, SoilDoubt};
+use grouser_slip::{Health, Invalid, Measured, Measurement, Motion, Robot, Sample, Wheel};
 use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 /// Rows and ticks come this often, ns.
@@ -431,4 +431,85 @@ fn without_wheels_it_knows_no_speed() {
         on_board.tick(index * PERIOD_NS, request());
     }
     assert_eq!(on_board.speed(), None);
+}
+
+#[test]
+fn sensors_are_silent_once_none_of_them_was_accepted_for_half_a_second() {
+    // an inertial unit alone, a part of whose readings may be refused; the wheels have never sent
+    let gravity = [0.0, 0.0, EARTH_GRAVITY_M_PER_S2];
+    for (force, rate) in [
+        (gravity, [0.0; 3]),
+        (gravity, [0.0, 0.0, f64::NAN]),
+        ([f64::NAN; 3], [0.0; 3]),
+    ] {
+        let robot = robot();
+        let mut on_board = OnBoard::new(&robot, settings(&robot)).unwrap();
+        for index in 0..200 {
+            on_board.tick(index * PERIOD_NS, request());
+            on_board.update(Sample {
+                time_ns: index * PERIOD_NS,
+                measurement: Measurement::Inertial { force, rate },
+            });
+            let health = on_board.observations()[0].health;
+            assert_eq!(health, Health::Uninitialised, "{index}");
+        }
+        // a step of the loop counts as a tenth of a second at most: five of them are not more than half a second
+        for step in 1..=8 {
+            on_board.tick(1_990_000_000 + step * 200_000_000, request());
+            let expected = if step <= 5 {
+                Health::Uninitialised
+            } else {
+                Health::Invalid(Invalid::Dropout)
+            };
+            assert_eq!(on_board.observations()[0].health, expected, "{step}");
+        }
+    }
+}
+
+#[test]
+fn the_demand_of_the_slope_is_looked_up_ten_times_a_second() {
+    let demands = [(-0.35, 0.1), (0.0, 0.1), (1e-4, 0.8), (0.35, 0.8)];
+    let points = demands.map(|(slope, mean)| (slope, SlipPrior { mean, sigma: 0.01 }));
+    let robot = robot();
+    let mut settings = settings(&robot);
+    settings.soil.slip_demand = Some(SlipDemand::from_points(&points).unwrap());
+    settings.control.decides = Decides::Nothing;
+    settings.control.max_acceleration = 100.0;
+    (settings.control.gain, settings.control.integral_gain) = (0.0, 0.0);
+    settings.control.crawl = 0.0;
+    let mut on_board = OnBoard::new(&robot, settings).unwrap();
+    for index in 0..230 {
+        let time_ns = index * PERIOD_NS;
+        // after the tick at two seconds, the second one that looks, the nose rises by 0.01 rad
+        let slope = if index > 200 { 0.01_f64 } else { 0.0 };
+        let (sin, cos) = slope.sin_cos();
+        let force = [sin, 0.0, cos].map(|part| part * EARTH_GRAVITY_M_PER_S2);
+        let inertial = Measurement::Inertial {
+            force,
+            rate: [0.0; 3],
+        };
+        // 0.5 mm a row, by ticks of 0.628 mm
+        let raw = (5 * index.cast_unsigned()) / 6;
+        let counts = [0, 1, 2].map(|wheel| Measurement::WheelCount { wheel, raw });
+        for measurement in counts.into_iter().chain([inertial]) {
+            on_board.update(Sample {
+                time_ns,
+                measurement,
+            });
+        }
+        if index < 190 {
+            continue;
+        }
+        let rim_speed = on_board.tick(time_ns, request())[0].rim_speed;
+        if index < 195 {
+            continue;
+        }
+        // the optimum's setpoint at first, then that of the demand
+        let limit = if index < 210 { 0.3 } else { 0.86 };
+        let expected = f64::min(0.0524 / (1.0 - limit), 0.3);
+        assert!(
+            (rim_speed / expected - 1.0).abs() < 0.2,
+            "{index}: {rim_speed} {expected}"
+        );
+    }
 }

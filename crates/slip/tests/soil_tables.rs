@@ -15,7 +15,7 @@ fn soil(name: &str) -> Soil {
 fn wheel(role: WheelRole, radius: f64, width: Option<f64>) -> Wheel {
     let wheel = match role {
         WheelRole::Free => Wheel::free("free"),
-        _ => Wheel::powered("powered"),
+        WheelRole::Powered => Wheel::powered("powered"),
     };
     let wheel = wheel.radius(radius);
     width.map_or(wheel.clone(), |width| wheel.width(width))

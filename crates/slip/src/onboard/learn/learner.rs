@@ -125,8 +125,9 @@ impl SoilLearner {
         }
     }
 
-    /// What was begun is no reading.
-    pub(in crate::onboard) fn discard(&mut self) {
+    /// Drops what came since the last reading: the robot turns back, goes round or has stopped. The next reading begins once
+    /// the soil is sheared again.
+    pub fn discard(&mut self) {
         self.readings.discard();
     }
 
@@ -306,16 +307,16 @@ impl SoilLearner {
             let slip = slip_at(index);
             for (weight, member) in belief.weights.iter().zip(self.family.members()) {
                 let (pull, torque) = (member.pulls[index], member.torques[index]);
-                if slip > 0.0 && pull > 0.0 && torque > 0.0 {
-                    *efficiency += weight * (1.0 - slip) * pull / torque;
+                if slip > 0.0 && torque > 0.0 {
+                    *efficiency += weight * (1.0 - slip) * pull.max(0.0) / torque;
                 }
             }
         }
-        let best = (1..SLIP_POINTS - 1)
-            .max_by(|a, b| efficiencies[*a].total_cmp(&efficiencies[*b]))
-            .filter(|best| efficiencies[*best] > 0.0)?;
+        let neighbours = efficiencies.array_windows().enumerate();
+        let (below, [before, top, after]) = neighbours
+            .max_by(|(_, [_, a, _]), (_, [_, b, _])| a.total_cmp(b))
+            .filter(|(_, [_, top, _])| *top > 0.0)?;
         // the top of the parabola through the best point and its neighbours
-        let [before, top, after] = [best - 1, best, best + 1].map(|i| efficiencies[i]);
         let bend = before - 2.0 * top + after;
         let off = if bend < 0.0 {
             0.5 * (before - after) / bend
@@ -323,7 +324,7 @@ impl SoilLearner {
             0.0
         };
         let step = slip_at(1) - slip_at(0);
-        let slip = slip_at(best) + off.clamp(-0.5, 0.5) * step;
+        let slip = slip_at(below + 1) + off.clamp(-0.5, 0.5) * step;
         Some(slip.clamp(RUNNING_SLIP_LIMITS.0, RUNNING_SLIP_LIMITS.1))
     }
 

@@ -396,7 +396,6 @@ mod tests {
         }
         // forces that no accelerometer measures do not count, and without one there is no pull
         for force in [
-            [0.0; 3],
             [f64::NAN, 0.0, 10.0],
             [1.0, 0.0, 1000.1],
             [1000.1, 0.0, 10.0],
@@ -409,6 +408,19 @@ mod tests {
                 assert_eq!(reading, None, "{force:?}");
             }
         }
+        // the greatest force counts, and a tick without a force is none
+        let mut readings = readings();
+        let mut drive = |force: [f64; 3]| {
+            readings.add_force(force);
+            readings.update(&seen(), &TORQUES, (SPEED_M_PER_S, 0.0), STEP_S)
+        };
+        let most = [MAX_FORCE_M_PER_S2; 3];
+        let ticks = (1..400).find(|_| drive(most).is_some()).expect("a reading");
+        let again = (1..400).find(|_| drive(most).is_some()).expect("a reading");
+        assert_eq!(drive([0.0; 3]), None);
+        let reading = (1..=again).find_map(|tick| Some((tick, drive(most)?)));
+        let (last, reading) = reading.expect("a reading");
+        assert!(ticks > again && last == again && close(reading.pull, 1.0));
     }
 
     #[test]
