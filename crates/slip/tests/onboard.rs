@@ -35,8 +35,8 @@ fn settings(robot: &Robot) -> OnBoardSettings {
     settings
 }
 
-/// One row of every sensor at `row`: powered rims run at 0.31 m/s, the free one at 0.25 m/s once two seconds have passed.
-fn row(on_board: &mut OnBoard, row: i64, force: [f64; 3], yaw_rate: f64) {
+/// What every sensor sends at `row`: powered rims run at 0.31 m/s, the free one at 0.25 m/s once two seconds have passed.
+fn samples(row: i64, force: [f64; 3], yaw_rate: f64) -> Vec<Sample> {
     let time_ns = row * PERIOD_NS;
     let driven = (row - 200).max(0).cast_unsigned();
     let counts = [5 * driven, 5 * driven, 4 * driven];
@@ -57,11 +57,16 @@ fn row(on_board: &mut OnBoard, row: i64, force: [f64; 3], yaw_rate: f64) {
     for (wheel, raw) in counts.into_iter().enumerate() {
         measurements.push(Measurement::WheelCount { wheel, raw });
     }
-    for measurement in measurements {
-        on_board.update(Sample {
-            time_ns,
-            measurement,
-        });
+    let stamped = measurements.into_iter().map(|measurement| Sample {
+        time_ns,
+        measurement,
+    });
+    stamped.collect()
+}
+
+fn row(on_board: &mut OnBoard, row: i64, force: [f64; 3], yaw_rate: f64) {
+    for sample in samples(row, force, yaw_rate) {
+        on_board.update(sample);
     }
 }
 
@@ -511,5 +516,64 @@ fn the_demand_of_the_slope_is_looked_up_ten_times_a_second() {
             (rim_speed / expected - 1.0).abs() < 0.2,
             "{index}: {rim_speed} {expected}"
         );
+    }
+}
+
+/// Samples that a radio or a driver holds back and delivers at once, with the right stamps.
+#[test]
+fn a_burst_leaves_no_trace_once_it_has_come() {
+    let robot = robot();
+    let force = [0.0, 0.0, EARTH_GRAVITY_M_PER_S2];
+    for held in [1, 10, 40] {
+        let mut on_time = OnBoard::new(&robot, settings(&robot)).unwrap();
+        let mut in_bursts = on_time.clone();
+        let mut waiting = Vec::new();
+        for index in 0..900 {
+            let now_ns = index * PERIOD_NS;
+            row(&mut on_time, index, force, 0.0);
+            on_time.tick(now_ns, request());
+            waiting.extend(samples(index, force, 0.0));
+            let is_held = index > 300 && index % 100 != 0 && index % 100 <= held;
+            if !is_held {
+                for sample in waiting.drain(..) {
+                    in_bursts.update_at(now_ns, sample);
+                }
+            }
+            let is_commanded = in_bursts.tick(now_ns, request())[0].rim_speed > 0.1;
+            assert!(is_commanded || index < 300, "{held}: {index}");
+            assert_eq!(in_bursts.mode(), Mode::Forward);
+            for (late, usual) in in_bursts.observations().iter().zip(on_time.observations()) {
+                if is_held {
+                    // known from before until the wheels count as silent, after a tenth of a second
+                    let is_silent = late.health == Health::Invalid(Invalid::Dropout);
+                    assert_eq!(
+                        is_silent,
+                        index % 100 >= 9,
+                        "{held}: {index} {:?}",
+                        late.health
+                    );
+                } else {
+                    assert_eq!(
+                        (
+                            late.slip,
+                            late.sigma,
+                            late.health,
+                            late.forward_speed,
+                            late.rim_speed
+                        ),
+                        (
+                            usual.slip,
+                            usual.sigma,
+                            usual.health,
+                            usual.forward_speed,
+                            usual.rim_speed
+                        ),
+                        "{held}: {index}"
+                    );
+                }
+            }
+        }
+        assert_eq!(in_bursts.estimate().rejected.total(), 0);
+        assert_eq!(in_bursts.state(), on_time.state());
     }
 }

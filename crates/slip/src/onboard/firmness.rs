@@ -257,4 +257,18 @@ mod tests {
             assert!(found.unwrap() < 0.5, "{found:?}");
         }
     }
+
+    #[test]
+    fn torque_that_the_noise_hides_is_no_usual_one() {
+        // the known soil takes 0.9 N m at slip 0.1, less than 0.02 of 60 N m, and 9 N m at slip 1
+        let table = core::array::from_fn(|i| 9.0 * i as f64 / (TORQUE_POINTS - 1) as f64);
+        let mut firmness = Firmness::new(&[Some(table)], &[Some(60.0)]);
+        let mut update = |torque: f64, slip: f64| {
+            firmness.update(0, (Some(torque), Some(slip)), Compared::Before, STEP_S)
+        };
+        assert!((0..500).all(|_| update(0.1, 0.1).is_none()));
+        assert!((0..128).all(|_| update(9.0, 1.0).is_none()));
+        let found = update(9.0, 1.0).unwrap();
+        assert!((found - 1.0).abs() < 1e-12, "{found}");
+    }
 }
