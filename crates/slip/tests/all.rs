@@ -32,5 +32,6 @@ mod promises;
 mod soil_learner;
 mod soil_tables;
 mod speed_laws;
+mod start_check;
 mod tick_properties;
 mod turning;
