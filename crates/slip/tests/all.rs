@@ -33,5 +33,6 @@ mod soil_learner;
 mod soil_tables;
 mod speed_laws;
 mod start_check;
+mod steered_window;
 mod tick_properties;
 mod turning;
