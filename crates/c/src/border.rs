@@ -1,8 +1,6 @@
 //! The border between C and Rust: pointers and sizes are checked here, and panics end here.
 
-use crate::abi::{
-    CStruct, GROUSER_ERROR_INTERNAL, GROUSER_ERROR_POINTER, GROUSER_ERROR_SIZE, GROUSER_OK,
-};
+use crate::abi::{CStruct, GROUSER_ERROR_POINTER, GROUSER_ERROR_SIZE, GROUSER_OK};
 
 /// A code of an outcome that is not [`GROUSER_OK`].
 pub(crate) type Code = i32;
@@ -61,11 +59,11 @@ pub(crate) unsafe fn write<T: CStruct>(pointer: *mut T, value: T) -> Result<(), 
     Ok(())
 }
 
-/// Runs `work`; a panic becomes [`GROUSER_ERROR_INTERNAL`] where the standard library can catch it.
+/// Runs `work`; a panic becomes [`GROUSER_ERROR_INTERNAL`](crate::abi::GROUSER_ERROR_INTERNAL) where the standard library can catch it.
 pub(crate) fn guarded(work: impl FnOnce() -> Result<(), Code>) -> Code {
     #[cfg(feature = "std")]
     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(work))
-        .unwrap_or(Err(GROUSER_ERROR_INTERNAL));
+        .unwrap_or(Err(crate::abi::GROUSER_ERROR_INTERNAL));
     #[cfg(not(feature = "std"))]
     let outcome = work();
     outcome.err().unwrap_or(GROUSER_OK)
@@ -73,7 +71,7 @@ pub(crate) fn guarded(work: impl FnOnce() -> Result<(), Code>) -> Code {
 
 #[cfg(all(test, feature = "std"))]
 mod tests {
-    use super::*;
+    use crate::abi::GROUSER_ERROR_INTERNAL;
     use crate::create::{tests::two_wheels, with};
     use crate::{grouser_free, grouser_wheel_count};
 

@@ -8,10 +8,10 @@ use grouser_slip::control::{
     Action, ControlInput, ControlSettings, Controller, Decides, Decision, Ending, Mode, Reason,
     Request, WheelCommand, WheelObservation,
 };
-use grouser_slip::{CounterWidth, Encoder, Health, Motion, Robot};
+use grouser_slip::{CounterWidth, Encoder, Robot};
 use proptest::prelude::*;
 
-use crate::four_wheels::four_wheels;
+use crate::four_wheels::{driving, four_wheels};
 
 /// A robot of four powered wheels.
 fn robot() -> Robot {
@@ -26,15 +26,8 @@ fn robot() -> Robot {
 
 fn rolling(rim: f64) -> WheelObservation {
     WheelObservation {
-        slip: Some(0.1),
         sigma: Some(0.01),
-        health: Health::Ok,
-        motion: Some(Motion::Driving),
-        forward_speed: Some(0.9 * rim),
-        rim_speed: Some(rim),
-        torque_share: Some(0.3),
-        firmness: None,
-        load: 50.0,
+        ..driving(0.1, rim)
     }
 }
 

@@ -7,7 +7,7 @@ use grouser_slip::control::{
 };
 use grouser_slip::{Health, Invalid, Motion, Robot, Wheel};
 
-use crate::open_loop::{OpenLoop, SPEED, STEP_S, at, close, rolling, smoothed};
+use crate::open_loop::{OpenLoop, SPEED_M_PER_S, STEP_S, at, close, rolling, smoothed};
 
 /// Rims follow their setpoint at once, the feedforward is off, and the robot never changes its mode.
 fn direct() -> ControlSettings {
@@ -45,7 +45,7 @@ fn a_rim_is_limited_to_the_travel_over_one_less_the_setpoint() {
         open.step();
         let slip = f64::clamp(slip, -1.0, 1.0);
         let expected = travel / (1.0 - (0.3 + 0.3 * (0.3 - slip)));
-        assert!(expected < SPEED);
+        assert!(expected < SPEED_M_PER_S);
         let commands = open.step().commands;
         assert!(
             all_close(rims(&commands), expected),
@@ -58,7 +58,7 @@ fn a_rim_is_limited_to_the_travel_over_one_less_the_setpoint() {
         );
         // backwards it is the mirror image
         let mut back = OpenLoop::new(&settings);
-        back.request.speed = -SPEED;
+        back.request.speed = -SPEED_M_PER_S;
         back.each(|wheel| (wheel.slip, wheel.forward_speed) = (Some(slip), Some(-travel)));
         back.step();
         assert!(all_close(rims(&back.step().commands), -expected));
@@ -82,17 +82,20 @@ fn the_setpoint_stays_between_0_02_and_0_95_and_the_rim_above_its_floor() {
     // a wheel that moves against the request does not travel
     assert!(close(limit(0.9, -0.1), 0.0));
     // a setpoint above the request does not limit
-    assert!(close(limit(0.9, 0.3), SPEED));
+    assert!(close(limit(0.9, 0.3), SPEED_M_PER_S));
     // the floor: `crawl` of the speed on level ground, `creep` on a slope
     settings.crawl = 0.15;
     let mut open = OpenLoop::new(&settings);
     open.each(|wheel| (wheel.slip, wheel.forward_speed) = (Some(0.9), Some(0.0)));
     open.step();
-    assert!(all_close(rims(&open.step().commands), 0.15 * SPEED));
+    assert!(all_close(rims(&open.step().commands), 0.15 * SPEED_M_PER_S));
     open.pitch = Some(-0.3);
     // the tilt is smoothed over a second: 0.09 rad of 0.3 are reached after 36 steps, 1.01^−36 < 0.7
-    assert!(all_close(rims(&open.run(35).commands), 0.15 * SPEED));
-    assert!(all_close(rims(&open.run(2).commands), 0.6 * SPEED));
+    assert!(all_close(
+        rims(&open.run(35).commands),
+        0.15 * SPEED_M_PER_S
+    ));
+    assert!(all_close(rims(&open.run(2).commands), 0.6 * SPEED_M_PER_S));
 }
 
 #[test]
@@ -142,7 +145,7 @@ fn the_integral_moves_while_slip_limits_and_decays_otherwise() {
     assert!(all_close(rims(&open.run(200).commands), rim(-0.25)));
     // where the travel allows more than requested it decays by a hundredth a step
     open.each(|wheel| wheel.forward_speed = Some(1.0));
-    assert!(all_close(rims(&open.run(50).commands), SPEED));
+    assert!(all_close(rims(&open.run(50).commands), SPEED_M_PER_S));
     open.each(|wheel| wheel.forward_speed = Some(0.1));
     assert!(all_close(
         rims(&open.step().commands),
@@ -152,7 +155,7 @@ fn the_integral_moves_while_slip_limits_and_decays_otherwise() {
     open.each(|wheel| wheel.slip = Some(-0.9));
     assert!(all_close(
         rims(&open.run(300).commands),
-        SPEED.min(rim(0.25))
+        SPEED_M_PER_S.min(rim(0.25))
     ));
 }
 
@@ -165,7 +168,7 @@ fn wheels_of_which_too_little_is_known_are_not_limited() {
         open.step();
         let rims = rims(&open.step().commands);
         assert!(rims[0] < 0.1 && close(rims[0], rims[1]) && close(rims[0], rims[3]));
-        close(rims[2], SPEED)
+        close(rims[2], SPEED_M_PER_S)
     };
     assert!(free(
         |wheel| wheel.health = Health::Invalid(Invalid::Dropout)
@@ -190,7 +193,7 @@ fn wheels_of_which_too_little_is_known_are_not_limited() {
     let mut open = OpenLoop::new(&settings);
     open.each(|wheel| (wheel.slip, wheel.forward_speed) = (Some(0.9), Some(0.05)));
     open.step();
-    assert!(all_close(self::rims(&open.step().commands), SPEED));
+    assert!(all_close(self::rims(&open.step().commands), SPEED_M_PER_S));
 }
 
 #[test]
@@ -216,21 +219,24 @@ fn rims_accelerate_at_their_limit_and_brake_twice_as_fast_at_a_stop() {
             0.005 * f64::from(step)
         ));
     }
-    assert!(all_close(rims(&open.run(5).commands), SPEED));
-    open.request.speed = -SPEED;
-    assert!(all_close(rims(&open.run(10).commands), SPEED - 0.05));
-    open.request.speed = SPEED;
+    assert!(all_close(rims(&open.run(5).commands), SPEED_M_PER_S));
+    open.request.speed = -SPEED_M_PER_S;
+    assert!(all_close(
+        rims(&open.run(10).commands),
+        SPEED_M_PER_S - 0.05
+    ));
+    open.request.speed = SPEED_M_PER_S;
     open.run(20);
     open.speed = None;
     // silence for more than a second, then 0.01 m/s a step
-    assert!(all_close(rims(&open.run(99).commands), SPEED));
+    assert!(all_close(rims(&open.run(99).commands), SPEED_M_PER_S));
     let (steps, _) = open.until(Action::End(Ending::SensorsLost), Reason::SensorTimeout);
     assert!(at(steps, 1), "{steps}");
     assert!(all_close(
         open.controller.commands().try_into().map(rims).unwrap(),
-        SPEED - 0.01
+        SPEED_M_PER_S - 0.01
     ));
-    assert!(all_close(rims(&open.run(9).commands), 0.5 * SPEED));
+    assert!(all_close(rims(&open.run(9).commands), 0.5 * SPEED_M_PER_S));
     assert!(all_close(rims(&open.run(10).commands), 0.0));
 }
 
@@ -253,10 +259,10 @@ fn a_wheel_without_an_observation_rests_and_starts_again_from_rest() {
         request: open.request,
     });
     assert_eq!(output.commands[3], WheelCommand::default());
-    assert!(close(output.commands[2].rim_speed, SPEED));
+    assert!(close(output.commands[2].rim_speed, SPEED_M_PER_S));
     input.time_ns += 10_000_000;
     let commands = input.step().commands;
-    assert!(close(commands[3].rim_speed, STEP_S) && close(commands[2].rim_speed, SPEED));
+    assert!(close(commands[3].rim_speed, STEP_S) && close(commands[2].rim_speed, SPEED_M_PER_S));
 }
 
 #[test]
@@ -310,7 +316,7 @@ fn shares(settings: &ControlSettings, slip: f64, steps: usize) -> f64 {
     let mut open = OpenLoop::new(settings);
     open.each(|wheel| wheel.slip = Some(slip));
     open.step();
-    open.run(steps).commands[0].rim_speed / SPEED - 1.0
+    open.run(steps).commands[0].rim_speed / SPEED_M_PER_S - 1.0
 }
 
 #[test]
@@ -348,7 +354,7 @@ fn the_feedforward_holds_without_a_slip_and_falls_where_nothing_is_to_be_fed() {
     let mut open = OpenLoop::new(&settings);
     open.each(|wheel| wheel.slip = Some(0.5));
     open.step();
-    let share = |open: &mut OpenLoop| open.step().commands[0].rim_speed / SPEED - 1.0;
+    let share = |open: &mut OpenLoop| open.step().commands[0].rim_speed / SPEED_M_PER_S - 1.0;
     open.run(49);
     let before = share(&mut open);
     assert!(close(before, 1.0 - 0.98_f64.powi(50)));
@@ -360,7 +366,7 @@ fn the_feedforward_holds_without_a_slip_and_falls_where_nothing_is_to_be_fed() {
     let mut rest = open.clone();
     rest.request.speed = 0.0;
     rest.run(10);
-    rest.request.speed = SPEED;
+    rest.request.speed = SPEED_M_PER_S;
     let expected = 1.0 + (before * 0.98_f64.powi(10) - 1.0) * 0.98;
     assert!(close(share(&mut rest), expected));
     // while it turns on the spot: 1 rad off its heading
@@ -580,7 +586,7 @@ fn off_its_heading_a_robot_turns_rather_than_travels() {
         open.step();
         let last = open.step();
         for (rim, y) in rims(&last.commands).iter().zip([0.2, -0.2, 0.2, -0.2]) {
-            let expected = share * SPEED - yaw_rate * y;
+            let expected = share * SPEED_M_PER_S - yaw_rate * y;
             assert!(
                 close(*rim, expected),
                 "{heading} to {requested}: {rim}, not {expected}"
@@ -598,7 +604,7 @@ fn off_its_heading_a_robot_turns_rather_than_travels() {
     open.heading = None;
     open.request.heading = 0.3;
     open.step();
-    assert!(all_close(rims(&open.step().commands), SPEED));
+    assert!(all_close(rims(&open.step().commands), SPEED_M_PER_S));
     open.heading = Some(0.0);
     open.request.speed = 0.0;
     assert!(all_close(rims(&open.step().commands), 0.0));
@@ -711,8 +717,8 @@ fn a_robot_that_steers_turns_no_sharper_than_its_wheels_allow() {
         open.step();
         let rim = open.step().commands[2].rim_speed;
         // it keeps its speed; the unsteered wheel at y = 0.2 shows the yaw rate
-        let yaw_rate = (SPEED - rim) / 0.2;
-        let expected = (SPEED * curvature).min(0.4);
+        let yaw_rate = (SPEED_M_PER_S - rim) / 0.2;
+        let expected = (SPEED_M_PER_S * curvature).min(0.4);
         assert!(close(yaw_rate, expected), "{yaw_rate}, not {expected}");
     }
     // angles that are none are none; beyond a quarter turn it is a quarter turn
@@ -730,7 +736,7 @@ fn a_robot_that_steers_turns_no_sharper_than_its_wheels_allow() {
     // it does not steer: it slows down to turn
     assert!(close(
         0.5 * (commands[0].rim_speed + commands[1].rim_speed),
-        (0.5_f64.cos() - 0.5) * SPEED
+        (0.5_f64.cos() - 0.5) * SPEED_M_PER_S
     ));
     assert!(commands.iter().all(|command| command.steering_angle == 0.0));
 }
@@ -762,7 +768,7 @@ fn free_wheels_get_no_torque() {
         let output = input.controller.step(&ControlInput {
             time_ns: time(step),
             wheels: &input.wheels,
-            speed: Some(SPEED),
+            speed: Some(SPEED_M_PER_S),
             heading: Some(0.0),
             pitch: None,
             roll: None,
@@ -773,7 +779,7 @@ fn free_wheels_get_no_torque() {
             (output.commands[1].rim_speed, output.commands[1].traction),
             (0.0, 0.0)
         );
-        let angle = (-0.03_f64 / (SPEED - 0.02)).atan();
+        let angle = (-0.03_f64 / (SPEED_M_PER_S - 0.02)).atan();
         assert!(close(output.commands[1].steering_angle, angle));
         assert!(close(
             output.slip,
@@ -872,19 +878,19 @@ fn absurd_requests_are_limited_or_count_as_none() {
     // a heading beyond 10⁶ rad counts as 0, a smaller one is one
     assert_eq!(
         rim(Request {
-            speed: SPEED,
+            speed: SPEED_M_PER_S,
             heading: 1.1e6,
             yaw_rate: None
         }),
-        SPEED
+        SPEED_M_PER_S
     );
     for heading in [0.9e6, -1e6] {
         let turned = rim(Request {
-            speed: SPEED,
+            speed: SPEED_M_PER_S,
             heading,
             yaw_rate: None,
         });
-        assert!((turned - SPEED).abs() > 1e-3, "{heading}");
+        assert!((turned - SPEED_M_PER_S).abs() > 1e-3, "{heading}");
     }
 }
 
@@ -955,5 +961,5 @@ fn limits_of_a_wheels_loop_are_passed_and_not_only_reached() {
     let mut open = OpenLoop::new(&settings);
     open.each(|wheel| (wheel.slip, wheel.forward_speed) = (Some(0.7), Some(0.1)));
     open.step();
-    assert!(all_close(rims(&open.quiet(200).commands), SPEED));
+    assert!(all_close(rims(&open.quiet(200).commands), SPEED_M_PER_S));
 }

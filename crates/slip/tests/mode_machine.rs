@@ -9,9 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use grouser_slip::control::{
     Action, ControlInput, ControlSettings, Controller, Decides, Mode, Request, WheelObservation,
 };
-use grouser_slip::{Health, Motion, Robot};
 
-use crate::four_wheels::four_wheels;
+use crate::four_wheels::{driving, robot, yaw_rate};
 
 /// The loop's period.
 const PERIOD_S: f64 = 0.05;
@@ -93,10 +92,6 @@ impl Behaviour {
     }
 }
 
-fn robot() -> Robot {
-    Robot::new("four wheels".into(), four_wheels(1000)).unwrap()
-}
-
 fn settings() -> ControlSettings {
     let mut settings = ControlSettings::default();
     settings.high_slip_time = 0.1;
@@ -173,13 +168,9 @@ impl Drive {
         let wheels = self.rims.map(|rim| WheelObservation {
             slip: (behaviour != B::Stands).then_some(slip),
             sigma: Some(0.02),
-            health: Health::Ok,
-            motion: Some(Motion::Driving),
-            forward_speed: Some(rim * (1.0 - slip)),
-            rim_speed: Some(rim),
             torque_share: Some(0.3 * rim.signum()),
             firmness: Some(if behaviour == B::IsSoft { 0.2 } else { 1.0 }),
-            load: 50.0,
+            ..driving(slip, rim)
         });
         let request = Request {
             speed: match behaviour {
@@ -245,7 +236,7 @@ impl Drive {
                 assert!(rim.abs() <= before.abs(), "{before} to {rim} while stopped");
             }
         }
-        let turned = (self.rims[1] - self.rims[0] + self.rims[3] - self.rims[2]) / (4.0 * 0.2);
+        let turned = yaw_rate(self.rims);
         if !matches!(behaviour, B::CannotTurn | B::IsTurned) {
             self.heading += turned * PERIOD_S;
         }

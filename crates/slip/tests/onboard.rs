@@ -1,13 +1,13 @@
 //! The robot's computer: it allocates nothing, remembers across a restart, and refuses to drive on a wrong description.
 
-use grouser_slip::control::{Action, Ending, Mode, Request};
-use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::control::{Action, Decides, Ending, Mode, Request};
+use grouser_slip::filter::{FilterSettings, SlipFilter, SlipPrior};
 use grouser_slip::onboard::{
     CarrierLink, OnBoard, OnBoardSettings, SoilFamily, SoilLearnSettings, SoilTables, StartPolicy,
     WheelCarrier,
 };
-use grouser_slip::prior::SoilDoubt;
-use grouser_slip::{Measured, Measurement, Motion, Robot, Sample, Wheel};
+use grouser_slip::prior::{SlipDemand, SoilDoubt};
+use grouser_slip::{Health, Invalid, Measured, Measurement, Motion, Robot, Sample, Wheel};
 use grouser_terra::EARTH_GRAVITY_M_PER_S2;
 
 /// Rows and ticks come this often, ns.
@@ -35,8 +35,8 @@ fn settings(robot: &Robot) -> OnBoardSettings {
     settings
 }
 
-/// One row of every sensor at `row`: powered rims run at 0.31 m/s, the free one at 0.25 m/s once two seconds have passed.
-fn row(on_board: &mut OnBoard, row: i64, force: [f64; 3], yaw_rate: f64) {
+/// What every sensor sends at `row`: powered rims run at 0.31 m/s, the free one at 0.25 m/s once two seconds have passed.
+fn samples(row: i64, force: [f64; 3], yaw_rate: f64) -> Vec<Sample> {
     let time_ns = row * PERIOD_NS;
     let driven = (row - 200).max(0).cast_unsigned();
     let counts = [5 * driven, 5 * driven, 4 * driven];
@@ -57,11 +57,16 @@ fn row(on_board: &mut OnBoard, row: i64, force: [f64; 3], yaw_rate: f64) {
     for (wheel, raw) in counts.into_iter().enumerate() {
         measurements.push(Measurement::WheelCount { wheel, raw });
     }
-    for measurement in measurements {
-        on_board.update(Sample {
-            time_ns,
-            measurement,
-        });
+    let stamped = measurements.into_iter().map(|measurement| Sample {
+        time_ns,
+        measurement,
+    });
+    stamped.collect()
+}
+
+fn row(on_board: &mut OnBoard, row: i64, force: [f64; 3], yaw_rate: f64) {
+    for sample in samples(row, force, yaw_rate) {
+        on_board.update(sample);
     }
 }
 
@@ -431,4 +436,144 @@ fn without_wheels_it_knows_no_speed() {
         on_board.tick(index * PERIOD_NS, request());
     }
     assert_eq!(on_board.speed(), None);
+}
+
+#[test]
+fn sensors_are_silent_once_none_of_them_was_accepted_for_half_a_second() {
+    // an inertial unit alone, a part of whose readings may be refused; the wheels have never sent
+    let gravity = [0.0, 0.0, EARTH_GRAVITY_M_PER_S2];
+    for (force, rate) in [
+        (gravity, [0.0; 3]),
+        (gravity, [0.0, 0.0, f64::NAN]),
+        ([f64::NAN; 3], [0.0; 3]),
+    ] {
+        let robot = robot();
+        let mut on_board = OnBoard::new(&robot, settings(&robot)).unwrap();
+        for index in 0..200 {
+            on_board.tick(index * PERIOD_NS, request());
+            on_board.update(Sample {
+                time_ns: index * PERIOD_NS,
+                measurement: Measurement::Inertial { force, rate },
+            });
+            let health = on_board.observations()[0].health;
+            assert_eq!(health, Health::Uninitialised, "{index}");
+        }
+        // a step of the loop counts as a tenth of a second at most: five of them are not more than half a second
+        for step in 1..=8 {
+            on_board.tick(1_990_000_000 + step * 200_000_000, request());
+            let expected = if step <= 5 {
+                Health::Uninitialised
+            } else {
+                Health::Invalid(Invalid::Dropout)
+            };
+            assert_eq!(on_board.observations()[0].health, expected, "{step}");
+        }
+    }
+}
+
+#[test]
+fn the_demand_of_the_slope_is_looked_up_ten_times_a_second() {
+    let demands = [(-0.35, 0.1), (0.0, 0.1), (1e-4, 0.8), (0.35, 0.8)];
+    let points = demands.map(|(slope, mean)| (slope, SlipPrior { mean, sigma: 0.01 }));
+    let robot = robot();
+    let mut settings = settings(&robot);
+    settings.soil.slip_demand = Some(SlipDemand::from_points(&points).unwrap());
+    settings.control.decides = Decides::Nothing;
+    settings.control.max_acceleration = 100.0;
+    (settings.control.gain, settings.control.integral_gain) = (0.0, 0.0);
+    settings.control.crawl = 0.0;
+    let mut on_board = OnBoard::new(&robot, settings).unwrap();
+    for index in 0..230 {
+        let time_ns = index * PERIOD_NS;
+        // after the tick at two seconds, the second one that looks, the nose rises by 0.01 rad
+        let slope = if index > 200 { 0.01_f64 } else { 0.0 };
+        let (sin, cos) = slope.sin_cos();
+        let force = [sin, 0.0, cos].map(|part| part * EARTH_GRAVITY_M_PER_S2);
+        let inertial = Measurement::Inertial {
+            force,
+            rate: [0.0; 3],
+        };
+        // 0.5 mm a row, by ticks of 0.628 mm
+        let raw = (5 * index.cast_unsigned()) / 6;
+        let counts = [0, 1, 2].map(|wheel| Measurement::WheelCount { wheel, raw });
+        for measurement in counts.into_iter().chain([inertial]) {
+            on_board.update(Sample {
+                time_ns,
+                measurement,
+            });
+        }
+        if index < 190 {
+            continue;
+        }
+        let rim_speed = on_board.tick(time_ns, request())[0].rim_speed;
+        if index < 195 {
+            continue;
+        }
+        // the optimum's setpoint at first, then that of the demand
+        let limit = if index < 210 { 0.3 } else { 0.86 };
+        let expected = f64::min(0.0524 / (1.0 - limit), 0.3);
+        assert!(
+            (rim_speed / expected - 1.0).abs() < 0.2,
+            "{index}: {rim_speed} {expected}"
+        );
+    }
+}
+
+/// Samples that a radio or a driver holds back and delivers at once, with the right stamps.
+#[test]
+fn a_burst_leaves_no_trace_once_it_has_come() {
+    let robot = robot();
+    let force = [0.0, 0.0, EARTH_GRAVITY_M_PER_S2];
+    for held in [1, 10, 40] {
+        let mut on_time = OnBoard::new(&robot, settings(&robot)).unwrap();
+        let mut in_bursts = on_time.clone();
+        let mut waiting = Vec::new();
+        for index in 0..900 {
+            let now_ns = index * PERIOD_NS;
+            row(&mut on_time, index, force, 0.0);
+            on_time.tick(now_ns, request());
+            waiting.extend(samples(index, force, 0.0));
+            let is_held = index > 300 && index % 100 != 0 && index % 100 <= held;
+            if !is_held {
+                for sample in waiting.drain(..) {
+                    in_bursts.update_at(now_ns, sample);
+                }
+            }
+            let is_commanded = in_bursts.tick(now_ns, request())[0].rim_speed > 0.1;
+            assert!(is_commanded || index < 300, "{held}: {index}");
+            assert_eq!(in_bursts.mode(), Mode::Forward);
+            for (late, usual) in in_bursts.observations().iter().zip(on_time.observations()) {
+                if is_held {
+                    // known from before until the wheels count as silent, after a tenth of a second
+                    let is_silent = late.health == Health::Invalid(Invalid::Dropout);
+                    assert_eq!(
+                        is_silent,
+                        index % 100 >= 9,
+                        "{held}: {index} {:?}",
+                        late.health
+                    );
+                } else {
+                    assert_eq!(
+                        (
+                            late.slip,
+                            late.sigma,
+                            late.health,
+                            late.forward_speed,
+                            late.rim_speed
+                        ),
+                        (
+                            usual.slip,
+                            usual.sigma,
+                            usual.health,
+                            usual.forward_speed,
+                            usual.rim_speed
+                        ),
+                        "{held}: {index}"
+                    );
+                }
+            }
+        }
+        assert_eq!(in_bursts.estimate().rejected.total(), 0);
+        assert_eq!(in_bursts.state(), on_time.state());
+    }
 }

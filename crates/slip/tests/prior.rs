@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use grouser_slip::filter::{FilterSettings, SlipFilter, SlipPrior};
-use grouser_slip::prior::{FreeWheelSkid, SlipDemand, SoilDoubt};
+use grouser_slip::prior::{FreeWheelSkid, SlipDemand, SoilDoubt, scaled_soil};
 use grouser_terra::{
-    Angle, Bekker, Pressure, RigidWheel, Settings, Slip, SlopeOutcome, Soil, SoilParams,
+    Angle, Bekker, Pressure, Reece, RigidWheel, Settings, Slip, SlopeOutcome, Soil, SoilParams,
     WheelOnSoil, catalogue,
 };
 
@@ -259,5 +259,43 @@ fn time_of_the_tables() {
         }
         let [demand, skid] = least.map(|seconds| 1e3 * seconds);
         println!("{key}: slip demand {demand:.1} ms, skid {skid:.1} ms");
+    }
+}
+
+#[test]
+fn a_soil_by_reece_has_the_priors_of_the_same_soil_by_bekker() {
+    let p = *sand().params();
+    let Pressure::Bekker(Bekker { k_c, k_phi }) = p.pressure else {
+        panic!("{:?}", p.pressure);
+    };
+    // of one width: (c k_c' + γ b k_phi')/bⁿ = k_c/b + k_phi, a third of it by cohesion
+    let (width, unit_weight) = (fifth().width(), 15_000.0);
+    let modulus = (k_c / width + k_phi) * width.powf(p.n);
+    let by_reece = Soil::new(SoilParams {
+        unit_weight: Some(unit_weight),
+        pressure: Pressure::Reece(Reece {
+            k_c_prime: modulus / 3.0 / p.cohesion,
+            k_phi_prime: 2.0 * modulus / 3.0 / (unit_weight * width),
+        }),
+        ..p
+    })
+    .unwrap();
+    // cohesion and n are in both laws, but not alike
+    let mut doubt = SoilDoubt::of(0.3);
+    (doubt.cohesion, doubt.exponent) = (0.0, 0.0);
+    let skid = |soil: &Soil| FreeWheelSkid::new(fifth(), soil, 0.0, (5.0, 5.0), doubt).unwrap();
+    for stiffness in [0.3, 1.0, 2.0] {
+        let [bekker, reece] = [sand(), by_reece].map(|soil| {
+            let scaled = scaled_soil(&soil, 1.0, stiffness).unwrap();
+            skid(&scaled).at(5.0).unwrap()
+        });
+        assert!(
+            (bekker.mean - reece.mean).abs() < 1e-6,
+            "{bekker:?} {reece:?}"
+        );
+        assert!(
+            (bekker.sigma - reece.sigma).abs() < 1e-5,
+            "{bekker:?} {reece:?}"
+        );
     }
 }

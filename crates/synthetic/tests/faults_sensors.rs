@@ -202,6 +202,24 @@ fn a_stuck_imu_does_no_lasting_harm() {
     compare("IMU stuck", Trial::new(3), Fault::ImuStuck, 3.0, 1.3);
 }
 
+/// A gyro that goes on as it was on the straight would make the inner wheels slip and the outer ones skid.
+#[test]
+fn a_gyro_that_sticks_before_a_bend_is_not_followed() {
+    for seed in 3..8 {
+        let nominal = Trial::new(seed).run();
+        // the bend is from 12 to 20 s
+        let out = Trial::new(seed).fault(Fault::ImuStuck, 11.0, 19.0).run();
+        honest(&out, "IMU stuck before a bend");
+        let ratio = out.rms(14.0, 19.0) / nominal.rms(14.0, 19.0);
+        let nees = out.nees(14.0, 19.0);
+        println!("IMU stuck before a bend: rms {ratio:.2} of nominal, NEES {nees:.2}");
+        assert!(
+            ratio < 2.0 && nees < 2.0,
+            "{seed}: {ratio:.2} of nominal, {nees:.2}"
+        );
+    }
+}
+
 #[test]
 fn an_impact_that_saturates_the_accelerometer_does_little() {
     compare(

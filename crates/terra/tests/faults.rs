@@ -325,31 +325,71 @@ fn the_lowest_rising_branch_and_word_of_the_others() {
     }
 }
 
+/// The greatest jump of `f` on [from, to] above 1e-8: an interval on which the fourth difference is larger is halved towards
+/// the half whose own is the larger one, until a smooth bend has vanished and a jump is left.
+fn greatest_jump(f: impl Fn(f64) -> [f64; 3], (from, to): (f64, f64)) -> f64 {
+    const INTERVALS: u32 = 1000;
+    let difference = |[a, b]: [f64; 2]| {
+        let values = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| f(a + share * (b - a)));
+        let of = |i: usize| {
+            values[0][i] - 4.0 * values[1][i] + 6.0 * values[2][i] - 4.0 * values[3][i]
+                + values[4][i]
+        };
+        (0..3).map(|i| of(i).abs()).fold(0.0, f64::max)
+    };
+    let mut worst = 0.0_f64;
+    let place = |i: u32| from + (to - from) * f64::from(i) / f64::from(INTERVALS);
+    for i in 0..INTERVALS {
+        let mut ends = [place(i), place(i + 1)];
+        let mut jump = difference(ends);
+        while ends[1] - ends[0] > 1e-10 && jump > 1e-8 {
+            let middle = 0.5 * (ends[0] + ends[1]);
+            let halves = [[ends[0], middle], [middle, ends[1]]];
+            let [left, right] = halves.map(difference);
+            ends = halves[usize::from(right > left)];
+            jump = left.max(right);
+        }
+        worst = worst.max(jump);
+    }
+    worst
+}
+
 #[test]
 fn continuous_across_every_internal_switch() {
-    // Along each input the forces move by what their slope says and no more, also where the rule, the
-    // branch or the order changes. Steps of 1e-7 over the ranges in which the switches lie.
-    let mut worst = 0.0_f64;
-    for i in 0..4000 {
-        let x = f64::from(i) / 4000.0;
-        let slip = -0.999 + 1.998 * x;
-        for (k_shear, rebound) in [(0.025, 0.0), (0.002, 0.5)] {
-            let contact = on(SoilParams {
-                k_shear,
-                rebound,
-                ..sand()
-            });
-            let f = |slip: f64| contact.forces_at(0.02, &at(slip)).unwrap();
-            let h = 1e-10;
-            let (a, b) = (f(slip), f(slip + h));
-            // a slope of a few hundred per unit of slip at most, near the locked wheel
-            let jump = (a.drawbar_pull - b.drawbar_pull)
-                .abs()
-                .max((a.torque - b.torque).abs());
-            worst = worst.max(jump / a.vertical_force);
+    // along slip, slip angle and sinkage the rule, the branch and the order change: each rule is good to 1e-9 of the forces
+    for (k_shear, rebound) in [(0.025, 0.0), (0.002, 0.5)] {
+        let contact = on(SoilParams {
+            k_shear,
+            rebound,
+            ..sand()
+        });
+        let forces = |sinkage: f64, kinematics: &Kinematics| {
+            let found = contact.forces_at(sinkage, kinematics).unwrap();
+            [
+                found.drawbar_pull,
+                found.vertical_force,
+                found.torque / wheel().radius(),
+            ]
+        };
+        let scale = forces(0.02, &at(0.5))[1];
+        let shares = |forces: [f64; 3]| forces.map(|force| force / scale);
+        let along_slip = greatest_jump(|slip| shares(forces(0.02, &at(slip))), (-0.999, 0.999));
+        let along_sinkage =
+            greatest_jump(|sinkage| shares(forces(sinkage, &at(0.3))), (1e-3, 0.12));
+        let along_angle = greatest_jump(
+            |angle| {
+                let slip = Slip::new(0.3).unwrap();
+                shares(forces(
+                    0.02,
+                    &Kinematics::with_slip_angle(slip, Angle::from_rad(angle)).unwrap(),
+                ))
+            },
+            (-1.5, 1.5),
+        );
+        for jump in [along_slip, along_sinkage, along_angle] {
+            assert!(jump < 1e-8, "{jump:e}");
         }
     }
-    assert!(worst < 1e-8, "{worst:e}");
     // at the switch from driving to braking, and from straight to drifting
     let contact = on(sand());
     let (a, b) = (

@@ -466,7 +466,7 @@ impl OnBoard {
         }
         self.filter.restore(&state.learnt)?;
         if let (Some(learner), Some(belief)) = (&mut self.learner, &state.soil) {
-            learner.restore(belief);
+            learner.restore(belief)?;
             if let Some(slip) = learner.running_slip() {
                 self.controller.set_optimum(slip)?;
             }
@@ -476,11 +476,11 @@ impl OnBoard {
     }
 }
 
-/// The robot's forward speed, where any wheel's own is known.
+/// The robot's forward speed, where any wheel shows it.
 fn forward_speed(output: &FilterOutput<'_>) -> Option<f64> {
-    let is_known = output.wheels.iter().any(|wheel| {
-        !matches!(wheel.health, Health::Invalid(_) | Health::Uninitialised)
-            && wheel.forward_speed.is_some()
-    });
+    let is_known = output
+        .wheels
+        .iter()
+        .any(|wheel| !matches!(wheel.health, Health::Invalid(_) | Health::Uninitialised));
     is_known.then_some(output.body.forward.value)
 }

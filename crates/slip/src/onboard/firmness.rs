@@ -71,38 +71,48 @@ impl Firmness {
         step: f64,
     ) -> Option<f64> {
         let own = self.wheels.get_mut(wheel)?.as_mut()?;
-        let known_before = own.usual_time >= MIN_USUAL_TIME_S;
+        let measured = own.over_known(torque, slip);
         let multiple = match compared {
-            Compared::Soil(multiple) => multiple,
-            Compared::Before if known_before => own.usual.min(1.0),
-            Compared::Before => 1.0,
+            Compared::Soil(multiple) => Some(multiple),
+            Compared::Before => own.usual(measured.map(|(now, _)| now), step),
         };
-        let now = own.ratio_now(torque, slip, multiple);
-        if let Some(now) = now {
-            own.usual_time = (own.usual_time + step).min(USUAL_TIME_S);
-            if own.usual_time > 0.0 {
-                own.usual += step / own.usual_time * (now - own.usual);
-            }
-        }
-        let now = now.filter(|_| known_before || compared != Compared::Before);
-        let now = now.map(|now| now / multiple).filter(|now| now.is_finite());
-        let ratio = now.map(|now| {
+        let now = measured
+            .zip(multiple)
+            .and_then(|((now, expected), multiple)| {
+                let is_informative = multiple * expected >= MIN_TORQUE_SHARE * own.max_torque;
+                let now = is_informative.then_some(now / multiple);
+                now.filter(|now| now.is_finite())
+            });
+        own.ratio = now.map(|now| {
             let before = own.ratio.unwrap_or(1.0);
             before + step / (TIME_CONSTANT_S + step) * (now - before)
         });
-        own.ratio = ratio;
-        ratio
+        own.ratio
     }
 }
 
 impl Wheel {
-    /// Torque over that of the known soil, where a soil that takes `multiple` times as much shows in it.
-    fn ratio_now(&self, torque: Option<f64>, slip: Option<f64>, multiple: f64) -> Option<f64> {
-        let (torque, slip) = (torque.filter(|torque| torque.is_finite())?, slip?);
+    /// Torque over that of the known soil, and the latter (N m), where the soil shows in it.
+    fn over_known(&self, torque: Option<f64>, slip: Option<f64>) -> Option<(f64, f64)> {
+        let (torque, slip) = (torque?, slip?);
         let expected = self.expected_at(slip);
+        let now = torque.abs() / expected;
         let is_informative =
-            slip >= MIN_SLIP && multiple * expected >= MIN_TORQUE_SHARE * self.max_torque;
-        is_informative.then(|| torque.abs() / expected)
+            slip >= MIN_SLIP && expected >= MIN_TORQUE_SHARE * self.max_torque && now.is_finite();
+        is_informative.then_some((now, expected))
+    }
+
+    /// The multiple of the known soil's torque that the ground has taken before, at most 1, which then goes on with what
+    /// it takes `now`. Ground that takes hardly any torque enters too, so that it does not stay the usual one for ever.
+    fn usual(&mut self, now: Option<f64>, step: f64) -> Option<f64> {
+        let before = (self.usual_time >= MIN_USUAL_TIME_S).then(|| self.usual.min(1.0));
+        if let Some(now) = now {
+            self.usual_time = (self.usual_time + step).min(USUAL_TIME_S);
+            if self.usual_time > 0.0 {
+                self.usual += step / self.usual_time * (now - self.usual);
+            }
+        }
+        before
     }
 
     fn expected_at(&self, slip: f64) -> f64 {
@@ -217,5 +227,48 @@ mod tests {
                 "soft ground becomes the usual one: {mean}"
             );
         }
+    }
+
+    #[test]
+    fn a_first_second_without_torque_is_forgotten() {
+        for ratio in [0.0, 0.1] {
+            let mut firmness = wheel();
+            let mut update = |ratio: f64| {
+                let load = (Some(ratio * expected(1.0)), Some(1.0));
+                firmness.update(1, load, Compared::Before, STEP_S)
+            };
+            // 0.02 of 60 N m over 5 N m: below, what the ground took before is hidden by the current's noise
+            let least = 0.24;
+            let (mut mean, mut found) = (ratio, None);
+            for count in 1..=160 {
+                assert_eq!(update(ratio), None, "{count}");
+            }
+            for count in 161..=2000 {
+                found = update(1.0);
+                assert_eq!(found.is_some(), mean >= least, "{count}: {mean}");
+                let measured = f64::min(STEP_S * f64::from(count), USUAL_TIME_S);
+                mean += STEP_S / measured * (1.0 - mean);
+            }
+            assert!((found.unwrap() - 1.0).abs() < 0.01, "{found:?}");
+            // soft ground, for as long as it takes to be called
+            for _ in 0..40 {
+                found = update(0.3);
+            }
+            assert!(found.unwrap() < 0.5, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn torque_that_the_noise_hides_is_no_usual_one() {
+        // the known soil takes 0.9 N m at slip 0.1, less than 0.02 of 60 N m, and 9 N m at slip 1
+        let table = core::array::from_fn(|i| 9.0 * i as f64 / (TORQUE_POINTS - 1) as f64);
+        let mut firmness = Firmness::new(&[Some(table)], &[Some(60.0)]);
+        let mut update = |torque: f64, slip: f64| {
+            firmness.update(0, (Some(torque), Some(slip)), Compared::Before, STEP_S)
+        };
+        assert!((0..500).all(|_| update(0.1, 0.1).is_none()));
+        assert!((0..128).all(|_| update(9.0, 1.0).is_none()));
+        let found = update(9.0, 1.0).unwrap();
+        assert!((found - 1.0).abs() < 1e-12, "{found}");
     }
 }

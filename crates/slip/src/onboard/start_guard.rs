@@ -85,7 +85,7 @@ impl StartGuard {
 
     /// May the robot drive?
     pub(super) fn allows_driving(&self) -> bool {
-        let is_refused = self.fault.is_some() || !(self.is_done || self.is_upright);
+        let is_refused = self.fault.is_some() || !self.is_upright;
         !(is_refused && self.policy == StartPolicy::Refuse)
     }
 }

@@ -6,14 +6,13 @@ use grouser_slip::control::{
     WheelObservation,
 };
 use grouser_slip::filter::SlipPrior;
-use grouser_slip::{Health, Motion, Robot};
 
-use crate::four_wheels::four_wheels;
+use crate::four_wheels::{driving, robot};
 
 /// The loop's period, s.
 pub(crate) const STEP_S: f64 = 0.01;
 /// The requested speed unless a test sets another, m/s.
-pub(crate) const SPEED: f64 = 0.2;
+pub(crate) const SPEED_M_PER_S: f64 = 0.2;
 
 /// What the last step gave.
 #[derive(Clone, Copy, Debug)]
@@ -38,25 +37,17 @@ pub(crate) struct OpenLoop {
     pub(crate) request: Request,
 }
 
-/// A wheel that runs at the requested speed with a slip of 0.1.
+/// A wheel whose rim and hub run at the requested speed, with a slip of 0.1.
 pub(crate) fn rolling() -> WheelObservation {
     WheelObservation {
-        slip: Some(0.1),
-        sigma: Some(0.0),
-        health: Health::Ok,
-        motion: Some(Motion::Driving),
-        forward_speed: Some(SPEED),
-        rim_speed: Some(SPEED),
-        torque_share: Some(0.3),
-        firmness: None,
-        load: 50.0,
+        forward_speed: Some(SPEED_M_PER_S),
+        ..driving(0.1, SPEED_M_PER_S)
     }
 }
 
 impl OpenLoop {
     pub(crate) fn new(settings: &ControlSettings) -> Self {
-        let robot = Robot::new("four wheels".into(), four_wheels(1000)).unwrap();
-        Self::with(Controller::new(&robot, *settings).unwrap())
+        Self::with(Controller::new(&robot(), *settings).unwrap())
     }
 
     pub(crate) fn with(controller: Controller) -> Self {
@@ -65,13 +56,13 @@ impl OpenLoop {
             time_ns: 0,
             period_ns: 10_000_000,
             wheels: [rolling(); 4],
-            speed: Some(SPEED),
+            speed: Some(SPEED_M_PER_S),
             heading: Some(0.0),
             pitch: Some(0.0),
             roll: Some(0.0),
             slip_demand: None,
             request: Request {
-                speed: SPEED,
+                speed: SPEED_M_PER_S,
                 ..Request::default()
             },
         }
@@ -140,7 +131,8 @@ impl OpenLoop {
     }
 }
 
-/// A constant input, smoothed over `time_s` from 0, after so many steps: the filter's pole is 1/(1 + Δt/T).
+/// The output of a first-order filter of time constant `time_s` that begins at 0, after a number of steps with a constant
+/// input: its pole is 1/(1 + Δt/T).
 pub(crate) fn smoothed(input: f64, time_s: f64, steps: usize) -> f64 {
     input * (1.0 - (1.0 + STEP_S / time_s).powf(-(steps as f64)))
 }

@@ -343,6 +343,24 @@ mod tests {
     }
 
     #[test]
+    fn where_no_powered_wheel_leads_they_sink_under_their_mean_load() {
+        // free wheels without a load roll ahead of wheels of 40 and 60 N
+        let behind = [
+            (0.3, 0.2, 0.0, true),
+            (0.3, -0.2, 0.0, true),
+            (0.0, 0.2, 40.0, false),
+            (0.0, -0.2, 60.0, false),
+        ];
+        for (found, expected) in family(&behind)
+            .members()
+            .iter()
+            .zip(family(&FRONT).members())
+        {
+            assert_eq!(found.sinkages, expected.sinkages);
+        }
+    }
+
+    #[test]
     fn free_wheels_take_their_resistance_from_the_pull() {
         let (none, one, two) = (family(&FRONT), with_free(&[20.0]), with_free(&[20.0, 20.0]));
         for index in 0..LEVELS {
@@ -397,7 +415,12 @@ mod tests {
         assert!((least - MIN_SLIP).abs() < 1e-9 && (rise - 0.5).abs() < 1e-9);
         assert_eq!(member.slip_of_pull(0.41), None);
         assert!((member.max_pull() - 0.4).abs() < 1e-9);
-        assert!((linear(0.3, -0.2).max_pull() - (0.3 - 0.2 * MIN_SLIP)).abs() < 1e-9);
+        // the greatest pull itself, where more slip gives less, has the least slip too
+        let falling = linear(0.3, -0.2);
+        let most = falling.max_pull();
+        assert!((most - (0.3 - 0.2 * MIN_SLIP)).abs() < 1e-9);
+        let (found, rise) = falling.slip_of_pull(most).expect("a slip");
+        assert!((found - MIN_SLIP).abs() < 1e-9 && (rise + 0.2).abs() < 1e-9);
         // a table ends at its ends
         for (slip, end) in [(7.0, 0.4), (-7.0, -0.3)] {
             assert!((value_at(&member.pulls, slip).0 - end).abs() < 1e-9);

@@ -125,8 +125,9 @@ impl SoilLearner {
         }
     }
 
-    /// What was begun is no reading.
-    pub(in crate::onboard) fn discard(&mut self) {
+    /// Drops what came since the last reading: the robot turns back, goes round or has stopped. The next reading begins once
+    /// the soil is sheared again.
+    pub fn discard(&mut self) {
         self.readings.discard();
     }
 
@@ -306,16 +307,16 @@ impl SoilLearner {
             let slip = slip_at(index);
             for (weight, member) in belief.weights.iter().zip(self.family.members()) {
                 let (pull, torque) = (member.pulls[index], member.torques[index]);
-                if slip > 0.0 && pull > 0.0 && torque > 0.0 {
-                    *efficiency += weight * (1.0 - slip) * pull / torque;
+                if slip > 0.0 && torque > 0.0 {
+                    *efficiency += weight * (1.0 - slip) * pull.max(0.0) / torque;
                 }
             }
         }
-        let best = (1..SLIP_POINTS - 1)
-            .max_by(|a, b| efficiencies[*a].total_cmp(&efficiencies[*b]))
-            .filter(|best| efficiencies[*best] > 0.0)?;
+        let neighbours = efficiencies.array_windows().enumerate();
+        let (below, [before, top, after]) = neighbours
+            .max_by(|(_, [_, a, _]), (_, [_, b, _])| a.total_cmp(b))
+            .filter(|(_, [_, top, _])| *top > 0.0)?;
         // the top of the parabola through the best point and its neighbours
-        let [before, top, after] = [best - 1, best, best + 1].map(|i| efficiencies[i]);
         let bend = before - 2.0 * top + after;
         let off = if bend < 0.0 {
             0.5 * (before - after) / bend
@@ -323,7 +324,7 @@ impl SoilLearner {
             0.0
         };
         let step = slip_at(1) - slip_at(0);
-        let slip = slip_at(best) + off.clamp(-0.5, 0.5) * step;
+        let slip = slip_at(below + 1) + off.clamp(-0.5, 0.5) * step;
         Some(slip.clamp(RUNNING_SLIP_LIMITS.0, RUNNING_SLIP_LIMITS.1))
     }
 
@@ -380,12 +381,18 @@ impl SoilLearner {
         &self.belief
     }
 
-    /// Takes back a belief that was checked.
-    pub(in crate::onboard) fn restore(&mut self, belief: &SoilBelief) {
+    /// Takes back the belief of before a restart: the soil counts as known at once.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for weights that are no probabilities, or whose sum is not 1; nothing
+    /// changes then.
+    pub fn restore(&mut self, belief: &SoilBelief) -> Result<()> {
+        belief.check()?;
         self.belief = *belief;
         self.count = MIN_READINGS;
         self.use_belief();
         self.past = [self.in_use; MAX_LAG];
+        Ok(())
     }
 }
 
@@ -406,205 +413,4 @@ fn lag(robot: &Robot) -> usize {
     (1..MAX_LAG)
         .find(|lag| *lag as f64 > readings + 1.0)
         .unwrap_or(MAX_LAG)
-}
-
-#[cfg(test)]
-mod tests {
-    use alloc::{vec, vec::Vec};
-
-    use super::super::family::SoilMember;
-    use super::*;
-    use crate::prior::{STIFFNESSES, STRENGTHS};
-    use crate::robot::Wheel;
-
-    /// Pull of the soil `index` at a slip, over the load: a line.
-    fn pull(index: usize, slip: f64) -> f64 {
-        -0.05 + (0.3 + 0.02 * index as f64) * slip
-    }
-
-    /// Torque of every soil: the efficiency (1 − s) · pull/torque of the last soil is 1 − (s − 0.23)².
-    fn torque(index: usize, slip: f64) -> f64 {
-        let last = (1.0 - slip) * pull(LEVELS - 1, slip) / (1.0 - (slip - 0.23).powi(2));
-        last * (1.0 + 0.1 * (LEVELS - 1 - index) as f64)
-    }
-
-    fn learner(wheels: Vec<Wheel>) -> SoilLearner {
-        let members: Vec<SoilMember> = (0..LEVELS)
-            .map(|index| SoilMember {
-                strength: STRENGTHS[index / STIFFNESSES.len()],
-                stiffness: STIFFNESSES[index % STIFFNESSES.len()],
-                pulls: core::array::from_fn(|at| pull(index, slip_at(at))),
-                torques: core::array::from_fn(|at| torque(index, slip_at(at))),
-                sinkages: [0.1; SLIP_POINTS],
-            })
-            .collect();
-        let family = SoilFamily::from_members(&members, 0.6).expect("a family");
-        let robot = Robot::new("cart".into(), wheels).expect("a robot");
-        let setups = vec![WheelSetup::default(); robot.wheels().len()];
-        SoilLearner::new(&robot, &setups, family, SoilLearnSettings::default()).expect("a learner")
-    }
-
-    /// A learner that is sure of one soil.
-    fn sure_of(index: usize) -> SoilLearner {
-        let mut learner = learner(vec![Wheel::powered("wheel").radius(0.1)]);
-        let mut weights = [0.0; LEVELS];
-        weights[index] = 1.0;
-        let error_scale = 1.5;
-        learner.restore(&SoilBelief {
-            weights,
-            error_scale,
-        });
-        learner
-    }
-
-    fn close(a: f64, b: f64) -> bool {
-        (a - b).abs() < 1e-9
-    }
-
-    /// The model's own error in a share of the load.
-    fn model_sigma(value: f64) -> f64 {
-        (0.02_f64.powi(2) + (0.15 * value).powi(2)).sqrt()
-    }
-
-    #[test]
-    fn a_soil_that_is_known_predicts_its_pull_its_torque_and_its_demand() {
-        for index in [0, 5, LEVELS - 1] {
-            let learner = sure_of(index);
-            let rise = 0.3 + 0.02 * index as f64;
-            let found = learner.predict_pull(0.4, 0.1);
-            let sigma = model_sigma(pull(index, 0.4)).hypot(rise * 0.1);
-            assert!(close(found.mean, pull(index, 0.4)));
-            assert!(close(found.high - found.mean, 1.645 * 1.5 * sigma));
-            assert!(close(found.mean - found.low, 1.645 * 1.5 * sigma));
-            // torque over that of the known soil
-            let known = (0..LEVELS)
-                .find(|at| {
-                    STRENGTHS[at / STIFFNESSES.len()] == 1.0
-                        && STIFFNESSES[at % STIFFNESSES.len()] == 1.0
-                })
-                .expect("the known soil");
-            let ratio = (1.0 + 0.1 * (LEVELS - 1 - index) as f64)
-                / (1.0 + 0.1 * (LEVELS - 1 - known) as f64);
-            assert!(close(learner.torque_ratio(0.4), ratio));
-            // a slope of tan 0.1: its slip is that of its pull
-            let demand = learner.demand(0.1).expect("learnt");
-            let slip = (0.1_f64.tan() + 0.05) / rise;
-            let found = demand.slip.expect("a slip");
-            assert!(close(found.mean, slip));
-            assert!((found.sigma - 1.5 * model_sigma(0.1_f64.tan()) / rise).abs() < 1e-6);
-            assert_eq!(learner.demand_before(0.1), Some(demand));
-            // at the slope of its greatest pull it fails half of the time; one sigma more, with 84 %, within 1 %
-            let most = pull(index, 1.0);
-            let halfway = learner.demand(most.atan()).expect("learnt");
-            assert!(close(halfway.fails, 0.5));
-            let steeper = (most + 1.5 * model_sigma(most)).atan();
-            let steeper = learner.demand(steeper).expect("learnt");
-            assert!((steeper.fails - 0.8413).abs() < 0.01 && steeper.slip.is_none());
-            assert!(learner.demand(0.0).expect("learnt").fails < 0.05);
-        }
-    }
-
-    #[test]
-    fn it_runs_at_the_slip_of_the_greatest_efficiency() {
-        // three points of a parabola have its top
-        let found = sure_of(LEVELS - 1).running_slip().expect("a slip");
-        assert!(close(found, 0.23), "{found}");
-        assert_eq!(
-            learner(vec![Wheel::powered("wheel").radius(0.1)]).running_slip(),
-            None
-        );
-    }
-
-    #[test]
-    fn a_reading_moves_the_belief_by_bayes_rule() {
-        let (slip, sigma, seen) = (0.4, 0.05, 0.12);
-        for (torque_seen, depth) in [
-            (None, None),
-            (Some(0.4), None),
-            (Some(0.4), Some((0.12, 0.01))),
-        ] {
-            let mut learner = learner(vec![Wheel::powered("wheel").radius(0.1)]);
-            let prior = learner.belief.weights;
-            let reading = SoilReading {
-                slip: (slip, sigma),
-                pull: seen,
-                torque: torque_seen,
-                sinkage: depth,
-            };
-            learner.learn(&reading);
-            // the density of pull and torque, whose errors share that of the slip, by conditioning: first the pull, then the
-            // torque given the pull
-            let expected: Vec<f64> = (0..LEVELS)
-                .map(|index| {
-                    let rise = 0.3 + 0.02 * index as f64;
-                    let member = &learner.family.members()[index];
-                    let (of_torque, torque_rise) = value_at(&member.torques, slip);
-                    let a = model_sigma(pull(index, slip)).powi(2) + (rise * sigma).powi(2);
-                    let off = seen - pull(index, slip);
-                    let (mut distance, mut spread) = (off * off / a, a);
-                    if let Some(torque_seen) = torque_seen {
-                        let b = model_sigma(of_torque).powi(2) + (torque_rise * sigma).powi(2);
-                        let c = rise * torque_rise * sigma * sigma;
-                        let conditioned = b - c * c / a;
-                        let rest = torque_seen - of_torque - c / a * off;
-                        distance += rest * rest / conditioned;
-                        spread *= conditioned;
-                    }
-                    let mut log = -0.5 * (distance.min(18.0) + spread.ln());
-                    if let Some((depth, depth_sigma)) = depth {
-                        let variance =
-                            0.02_f64.powi(2) + (0.25_f64 * 0.1).powi(2) + f64::powi(depth_sigma, 2);
-                        log -= 0.5 * (f64::powi(depth - 0.1, 2) / variance).min(9.0)
-                            + 0.5 * variance.ln();
-                    }
-                    prior[index] * (0.3 * log).exp()
-                })
-                .collect();
-            let sum: f64 = expected.iter().sum();
-            for (found, expected) in learner.belief.weights.iter().zip(&expected) {
-                let expected = expected / sum;
-                assert!(close(*found, expected), "{found}, not {expected}");
-            }
-            assert_eq!(
-                (learner.count, learner.contacts),
-                (1, u32::from(depth.is_some()))
-            );
-        }
-    }
-
-    #[test]
-    fn intervals_widen_with_a_miss_and_narrow_with_a_hit() {
-        let mut learner = sure_of(3);
-        let hit = learner.predict_pull(0.4, 0.05);
-        let reading = |pull: f64| SoilReading {
-            slip: (0.4, 0.05),
-            pull,
-            torque: None,
-            sinkage: None,
-        };
-        learner.learn(&reading(hit.mean));
-        let narrowed = 1.5 * (-0.5_f64 * 0.1).exp();
-        assert!(close(learner.belief.error_scale, narrowed));
-        learner.learn(&reading(9.0));
-        assert!(close(
-            learner.belief.error_scale,
-            narrowed * (0.5_f64 * 0.9).exp()
-        ));
-        learner.learn(&reading(-9.0));
-        assert!(close(
-            learner.belief.error_scale,
-            narrowed * (0.5_f64 * 1.8).exp()
-        ));
-    }
-
-    #[test]
-    fn the_belief_that_soft_ground_is_compared_with_is_a_robots_length_old() {
-        // half a turn of wheels of 0.1 m is 0.314 m
-        for (length, expected) in [(0.0, 2), (0.3, 2), (0.32, 3), (0.9, 4), (9.0, MAX_LAG)] {
-            let wheels = [("front", 0.5 * length), ("rear", -0.5 * length)];
-            let wheels = wheels.map(|(name, x)| Wheel::powered(name).at(x, 0.0).radius(0.1));
-            let robot = Robot::new("cart".into(), wheels.to_vec()).expect("a robot");
-            assert_eq!(lag(&robot), expected, "{length} m");
-        }
-    }
 }

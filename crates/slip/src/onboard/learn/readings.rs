@@ -222,7 +222,7 @@ mod tests {
 
     /// Steps whose sums are exact, s.
     const STEP_S: f64 = 1.0 / 64.0;
-    const SPEED: f64 = 0.5;
+    const SPEED_M_PER_S: f64 = 0.5;
 
     /// Two powered wheels of 30 and 60 N, 0.2 m aside, and a free one of 10 N.
     fn readings() -> SoilReadings {
@@ -292,7 +292,7 @@ mod tests {
         let rim = (30.0 * 0.3 + 60.0 * 0.4) / 90.0;
         let turning = (core::f64::consts::PI / (rim / 0.1 * STEP_S)).ceil();
         let (ticks, reading) =
-            read(&mut readings, &seen(), &TORQUES, (SPEED, 0.0)).expect("a reading");
+            read(&mut readings, &seen(), &TORQUES, (SPEED_M_PER_S, 0.0)).expect("a reading");
         assert_eq!(ticks as f64, 31.0 + turning);
         assert!(close(reading.slip.0, 0.4) && close(reading.slip.1, 0.03));
         assert!(close(reading.pull, 0.1));
@@ -300,7 +300,7 @@ mod tests {
         assert_eq!(reading.sinkage, None);
         // the next one follows at once
         let (ticks, next) =
-            read(&mut readings, &seen(), &TORQUES, (SPEED, 0.0)).expect("a reading");
+            read(&mut readings, &seen(), &TORQUES, (SPEED_M_PER_S, 0.0)).expect("a reading");
         assert!(ticks as f64 == turning && close(next.pull, 0.1));
         // after a standstill, and where what was begun is discarded, the soil is sheared first
         for stands in [true, false] {
@@ -309,12 +309,12 @@ mod tests {
                 assert_eq!(readings.update(&seen(), &TORQUES, standing, STEP_S), None);
             } else {
                 readings.add_force([900.0, 0.0, 900.0]);
-                readings.update(&seen(), &TORQUES, (SPEED, 0.0), STEP_S);
+                readings.update(&seen(), &TORQUES, (SPEED_M_PER_S, 0.0), STEP_S);
                 readings.add_force([900.0, 0.0, 900.0]);
                 readings.discard();
             }
             let (ticks, next) =
-                read(&mut readings, &seen(), &TORQUES, (SPEED, 0.0)).expect("a reading");
+                read(&mut readings, &seen(), &TORQUES, (SPEED_M_PER_S, 0.0)).expect("a reading");
             assert_eq!(ticks as f64, 31.0 + turning);
             assert!(close(next.pull, 0.1));
         }
@@ -345,7 +345,12 @@ mod tests {
             // the heavy wheel carries two thirds, the light one less than half
             let mut heavy_alone = seen();
             change(&mut heavy_alone[0]);
-            let found = read(&mut readings(), &heavy_alone, &TORQUES, (SPEED, 0.0));
+            let found = read(
+                &mut readings(),
+                &heavy_alone,
+                &TORQUES,
+                (SPEED_M_PER_S, 0.0),
+            );
             let (_, reading) = found.expect("a reading");
             assert!(
                 close(reading.slip.0, 0.5) && close(reading.torque.expect("measured"), 2.0 / 6.0)
@@ -353,22 +358,27 @@ mod tests {
             let mut light_alone = seen();
             change(&mut light_alone[1]);
             assert_eq!(
-                read(&mut readings(), &light_alone, &TORQUES, (SPEED, 0.0)),
+                read(
+                    &mut readings(),
+                    &light_alone,
+                    &TORQUES,
+                    (SPEED_M_PER_S, 0.0)
+                ),
                 None
             );
         }
         let mut braking = seen();
         braking[0].motion = Some(Motion::Braking);
-        assert!(read(&mut readings(), &braking, &TORQUES, (SPEED, 0.0)).is_some());
+        assert!(read(&mut readings(), &braking, &TORQUES, (SPEED_M_PER_S, 0.0)).is_some());
         // torques that are not measured, or no numbers, are those of the other wheels
         for torque in [None, Some(f64::NAN)] {
             let torques = [torque, Some(2.0), None];
             let (_, reading) =
-                read(&mut readings(), &seen(), &torques, (SPEED, 0.0)).expect("a reading");
+                read(&mut readings(), &seen(), &torques, (SPEED_M_PER_S, 0.0)).expect("a reading");
             assert!(close(reading.torque.expect("measured"), 2.0 / 6.0));
         }
         let (_, reading) =
-            read(&mut readings(), &seen(), &[None; 3], (SPEED, 0.0)).expect("a reading");
+            read(&mut readings(), &seen(), &[None; 3], (SPEED_M_PER_S, 0.0)).expect("a reading");
         assert_eq!(reading.torque, None);
     }
 
@@ -376,12 +386,16 @@ mod tests {
     fn a_robot_that_turns_or_falls_gives_no_reading() {
         // 0.2 m aside a yaw rate of 0.5 rad/s is a fifth of 0.5 m/s
         for (yaw_rate, is_straight) in [(0.49, true), (-0.49, true), (0.5, false), (-0.51, false)] {
-            let found = read(&mut readings(), &seen(), &TORQUES, (SPEED, yaw_rate));
+            let found = read(
+                &mut readings(),
+                &seen(),
+                &TORQUES,
+                (SPEED_M_PER_S, yaw_rate),
+            );
             assert_eq!(found.is_some(), is_straight, "{yaw_rate}");
         }
         // forces that no accelerometer measures do not count, and without one there is no pull
         for force in [
-            [0.0; 3],
             [f64::NAN, 0.0, 10.0],
             [1.0, 0.0, 1000.1],
             [1000.1, 0.0, 10.0],
@@ -390,10 +404,23 @@ mod tests {
             let mut readings = readings();
             for _ in 0..200 {
                 readings.add_force(force);
-                let reading = readings.update(&seen(), &TORQUES, (SPEED, 0.0), STEP_S);
+                let reading = readings.update(&seen(), &TORQUES, (SPEED_M_PER_S, 0.0), STEP_S);
                 assert_eq!(reading, None, "{force:?}");
             }
         }
+        // the greatest force counts, and a tick without a force is none
+        let mut readings = readings();
+        let mut drive = |force: [f64; 3]| {
+            readings.add_force(force);
+            readings.update(&seen(), &TORQUES, (SPEED_M_PER_S, 0.0), STEP_S)
+        };
+        let most = [MAX_FORCE_M_PER_S2; 3];
+        let ticks = (1..400).find(|_| drive(most).is_some()).expect("a reading");
+        let again = (1..400).find(|_| drive(most).is_some()).expect("a reading");
+        assert_eq!(drive([0.0; 3]), None);
+        let reading = (1..=again).find_map(|tick| Some((tick, drive(most)?)));
+        let (last, reading) = reading.expect("a reading");
+        assert!(ticks > again && last == again && close(reading.pull, 1.0));
     }
 
     #[test]

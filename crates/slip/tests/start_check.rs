@@ -1,0 +1,287 @@
+//! The comparison of sensors over the first metres: each unit, sign and axis that is mixed up is named, and right ones are
+//! plausible, at any speed of the robot.
+
+use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::start::{Progress, StartCheck};
+use grouser_slip::{Fault, Measurement, Robot, Sample, Wheel};
+
+const PERIOD_S: f64 = 0.01;
+const TICKS_PER_TURN: u32 = 10_000;
+const RADIUS_M: f64 = 0.1;
+const HALF_TRACK_M: f64 = 0.2;
+
+/// What the sensors measure in one period: yaw rate, forces and reference forwards and to the left.
+#[derive(Clone, Copy)]
+struct Row {
+    yaw_rate: f64,
+    force: [f64; 2],
+    speed: [f64; 2],
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Reference {
+    Displacement,
+    Speed,
+}
+
+/// Drives for 20 s with speeds that rise and fall, and turns; `change` is what is wrong with the sensors.
+fn drive(top: f64, reference: Reference, change: impl Fn(Row) -> Row) -> Result<Progress, Fault> {
+    let side = |name: &str, y| Wheel::powered(name).at(0.0, y).radius(RADIUS_M);
+    let free = Wheel::free("free").at(-0.3, 0.0).radius(RADIUS_M);
+    let wheels = [
+        side("left", HALF_TRACK_M),
+        side("right", -HALF_TRACK_M),
+        free,
+    ];
+    let wheels = wheels.map(|wheel| wheel.ticks_per_turn(TICKS_PER_TURN));
+    let robot = Robot::new("tricycle".into(), wheels.to_vec()).unwrap();
+    let mut filter = SlipFilter::new(&robot, FilterSettings::default()).unwrap();
+    let mut check = StartCheck::new(&robot).unwrap();
+    let mut last = Ok(Progress::Looking);
+    for index in 0..2000_i64 {
+        // rest for a second, then v = top (1 − cos 2t)/2 and ω = 0.4 sin t
+        let time = (index as f64 * PERIOD_S - 1.0).max(0.0);
+        let way = 0.5 * top * (time - 0.5 * (2.0 * time).sin());
+        let turned = 0.4 * (1.0 - time.cos());
+        let row = change(Row {
+            yaw_rate: 0.4 * time.sin(),
+            force: [top * (2.0 * time).sin(), 0.02],
+            speed: [0.5 * top * (1.0 - (2.0 * time).cos()), 0.0],
+        });
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a counter that begins at a million ticks"
+        )]
+        let ticks = |way: f64| {
+            let turns = way / (RADIUS_M * std::f64::consts::TAU);
+            (1e6 + turns * f64::from(TICKS_PER_TURN)) as u64
+        };
+        let counts = [
+            way - HALF_TRACK_M * turned,
+            way + HALF_TRACK_M * turned,
+            way,
+        ]
+        .map(ticks);
+        let [forward, left] = row.force;
+        let [ahead, aside] = row.speed;
+        let reference = match reference {
+            Reference::Displacement => Measurement::Displacement {
+                forward: PERIOD_S * ahead,
+                left: PERIOD_S * aside,
+                turn: None,
+            },
+            Reference::Speed => Measurement::Speed {
+                forward: ahead,
+                left: Some(aside),
+            },
+        };
+        let counts = (0..3).map(|wheel| Measurement::WheelCount {
+            wheel,
+            raw: counts[wheel],
+        });
+        let others = [
+            Measurement::YawRate { rate: row.yaw_rate },
+            Measurement::Acceleration { forward, left },
+            reference,
+        ];
+        for measurement in counts.chain(others) {
+            let sample = Sample {
+                time_ns: index * 10_000_000,
+                measurement,
+            };
+            let _ = filter.update(sample);
+            last = check.take(&sample, &filter.latest());
+        }
+    }
+    last
+}
+
+#[test]
+#[allow(clippy::too_many_lines, reason = "a list of what can be mixed up")]
+fn what_is_mixed_up_is_named() {
+    type Change = fn(Row) -> Row;
+    let gyro: [(Change, &str); 4] = [
+        (
+            |row| Row {
+                yaw_rate: 57.3 * row.yaw_rate,
+                ..row
+            },
+            "degrees given as radians",
+        ),
+        (
+            |row| Row {
+                yaw_rate: 9.55 * row.yaw_rate,
+                ..row
+            },
+            "revolutions a minute given as radians a second",
+        ),
+        (
+            |row| Row {
+                yaw_rate: row.yaw_rate / 57.3,
+                ..row
+            },
+            "radians given as degrees, or another axis",
+        ),
+        (
+            |row| Row {
+                yaw_rate: -row.yaw_rate,
+                ..row
+            },
+            "the other sign",
+        ),
+    ];
+    let force: [(Change, &str); 6] = [
+        (
+            |row| Row {
+                force: row.force.map(|force| 9.8 * force),
+                ..row
+            },
+            "m/s² given as g",
+        ),
+        (
+            |row| Row {
+                force: row.force.map(|force| force / 9.8),
+                ..row
+            },
+            "g given as m/s²",
+        ),
+        (
+            |row| Row {
+                force: row.force.map(|force| 0.001 * force),
+                ..row
+            },
+            "m/s² given as mm/s²",
+        ),
+        (
+            |row| Row {
+                force: row.force.map(|force| 40.0 * force),
+                ..row
+            },
+            "another unit",
+        ),
+        (
+            |row| Row {
+                force: row.force.map(|force| -force),
+                ..row
+            },
+            "the other sign",
+        ),
+        (
+            |row| Row {
+                force: [row.force[0] + 8.0, 0.0],
+                ..row
+            },
+            "gravity lies along this axis at rest",
+        ),
+    ];
+    let reference: [(Change, &str); 5] = [
+        (
+            |row| Row {
+                speed: row.speed.map(|speed| 1000.0 * speed),
+                ..row
+            },
+            "millimetres given as metres",
+        ),
+        (
+            |row| Row {
+                speed: row.speed.map(|speed| 0.001 * speed),
+                ..row
+            },
+            "metres given as millimetres",
+        ),
+        (
+            |row| Row {
+                speed: row.speed.map(|speed| 100.0 * speed),
+                ..row
+            },
+            "centimetres given as metres",
+        ),
+        (
+            |row| Row {
+                speed: row.speed.map(|speed| 0.01 * speed),
+                ..row
+            },
+            "metres given as centimetres",
+        ),
+        (
+            |row| Row {
+                speed: row.speed.map(|speed| -speed),
+                ..row
+            },
+            "the other sign",
+        ),
+    ];
+    let exchanged: [(Change, &str); 2] = [
+        (
+            |row| Row {
+                force: [row.force[1], row.force[0]],
+                ..row
+            },
+            "acceleration left",
+        ),
+        (
+            |row| Row {
+                speed: [row.speed[1], row.speed[0]],
+                ..row
+            },
+            "displacement left",
+        ),
+    ];
+    let all = (gyro
+        .iter()
+        .map(|(change, says)| (*change, "yaw rate", *says)))
+    .chain(
+        force
+            .iter()
+            .map(|(change, says)| (*change, "acceleration forward", *says)),
+    )
+    .chain(
+        reference
+            .iter()
+            .map(|(change, says)| (*change, "displacement forward", *says)),
+    )
+    .chain(
+        exchanged
+            .iter()
+            .map(|(change, of)| (*change, *of, "forward and left exchanged")),
+    );
+    for (change, of, says) in all {
+        for (top, by) in [(0.5, Reference::Displacement), (0.8, Reference::Speed)] {
+            let fault = drive(top, by, change).unwrap_err();
+            let Fault::Implausible {
+                field, looks_like, ..
+            } = fault
+            else {
+                panic!("{fault}");
+            };
+            assert_eq!((field, looks_like), (of, says), "{top} m/s");
+        }
+    }
+}
+
+#[test]
+fn sensors_that_measure_what_they_should_are_plausible() {
+    for top in [0.3, 0.5, 0.8] {
+        for reference in [Reference::Displacement, Reference::Speed] {
+            assert_eq!(
+                drive(top, reference, |row| row),
+                Ok(Progress::Plausible),
+                "{top} m/s"
+            );
+            // a factor near 1 may be slip
+            for factor in [0.7, 1.4] {
+                let off = |row: Row| Row {
+                    yaw_rate: factor * row.yaw_rate,
+                    force: row.force.map(|force| factor * force),
+                    speed: row.speed.map(|speed| factor * speed),
+                };
+                assert_eq!(
+                    drive(top, reference, off),
+                    Ok(Progress::Plausible),
+                    "{top} m/s"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Wheels that are steered, by means over a window: a body with any twist, whose wheels roll along their headings.
+
+use std::f64::consts::TAU;
+
+use grouser_slip::window::{WindowEstimator, WindowMeans, WindowSettings};
+use grouser_slip::{Fault, Measurement, Reference, Robot, Sample, WheelRole};
+
+use crate::cart::{TICKS, encoder, wheel};
+use crate::noise::Noise;
+
+const ROW_NS: i64 = 20_000_000;
+const ROW_S: f64 = 0.02;
+const RADIUS_M: f64 = 0.1;
+
+fn robot() -> Robot {
+    let corners = [
+        ("fl", 0.3, 0.25),
+        ("fr", 0.3, -0.25),
+        ("rl", -0.3, 0.25),
+        ("rr", -0.3, -0.25),
+    ];
+    let wheels = corners
+        .map(|(name, x, y)| wheel(name, (x, y), WheelRole::Powered, 32).encoder(encoder(32)));
+    Robot::new("swerve".into(), wheels.to_vec()).unwrap()
+}
+
+/// Speed (m/s) and heading (rad) of the wheel at (x, y) of a body with a twist: forwards, to the left, turning.
+fn motion_at([forward, left, turn]: [f64; 3], (x, y): (f64, f64)) -> (f64, f64) {
+    let (ahead, aside) = (forward - turn * y, left + turn * x);
+    (ahead.hypot(aside), aside.atan2(ahead))
+}
+
+/// The samples of one row; a wheel that is steered beyond a quarter turn is not turned round.
+fn row(robot: &Robot, twist: [f64; 3], slip: f64, row: i64) -> Vec<Sample> {
+    let time_ns = row * ROW_NS;
+    let mut measurements = Vec::new();
+    for (index, wheel) in robot.wheels().iter().enumerate() {
+        let (speed, angle) = motion_at(twist, (wheel.x, wheel.y));
+        measurements.push(Measurement::SteeringAngle {
+            wheel: index,
+            angle,
+        });
+        let way = speed / (1.0 - slip) * ROW_S * row as f64;
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a few thousand ticks"
+        )]
+        let raw = (way / (TAU * RADIUS_M) * TICKS) as u64;
+        measurements.push(Measurement::WheelCount { wheel: index, raw });
+    }
+    let [forward, left, turn] = twist;
+    measurements.push(Measurement::Displacement {
+        forward: ROW_S * forward,
+        left: ROW_S * left,
+        turn: Some(ROW_S * turn),
+    });
+    let stamped = measurements.into_iter().map(|measurement| Sample {
+        time_ns,
+        measurement,
+    });
+    stamped.collect()
+}
+
+fn settings() -> WindowSettings {
+    WindowSettings {
+        reference: Reference::Displacement,
+        max_speed: 5.0,
+        ..WindowSettings::default()
+    }
+}
+
+#[test]
+fn each_steered_wheel_has_its_slip_along_its_heading() {
+    let robot = robot();
+    let mut noise = Noise::new(1);
+    for case in 0..40 {
+        let mut between = |low: f64, high: f64| low + (high - low) * noise.uniform();
+        // crab-wise, on an arc, and all about
+        let (speed, aside) = (between(0.2, 0.5), between(-3.1, 3.1));
+        let turn = [0.0, between(-0.4, 0.4)][case % 2];
+        let twist = [speed * aside.cos(), speed * aside.sin(), turn];
+        let slip = between(0.0, 0.6);
+        let mut estimator = WindowEstimator::new(&robot, settings()).unwrap();
+        let mut means = WindowMeans::new(&robot, settings()).unwrap();
+        assert_eq!((means.latest(), *means.settings()), (None, settings()));
+        for index in 0..60 {
+            for sample in row(&robot, twist, slip, index) {
+                estimator.update(sample).unwrap();
+                means.update(sample).unwrap();
+            }
+        }
+        let found = estimator.latest().unwrap();
+        for (index, wheel) in robot.wheels().iter().enumerate() {
+            let (speed, _) = motion_at(twist, (wheel.x, wheel.y));
+            let estimate = &found.wheels[index];
+            let forward = estimate.forward_speed.unwrap().value;
+            assert!((forward - speed).abs() < 2e-3, "{case}: {forward} {speed}");
+            let rim = means.rim_speed(index).unwrap().value;
+            assert!((rim - speed / (1.0 - slip)).abs() < 3e-3, "{case}: {rim}");
+            // slower wheels slip no number
+            if speed > 0.1 {
+                let found = estimate.slip.unwrap().value();
+                assert!(
+                    (found - slip).abs() < 0.02,
+                    "{case} {index}: {found} {slip}"
+                );
+            }
+        }
+        assert_eq!(means.rim_speed(4), None);
+        let along = means.latest().unwrap().along.unwrap().value();
+        assert!((along - slip).abs() < 0.02, "{case}: {along} {slip}");
+    }
+}
+
+#[test]
+fn angles_of_no_wheel_and_beyond_a_turn_are_refused() {
+    let robot = robot();
+    let mut means = WindowMeans::new(&robot, settings()).unwrap();
+    let mut steer = |wheel, angle| {
+        means
+            .update(Sample {
+                time_ns: 0,
+                measurement: Measurement::SteeringAngle { wheel, angle },
+            })
+            .map(|_| ())
+    };
+    assert_eq!(
+        steer(4, 0.1),
+        Err(Fault::UnknownWheel {
+            index: 4,
+            wheels: 4
+        })
+    );
+    for angle in [7.1, -7.1, f64::NAN] {
+        assert!(steer(0, angle).is_err(), "{angle}");
+    }
+    assert_eq!(steer(0, -7.0), Ok(()));
+    assert_eq!(means.rejected().total(), 4);
+}
