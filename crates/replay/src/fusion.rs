@@ -99,7 +99,12 @@ impl Fusion {
             ..DetectSettings::default()
         };
         Ok(Self {
-            gather: Gather::over(0.5 * settings.window, has_free_wheel),
+            // without a free wheel the filter knows what the errors of displacements and positions have in common
+            gather: Gather::over(if has_free_wheel {
+                0.5 * settings.window
+            } else {
+                0.0
+            }),
             waiting: Vec::new(),
             filter: SlipFilter::new(robot, own)?,
             detector: Detector::new(robot, detect)?,

@@ -11,8 +11,6 @@ use grouser_slip::{Measurement, Sample};
 #[derive(Clone, Debug)]
 pub(crate) struct Gather {
     least_ns: i64,
-    /// Are poses left out? Without a free wheel the filter uses them as positions, whose errors are their own.
-    thins_poses: bool,
     last_ns: Option<i64>,
     /// Forwards and to the left in the frame of the first, m, and the turn since, rad.
     passed: [f64; 3],
@@ -23,7 +21,7 @@ pub(crate) struct Gather {
 const MAX_GATHER_TIME_S: f64 = 0.25;
 
 impl Gather {
-    pub(crate) fn over(seconds: f64, thins_poses: bool) -> Self {
+    pub(crate) fn over(seconds: f64) -> Self {
         #[allow(
             clippy::cast_possible_truncation,
             reason = "a quarter of a second at the most"
@@ -31,7 +29,6 @@ impl Gather {
         let least_ns = (seconds.clamp(0.0, MAX_GATHER_TIME_S) * 1e9).round() as i64;
         Self {
             least_ns,
-            thins_poses,
             last_ns: None,
             passed: [0.0; 3],
             turns: true,
@@ -76,7 +73,7 @@ impl Gather {
                     },
                 })
             }
-            Measurement::Pose { .. } if self.thins_poses => {
+            Measurement::Pose { .. } => {
                 if self.last_ns.is_some_and(|last| !is_due(last)) {
                     return None;
                 }
@@ -96,7 +93,7 @@ mod tests {
     #[test]
     fn a_circle_in_small_steps_is_one_in_large_steps() {
         // 0.01 m and 0.01 rad a step of 10 ms: a circle of radius 1 m
-        let mut gather = Gather::over(0.1, true);
+        let mut gather = Gather::over(0.1);
         let mut whole = Vec::new();
         for step in 0..=100 {
             let sample = Sample {

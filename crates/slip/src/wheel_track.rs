@@ -177,6 +177,11 @@ impl<T: Travel> WheelTrack<T> {
         self.edges.is_none() && self.resolution > 0.0
     }
 
+    /// Are its readings counts or angles, whose difference is a way?
+    pub(crate) const fn measures_way(&self) -> bool {
+        self.last.is_some()
+    }
+
     /// How far its rim has run in all, m.
     pub(crate) const fn travel(&self) -> f64 {
         self.totals[0]

@@ -22,6 +22,7 @@ mod estimator;
 mod filter;
 mod filter_outputs;
 mod filter_promises;
+mod ground_reference;
 mod learnt_soil;
 mod legal_settings;
 mod mode_machine;

@@ -106,9 +106,13 @@ impl Core {
         } = *sample;
         let moves_on = self.now_ns != Some(time_ns);
         if moves_on {
+            self.settle_rims();
             self.settle_estimates(input);
         }
-        self.predict(time_ns, !self.is_sparse(time_ns));
+        self.predict(time_ns);
+        if !self.wheels.measure_ways() && !self.is_sparse(time_ns) {
+            self.predict_ground_motion(time_ns);
+        }
         let due = self
             .pseudo_measured_ns
             .is_none_or(|then| seconds_between(then, time_ns) >= PSEUDO_MEASUREMENT_PERIOD_S);
@@ -136,8 +140,8 @@ impl Core {
         outcome
     }
 
-    /// Predicts the state at `time_ns`, and the motion over the ground unless it waits for a wheel's reading.
-    fn predict(&mut self, time_ns: i64, moves_ground: bool) {
+    /// Predicts the state at `time_ns`.
+    fn predict(&mut self, time_ns: i64) {
         let last = self.now_ns.unwrap_or(time_ns);
         let dt = seconds_between(last, time_ns).clamp(0.0, CLOCK_STEP_S);
         self.now_ns = Some(time_ns);
@@ -161,9 +165,6 @@ impl Core {
             self.output.distance_of_wheels += by_wheels * dt;
         }
         self.path.record(time_ns);
-        if moves_ground {
-            self.predict_ground_motion(time_ns);
-        }
     }
 
     /// Gates a measurement and updates the state by it.
@@ -201,12 +202,13 @@ impl Core {
                 if let Some(ground) = &mut self.ground {
                     ground.force.observe(time_ns, [forward, left]);
                 }
-                self.predict_ground_motion(time_ns);
+                self.settle_whole_row(time_ns);
                 Ok(())
             }
             Measurement::Displacement { .. }
             | Measurement::Pose { .. }
             | Measurement::Speed { .. } => {
+                self.settle_rims();
                 self.predict_ground_motion(time_ns);
                 self.update_by_reference(time_ns, measurement)
             }

@@ -363,9 +363,11 @@ impl GroundTrack {
             let turned = now[2] - since[2];
             self.heading_sigma((yaw - turned, heading_sigma), errors)
         });
-        let agreement =
-            self.models
-                .update_position(place, since, (errors, settings.position_sigma));
+        let agreement = self.models.update_position(
+            place,
+            (since, seconds_between(taken_ns, now_ns)),
+            (errors, settings.position_sigma),
+        );
         if let Some(yaw) = yaw.filter(|_| !has_gyro || self.restarts < MAX_HEADING_RESTARTS) {
             self.models.update_heading(yaw, since[2], heading_sigma);
         }

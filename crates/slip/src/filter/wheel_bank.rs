@@ -68,6 +68,25 @@ impl WheelBank {
         self.iter().filter(|wheel| wheel.free)
     }
 
+    /// Have wheels been read at `now_ns`, and with them each that was read together with one of them before?
+    pub(super) fn is_whole_row(&self, now_ns: i64) -> bool {
+        let read = |wheel: &&WheelChannel| wheel.track.newest_time() == Some(now_ns);
+        let is_awaited = |other: &WheelChannel| {
+            let last = other.track.newest_time();
+            last.is_some_and(|last| last != now_ns)
+                && self
+                    .iter()
+                    .filter(read)
+                    .any(|wheel| Some(wheel.read_before_ns) == last)
+        };
+        self.iter().any(|wheel| read(&wheel)) && !self.iter().any(is_awaited)
+    }
+
+    /// Do wheels measure ways? A rate says no more of the way until now than the rate before, and nothing waits for it.
+    pub(super) fn measure_ways(&self) -> bool {
+        self.iter().any(|wheel| wheel.track.measures_way())
+    }
+
     pub(super) fn any_turns(&self) -> bool {
         self.iter().any(WheelChannel::turns)
     }

@@ -39,7 +39,11 @@ pub(super) struct WheelChannel {
     pub(super) remainder: Option<bool>,
     /// The last whole window's rim speed and end.
     pub(super) rim: Option<(Measured, i64)>,
-    /// Length of that window, s.
+    /// Has that window ended at the present moment, and the state not been updated by it so far?
+    pub(super) has_ended: bool,
+    /// The time of the reading before the last, or `i64::MIN`.
+    pub(super) read_before_ns: i64,
+    /// Length of the last whole window, s.
     pub(super) rim_window: f64,
     /// The rim speed smoothed over the windows before the last, m/s; and that of the last.
     smoothed_rim: f64,
@@ -85,6 +89,8 @@ impl WheelChannel {
                 from_ns: None,
                 remainder: None,
                 rim: None,
+                has_ended: false,
+                read_before_ns: i64::MIN,
                 rim_window: 0.0,
                 smoothed_rim: 0.0,
                 last_rim: 0.0,
@@ -244,6 +250,8 @@ impl WheelChannel {
         self.from_ns = None;
         self.remainder = None;
         self.rim = None;
+        self.has_ended = false;
+        self.read_before_ns = i64::MIN;
         self.still_since_ns = None;
         self.against_since_ns = None;
         self.mean_innovation = 0.0;

@@ -3,6 +3,7 @@
 use grouser_real::Real;
 
 use super::estimator::Core;
+use super::ground_track::GroundTrack;
 use super::gyro_monitor::BEND_YAW_RATE_RAD_PER_S;
 use super::kalman::ScalarMeasurement;
 use super::motion_model::{
@@ -52,6 +53,40 @@ struct Span {
 }
 
 impl Core {
+    /// After the readings of a moment: predicts the motion over the ground, and updates the state by the windows that have ended.
+    /// Before the last of them the rims' way is not known: a wheel's own slip would hold what the others have not reported yet.
+    pub(super) fn settle_rims(&mut self) {
+        let Some(now_ns) = self.now_ns.filter(|_| self.ground.is_some()) else {
+            return;
+        };
+        if !self.is_sparse(now_ns) {
+            self.predict_ground_motion(now_ns);
+        }
+        for index in 0..self.wheels.channels.len() {
+            let wheel = &mut self.wheels.channels[index];
+            if !core::mem::take(&mut wheel.has_ended) {
+                continue;
+            }
+            if let (Some((rim, _)), Some((from_ns, to_ns))) = (wheel.rim, wheel.rim_span()) {
+                let span = Span {
+                    rim,
+                    from_ns,
+                    to_ns,
+                };
+                self.update_rim(index, span);
+            }
+        }
+    }
+
+    /// [`Core::settle_rims`] where wheels have been read at `now_ns`, and nothing that came with them before is still to come.
+    pub(super) fn settle_whole_row(&mut self, now_ns: i64) {
+        let awaits = |ground: &GroundTrack| ground.force.awaits(now_ns);
+        let is_whole = self.wheels.is_whole_row(now_ns);
+        if is_whole && !self.ground.as_deref().is_some_and(awaits) {
+            self.settle_rims();
+        }
+    }
+
     /// Is the last reading of every powered wheel so old that the rims' speed may have changed since? The motion over the ground
     /// then waits for the next reading instead of continuing at the speed before.
     pub(super) fn is_sparse(&self, time_ns: i64) -> bool {
@@ -69,25 +104,23 @@ impl Core {
         index: usize,
         measurement: &Measurement,
     ) -> Result<(), Fault> {
-        let is_sparse = self.is_sparse(to_ns);
         let wheel = self.wheels.get_mut(index)?;
+        wheel.read_before_ns = wheel.track.newest_time().unwrap_or(i64::MIN);
         wheel.track.take(to_ns, measurement)?;
         if wheel.track.counts() {
             wheel.pulses.update(to_ns, wheel.track.travel());
         }
         let ended = wheel.window(to_ns, self.settings.wheel_window);
-        if is_sparse {
-            self.predict_ground_motion(to_ns);
-        }
-        if let Some((rim, from_ns)) = ended {
-            self.update_rim(
-                index,
-                Span {
-                    rim,
-                    from_ns,
-                    to_ns,
-                },
-            );
+        let span = ended.map(|(rim, from_ns)| Span {
+            rim,
+            from_ns,
+            to_ns,
+        });
+        if self.ground.is_some() {
+            wheel.has_ended = span.is_some();
+            self.settle_whole_row(to_ns);
+        } else if let Some(span) = span {
+            self.update_rim(index, span);
         }
         Ok(())
     }

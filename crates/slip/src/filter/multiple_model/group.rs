@@ -6,7 +6,7 @@ use alloc::boxed::Box;
 
 use grouser_real::Real;
 
-use super::model::Model;
+use super::model::{Model, Since};
 
 /// Models that follow one another.
 pub(super) const INTERACTING: usize = 3;
@@ -128,10 +128,12 @@ impl Group {
         total
     }
 
-    /// As [`Group::weigh`], and the group itself is judged by it.
-    pub(super) fn weigh_and_score(&mut self, take: impl Fn(&mut Model) -> f64) {
+    /// As [`Group::weigh`], and the group itself is judged by it unless the rims stand.
+    pub(super) fn weigh_and_score(&mut self, stands: bool, take: impl Fn(&mut Model) -> f64) {
         let likelihood = self.weigh(take);
-        self.log_evidence += Real::ln(likelihood.max(MIN_LIKELIHOOD));
+        if !stands {
+            self.log_evidence += Real::ln(likelihood.max(MIN_LIKELIHOOD));
+        }
     }
 
     /// Lets models change into one another over `dt` (s).
@@ -176,8 +178,8 @@ impl Group {
     }
 
     /// After a reading of the reference: a jump before it becomes one of the hypotheses, in the place of the least probable one,
-    /// and another jump may begin from all of them.
-    pub(super) fn pass_jump(&mut self) {
+    /// and another jump may have begun from all of them `since` it was taken.
+    pub(super) fn pass_jump(&mut self, since: &Since) {
         let Succession::Jumps {
             rate_per_s,
             since_s,
@@ -206,6 +208,7 @@ impl Group {
         let weights = self.weights.map(|weight| weight / total);
         jump.blend(&self.models[1..], &weights[1..]);
         self.models[0] = jump;
+        self.models[0].change_since(since);
         self.weights = weights.map(|weight| (1.0 - probability) * weight);
         self.weights[0] = probability;
     }

@@ -14,7 +14,7 @@ pub(super) mod reference_noise;
 use grouser_real::Real;
 
 use group::Group;
-use model::{DRIFT, HEADING, Model, SLIP, STATES, Step, TURN_ERROR, X, Y};
+use model::{DRIFT, HEADING, Model, SLIP, STATES, Since, Step, TURN_ERROR, X, Y};
 pub(super) use model::{MIN_RIM_SHARE, Rim, TurnError};
 use reference_noise::{Errors, ReferenceNoise};
 
@@ -36,9 +36,11 @@ const ROLLING_BIAS_NOISE: f64 = 0.1;
 /// by 3 % of RMSE, and takes an outlier for one so often that steady slip has more error than a trailing mean.
 const JUMPS_PER_S: f64 = 0.01;
 const GROUPS: usize = LONE_SLIP_NOISE.len() + 4;
-/// Share of a group's evidence that is kept from one reading of the reference to the next: a memory of 13 s at 5 Hz. Over
-/// logs of an independent world half as long a memory costs 4 % of RMSE, and a longer one costs where the ground changes.
-const EVIDENCE_KEPT: f64 = 0.985;
+/// Memory of a group's evidence, s. Over logs of an independent world half as long a memory costs 2 % of RMSE, and one of 40 s
+/// costs where the ground changes.
+const EVIDENCE_MEMORY_S: f64 = 13.0;
+/// Rims slower than this stand, m/s.
+const STANDING_RIM_M_PER_S: f64 = 0.02;
 /// Smallest share of a group in the variance: the ground may have changed since the last reading.
 const MIN_SHARE_IN_VARIANCE: f64 = 0.015;
 /// The same for a group without the accelerometer while there is one.
@@ -282,7 +284,7 @@ impl MultipleModel {
     pub(crate) fn update_position(
         &mut self,
         place: [f64; 2],
-        since: [f64; 4],
+        (since, since_s): ([f64; 4], f64),
         (errors, prior_sigma): (Errors, f64),
     ) -> Agreement {
         let share = self.mean_share();
@@ -297,11 +299,18 @@ impl MultipleModel {
         let variance = sigma * sigma;
         let agreement = self.agreement(place, since, variance);
         self.begin_reading();
+        let stands = self.stands();
         for group in &mut self.groups {
-            group.weigh_and_score(|model| {
-                model.update_position(place, [since[0], since[1]], variance)
+            // a measured speed holds no noise of the slip
+            let has_speed = self.was_inertial && group.is_inertial;
+            let late = Since {
+                time_s: if has_speed { 0.0 } else { since_s },
+                way: [since[0], since[1]],
+            };
+            group.weigh_and_score(stands, |model| {
+                model.update_position(place, &late, variance)
             });
-            group.pass_jump();
+            group.pass_jump(&late);
         }
         self.reweigh();
         agreement
@@ -310,8 +319,11 @@ impl MultipleModel {
     /// A heading in the reference's frame (rad), `turned` (rad) ago.
     pub(crate) fn update_heading(&mut self, heading: f64, turned: f64, sigma: f64) {
         let variance = sigma.max(MIN_HEADING_SIGMA_RAD) * sigma.max(MIN_HEADING_SIGMA_RAD);
+        let stands = self.stands();
         for group in &mut self.groups {
-            group.weigh_and_score(|model| model.update_heading(heading, turned, variance));
+            group.weigh_and_score(stands, |model| {
+                model.update_heading(heading, turned, variance)
+            });
         }
         self.reweigh();
     }
@@ -321,8 +333,9 @@ impl MultipleModel {
     pub(crate) fn update_speed(&mut self, speed: f64, sigma: f64) {
         self.begin_reading();
         let has_speed = |group: &&mut Group| self.was_inertial && group.is_inertial;
+        let stands = self.stands();
         for group in self.groups.iter_mut().filter(has_speed) {
-            group.weigh_and_score(|model| model.update_speed(speed, sigma * sigma));
+            group.weigh_and_score(stands, |model| model.update_speed(speed, sigma * sigma));
         }
         self.average();
     }
@@ -330,9 +343,12 @@ impl MultipleModel {
     /// The same speed beside that of the rims at its time, m/s, for the groups that know the speed by rims and slip.
     pub(crate) fn update_share(&mut self, speed: f64, rim_speed: f64, sigma: f64) {
         let has_none = |group: &&mut Group| !(self.was_inertial && group.is_inertial);
+        let stands = self.stands();
         for group in self.groups.iter_mut().filter(has_none) {
-            group.weigh_and_score(|model| model.update_share(speed, rim_speed, sigma * sigma));
-            group.pass_jump();
+            group.weigh_and_score(stands, |model| {
+                model.update_share(speed, rim_speed, sigma * sigma)
+            });
+            group.pass_jump(&Since::NOW);
         }
         self.reweigh();
     }
@@ -389,13 +405,18 @@ impl MultipleModel {
 
     /// Counts the period of the readings, and lets the evidence fade, so that a change of ground changes the shares.
     fn begin_reading(&mut self) {
+        let since_last_s = self.since_reading_s;
         if self.since_reading_s > 0.0 {
             let passed = self.since_reading_s.min(MAX_PERIOD_S);
             self.period_s += PERIOD_WEIGHT * (passed - self.period_s);
             self.since_reading_s = 0.0;
         }
+        if self.stands() {
+            return;
+        }
+        let kept = Real::exp(-since_last_s / EVIDENCE_MEMORY_S);
         for group in &mut self.groups {
-            group.log_evidence *= EVIDENCE_KEPT;
+            group.log_evidence *= kept;
         }
     }
 
@@ -429,6 +450,12 @@ impl MultipleModel {
         let (low, high) = INERTIAL_LOG_ODDS;
         let ratio = CHANGE_OF_SLIP * self.rim.speed.abs() / gained;
         (2.0 * Real::ln(ratio.max(f64::MIN_POSITIVE))).clamp(low, high)
+    }
+
+    /// Do the rims stand? A reading then says nothing of slip: by it, groups whose speed is that of the rims would win over those
+    /// that measure it.
+    fn stands(&self) -> bool {
+        self.rim.speed.abs() <= STANDING_RIM_M_PER_S
     }
 
     fn average(&mut self) {

@@ -1,0 +1,81 @@
+//! Short displacements of a robot without a free wheel.
+
+use std::fmt::Write as _;
+use std::io::Cursor;
+
+use grouser_files::{Document, columns, robot, topics::Topics};
+use grouser_log::Log;
+use grouser_replay::{Options, run};
+
+const DT_S: f64 = 0.05;
+const RADIUS_M: f64 = 0.1;
+const SPEED_M_PER_S: f64 = 1.0;
+
+/// 0.1, and twice 0.4 for some seconds.
+fn slip(time_s: f64) -> f64 {
+    let is_soft = (10.0..15.0).contains(&time_s) || (20.0..25.0).contains(&time_s);
+    if is_soft { 0.4 } else { 0.1 }
+}
+
+/// The filter knows how the errors of displacements add up, and uses them as they come. Where they were added up over a quarter of
+/// a second first, a jump of slip was seen so much later.
+#[test]
+fn short_displacements_show_a_jump_of_slip_at_once() {
+    let mut table = String::from("t,left,right,gyro,dx,dy,dyaw");
+    let mut angle = 0.0;
+    for row in 0..600 {
+        let time_s = f64::from(row) * DT_S;
+        angle += SPEED_M_PER_S / (1.0 - slip(time_s)) * DT_S / RADIUS_M;
+        // errors of 1 mm that no generator draws
+        let error = 1e-3 * (f64::from(row * row) * 0.7).sin();
+        let way = SPEED_M_PER_S * DT_S + error;
+        let time_s = time_s + DT_S;
+        write!(
+            table,
+            "\n{time_s:.4},{angle:.6},{angle:.6},0,{way:.6},0,{:.6}",
+            0.1 * error
+        )
+        .unwrap();
+    }
+    let map = "format = 1\n[[table]]\ntime = { column = \"t\", unit = \"s\" }\ncolumns = [\n\
+        { column = \"left\", meaning = \"wheel_angle\", wheel = \"left\", unit = \"rad\" },\n\
+        { column = \"right\", meaning = \"wheel_angle\", wheel = \"right\", unit = \"rad\" },\n\
+        { column = \"gyro\", meaning = \"yaw_rate\", unit = \"rad/s\" },\n\
+        { column = \"dx\", meaning = \"displacement_forward\", unit = \"m\" },\n\
+        { column = \"dy\", meaning = \"displacement_left\", unit = \"m\" },\n\
+        { column = \"dyaw\", meaning = \"displacement_turn\", unit = \"rad\" },\n]\n";
+    let map = columns::parse(&Document::from_text("map.toml", map.to_owned()).unwrap()).unwrap();
+    let log = Log::over(
+        "log.csv".as_ref(),
+        Cursor::new(table),
+        Some(map),
+        &Topics::default(),
+    )
+    .unwrap();
+    let mut text = String::from(
+        "format = 1\nname = \"cart\"\n[estimator]\nreference = \"displacement\"\nwheel_sensor = \"angle\"\n",
+    );
+    for (name, y) in [("left", 0.3), ("right", -0.3)] {
+        writeln!(
+            text,
+            "[[wheel]]\nname = \"{name}\"\nx_m = 0.0\ny_m = {y}\nradius_m = {RADIUS_M}\ndrive = \"powered\""
+        )
+        .unwrap();
+    }
+    let file = robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap();
+    let (mut square, mut count) = (0.0, 0.0);
+    run(&log, &file, &Options::default(), |row| {
+        let since_jump = [10.0, 15.0, 20.0, 25.0].map(|jump| row.time_s - jump);
+        let just_jumped = since_jump.iter().any(|since| (0.1..0.6).contains(since));
+        if let Some(found) = row.slip.filter(|_| just_jumped) {
+            // the row's way ends at its time
+            square += (found - slip(row.time_s - 1e-6)).powi(2);
+            count += 1.0;
+        }
+        Ok(())
+    })
+    .unwrap();
+    let rmse = f64::sqrt(square / count);
+    println!("after jumps: rmse {rmse:.4}");
+    assert!(rmse < 0.1, "{rmse}");
+}
