@@ -25,6 +25,7 @@ mod filter_promises;
 mod learnt_soil;
 mod legal_settings;
 mod mode_machine;
+mod names;
 mod onboard;
 mod onboard_start;
 mod prior;
