@@ -26,6 +26,7 @@ mod ground_reference;
 mod learnt_soil;
 mod legal_settings;
 mod mode_machine;
+mod names;
 mod onboard;
 mod onboard_start;
 mod prior;

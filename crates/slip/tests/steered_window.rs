@@ -1,7 +1,9 @@
-//! Wheels that are steered, by means over a window: a body with any twist, whose wheels roll along their headings.
+//! Wheels that are steered, by means over a window and by the filter: a body with any twist, whose wheels roll along their
+//! headings.
 
 use std::f64::consts::TAU;
 
+use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::window::{WindowEstimator, WindowMeans, WindowSettings};
 use grouser_slip::{Fault, Measurement, Reference, Robot, Sample, WheelRole};
 
@@ -137,4 +139,33 @@ fn angles_of_no_wheel_and_beyond_a_turn_are_refused() {
     }
     assert_eq!(steer(0, -7.0), Ok(()));
     assert_eq!(means.rejected().total(), 4);
+}
+
+#[test]
+fn the_filter_finds_the_slip_of_wheels_that_point_many_ways() {
+    let robot = robot();
+    let mut noise = Noise::new(2);
+    let mut worst = 0.0_f64;
+    for case in 0..20 {
+        let mut between = |low: f64, high: f64| low + (high - low) * noise.uniform();
+        let (speed, aside) = (between(0.25, 0.5), between(-3.1, 3.1));
+        let twist = [speed * aside.cos(), speed * aside.sin(), between(-0.3, 0.3)];
+        let slip = between(0.0, 0.5);
+        let mut filter = SlipFilter::new(&robot, FilterSettings::default()).unwrap();
+        for index in 0..500 {
+            let gyro = Sample {
+                time_ns: index * ROW_NS,
+                measurement: Measurement::YawRate { rate: twist[2] },
+            };
+            for sample in row(&robot, twist, slip, index).into_iter().chain([gyro]) {
+                filter.update(sample).unwrap();
+            }
+        }
+        for (index, wheel) in filter.latest().wheels.iter().enumerate() {
+            let off = wheel.slip.unwrap().value() - slip;
+            worst = worst.max(off.abs());
+            assert!(off.abs() < 0.03, "{case} {index}: {off} off {slip}");
+        }
+    }
+    println!("slips of wheels that point many ways: {worst:.3} off at most");
 }
