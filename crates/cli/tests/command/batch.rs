@@ -386,3 +386,28 @@ fn rows_outside_a_fit_are_counted() {
     ]);
     assert_eq!(said.json()["outside_fit"], 3, "{said:?}");
 }
+
+/// A row of a table with a dozen soils, each named twice, is the row of a table that has its soil alone.
+#[test]
+fn a_row_is_solved_on_its_own_soil_among_many() {
+    let folder = Folder::new();
+    let header = "soil,radius_m,width_m,slip,load_n\n";
+    let row = |number: usize| {
+        let soil = format!(
+            "format = 1\nname = \"soil\"\nn = 1.1\nk_c_kn_per_m_n1 = 0.9\nk_phi_kn_per_m_n2 = 1528.4\n\
+             cohesion_kpa = {number}.5\nphi_deg = 30.0\nk_shear_m = 0.025\nc_1 = 0.18\nc_2 = 0.32\n"
+        );
+        let soil = folder.file(&format!("soil-{number}.toml"), &soil);
+        format!("{},0.1,0.1,0.3,40\n", soil.display())
+    };
+    let rows: Vec<String> = (0..12).map(row).collect();
+    let there_and_back: String = rows.iter().chain(rows.iter().rev()).cloned().collect();
+    let (_, together) = solve(&folder, &format!("{header}{there_and_back}"));
+    let solved: Vec<&str> = together.lines().skip(1).collect();
+    assert_eq!(solved.len(), 24);
+    for (place, row) in rows.iter().enumerate() {
+        let (_, alone) = solve(&folder, &format!("{header}{row}"));
+        let alone = alone.lines().nth(1).unwrap();
+        assert_eq!((solved[place], solved[23 - place]), (alone, alone));
+    }
+}

@@ -1,6 +1,7 @@
 //! The fields of a line.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// What is wrong with the quotation marks of a line.
 ///
@@ -27,7 +28,7 @@ pub struct BadQuote {
 /// let mut fields = Vec::new();
 /// split(line, b',', &mut fields).expect("closed quotation marks");
 /// assert_eq!((fields[0].value(line).as_ref(), fields[1].value(line).as_ref()), ("a \"b\"", "c"));
-/// assert_eq!(fields[1].raw(line), " c");
+/// assert_eq!((fields[1].raw(line), fields[1].place()), (" c", 10..12));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Field {
@@ -41,8 +42,15 @@ impl Field {
     #[must_use]
     #[inline]
     pub fn raw(self, line: &str) -> &str {
+        &line[self.place()]
+    }
+
+    /// The bytes of the line that the field takes, with its quotation marks.
+    #[must_use]
+    #[inline]
+    pub fn place(self) -> Range<usize> {
         let mark = usize::from(self.quoted);
-        &line[self.start - mark..self.end + mark]
+        self.start - mark..self.end + mark
     }
 
     /// The field without its outer quotation marks; doubled ones inside stay doubled.

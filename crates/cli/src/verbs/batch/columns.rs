@@ -1,6 +1,7 @@
 //! The columns of `batch`: the operating point of a row, and the row with its result.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::path::Path;
 
 use super::stream::Line;
@@ -131,12 +132,12 @@ pub(super) struct Row<'a> {
 }
 
 /// Where the sinkage goes in a row's line.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 enum Layout {
     /// The line is complete, but for a column that is added.
     Whole,
-    /// Between these places of the line, which hold nothing.
-    Empty { from: usize, to: usize },
+    /// In these bytes of the line, which hold nothing.
+    Empty(Range<usize>),
     /// The line has not the fields of the header.
     Broken,
 }
@@ -287,10 +288,7 @@ impl Columns {
     fn layout(&self, line: &str, fields: &[Field]) -> Layout {
         match self.sinkage {
             Some(index) if fields[index].value(line).is_empty() => {
-                let before = fields[..index].iter();
-                let from = before.map(|field| field.raw(line).len() + 1).sum();
-                let to = from + fields[index].raw(line).len();
-                Layout::Empty { from, to }
+                Layout::Empty(fields[index].place())
             }
             _ => Layout::Whole,
         }
@@ -383,12 +381,12 @@ impl Columns {
                 push_exact(text, number);
             }
         };
-        match row.layout {
+        match &row.layout {
             Layout::Whole => text.push_str(row.line.text),
-            Layout::Empty { from, to } => {
-                text.push_str(&row.line.text[..from]);
+            Layout::Empty(place) => {
+                text.push_str(&row.line.text[..place.start]);
                 push(text, sinkage);
-                text.push_str(&row.line.text[to..]);
+                text.push_str(&row.line.text[place.end..]);
             }
             Layout::Broken => self.push_broken(text, row.line),
         }

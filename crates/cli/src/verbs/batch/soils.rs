@@ -12,6 +12,8 @@ use crate::soil_choice::{self, Overrides};
 
 /// Soils kept at a time: a table may name any number of files.
 const SOILS: usize = 256;
+/// Names that are compared with a row's before the map is searched: few comparisons take less time than the map.
+const FIRST_NAMES: usize = 8;
 
 /// A soil, ready for batches.
 pub(super) struct Known {
@@ -81,6 +83,8 @@ impl<'a> Met<'a> {
 /// The soils of some rows. One that cannot be read is left out: the status of its rows gives the reason.
 #[derive(Default)]
 pub(super) struct Soils<'a> {
+    /// The first names, by their numbers.
+    first: Vec<&'a str>,
     numbers: BTreeMap<&'a str, usize>,
     known: Vec<Option<Arc<Known>>>,
     /// How many of them could be read.
@@ -102,11 +106,17 @@ impl<'a> Soils<'a> {
 
     /// The number of a name.
     fn number(&mut self, name: &'a str, met: &Met<'_>) -> usize {
+        if let Some(number) = self.first.iter().position(|first| *first == name) {
+            return number;
+        }
         let next = self.known.len();
         let number = *self.numbers.entry(name).or_insert(next);
         if number == next {
             let known = (self.count < SOILS).then(|| met.soil(name)).flatten();
             self.count += usize::from(known.is_some());
+            if number < FIRST_NAMES {
+                self.first.push(name);
+            }
             self.known.push(known);
         }
         number
