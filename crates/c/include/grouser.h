@@ -203,8 +203,7 @@ typedef struct GrouserFilterSetting {
 typedef struct GrouserSettings {
   uint32_t size; /* sizeof(GrouserSettings). */
   uint32_t start_policy; /* GROUSER_START_*. */
-  /* For this long after the first sample the filter waits while the attitude is found, s; at most the
-     controller's blind_time, 1 s. */
+  /* For this long after the first sample the filter waits while the attitude is found, s. */
   double warm_up_s;
   double gravity_m_per_s2; /* Gravity, m/s^2; 0: that of the robot file, without one the Earth's. */
   double heading_rad; /* Heading at the start, rad. */

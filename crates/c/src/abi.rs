@@ -204,8 +204,7 @@ pub struct GrouserSettings {
     pub size: u32,
     /// `GROUSER_START_…`.
     pub start_policy: u32,
-    /// For this long after the first sample the filter waits while the attitude is found, s; at most the controller's
-    /// `blind_time`, 1 s.
+    /// For this long after the first sample the filter waits while the attitude is found, s.
     pub warm_up_s: f64,
     /// Gravity, m/s²; 0: that of the robot file, without one the Earth's.
     pub gravity_m_per_s2: f64,

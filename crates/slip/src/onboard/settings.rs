@@ -66,8 +66,7 @@ pub struct OnBoardSettings {
     pub gravity: f64,
     /// Heading at the start, rad.
     pub heading: f64,
-    /// For this long after the first sample the filter waits while the attitude is found, s; at most the controller's
-    /// `blind_time`, after which it stops.
+    /// For this long after the first sample the filter waits while the attitude is found, s.
     pub warm_up: f64,
     /// Are poses used? Where a camera measures displacements the fixes of a receiver only add their noise.
     pub uses_poses: bool,
@@ -113,9 +112,7 @@ impl OnBoardSettings {
         check_range(of, "number of wheels", setups, (wheels, wheels), "1")?;
         check_range(of, "gravity", self.gravity, (0.01, 100.0), "m/s²")?;
         check_range(of, "heading", self.heading, (-1e6, 1e6), "rad")?;
-        // a longer silence of the filter is what the controller stops for
-        let warm_up = (0.0, self.control.blind_time);
-        check_range(of, "warm_up", self.warm_up, warm_up, "s")?;
+        check_range(of, "warm_up", self.warm_up, (0.0, 100.0), "s")?;
         for (wheel, setup) in robot.wheels().iter().zip(&self.wheels) {
             let of = wheel.name.as_str();
             check_range(of, "load", setup.load, (-1e7, 1e7), "N")?;
