@@ -342,6 +342,7 @@ impl Model {
     /// Updates by a position of the past. An outlier is
     /// one on both axes: a change of slip moves the robot along its course alone.
     pub(super) fn update_position(&mut self, place: [f64; 2], since: &Since, variance: f64) -> f64 {
+        let since = &self.since_within(since);
         let (mut good, mut bad) = (*self, *self);
         let as_good = (1.0 - OUTLIER_SHARE) * good.update_axes(place, since, variance);
         let wide = variance * OUTLIER_FACTOR * OUTLIER_FACTOR;
@@ -364,8 +365,9 @@ impl Model {
     /// Updates by both axes of a position; returns the likelihood.
     fn update_axes(&mut self, place: [f64; 2], since: &Since, variance: f64) -> f64 {
         let mut likelihood = 1.0;
+        let (_, slope) = rim_share(self.mean[SLIP]);
         for axis in [X, Y] {
-            let (share, slope) = rim_share(self.mean[SLIP]);
+            let (share, _) = rim_share(self.mean[SLIP]);
             let predicted = self.mean[axis] - since.way[axis] * share;
             let jacobian = [(axis, 1.0), (SLIP, -since.way[axis] * slope)];
             let mut spread = self.spread(&jacobian);
@@ -386,10 +388,28 @@ impl Model {
         likelihood
     }
 
-    /// Adds the noise of a slip that may have changed since a time of the past: ∫ over that time, of the slip and of the way.
+    /// Without the noise since, where other readings since may have shown the slip better than that: the covariance less the
+    /// noise must be one.
+    fn since_within(&self, since: &Since) -> Since {
+        let mut before = *self;
+        before.add_noise(since, -1.0);
+        let time_s = if is_covariance(&before.covariance) {
+            since.time_s
+        } else {
+            0.0
+        };
+        Since { time_s, ..*since }
+    }
+
+    /// Adds the noise of a slip that may have changed since a time of the past.
     pub(super) fn change_since(&mut self, since: &Since) {
+        self.add_noise(since, 1.0);
+    }
+
+    /// Adds this multiple of the noise of the slip since a time of the past: ∫ over that time, of the slip and of the way.
+    fn add_noise(&mut self, since: &Since, multiple: f64) {
         let (_, slope) = rim_share(self.mean[SLIP]);
-        let noise = self.slip_noise * self.slip_noise * since.time_s;
+        let noise = multiple * self.slip_noise * self.slip_noise * since.time_s;
         let ways = since.way.map(|way| way * slope);
         self.covariance[SLIP][SLIP] += noise;
         for axis in [X, Y] {
@@ -505,6 +525,30 @@ pub(super) fn inlier_probability(nis: f64) -> f64 {
     let good = (1.0 - OUTLIER_SHARE) * Real::exp(-0.5 * nis);
     let bad = OUTLIER_SHARE / square * Real::exp(-0.5 * nis / square);
     good / (good + bad).max(1e-300)
+}
+
+/// Cholesky's decomposition: is it positive beyond rounding, where it is not 0?
+fn is_covariance(matrix: &[[f64; STATES]; STATES]) -> bool {
+    const ROUNDING: f64 = 1e-9;
+    let mut root = [[0.0; STATES]; STATES];
+    for i in 0..STATES {
+        for j in 0..=i {
+            let known: f64 = (0..j).map(|k| root[i][k] * root[j][k]).sum();
+            let left = matrix[i][j] - known;
+            if i != j {
+                root[i][j] = if root[j][j] > 0.0 {
+                    left / root[j][j]
+                } else {
+                    0.0
+                };
+            } else if left > ROUNDING * matrix[i][i] {
+                root[i][i] = Real::sqrt(left);
+            } else if matrix[i][i] != 0.0 {
+                return false;
+            }
+        }
+    }
+    true
 }
 
 /// An angle in [−π, π].
