@@ -543,7 +543,8 @@ fn difference(a: &SoilBelief, b: &SoilBelief) -> f64 {
 
 #[test]
 fn a_belief_is_taken_up_once_it_differs_and_compared_with_a_robots_length_later() {
-    const SLOPE: f64 = 0.05;
+    /// Any gentle slope: 3°.
+    const SLOPE_RAD: f64 = 0.05;
     let mut noise = Noise::new(5);
     // half a turn of the greatest wheel is 0.393 m: readings until the last wheel stands where the first one stood
     let half_turn = std::f64::consts::PI * RADIUS_M;
@@ -573,7 +574,7 @@ fn a_belief_is_taken_up_once_it_differs_and_compared_with_a_robots_length_later(
             let mut changes = 0;
             let mut demands = Vec::new();
             assert_eq!(
-                (learner.demand(SLOPE), learner.demand_before(SLOPE)),
+                (learner.demand(SLOPE_RAD), learner.demand_before(SLOPE_RAD)),
                 (None, None)
             );
             assert_eq!(
@@ -606,17 +607,17 @@ fn a_belief_is_taken_up_once_it_differs_and_compared_with_a_robots_length_later(
                 );
                 let expected = (changes > 0).then(|| {
                     sure(&soils, settings, used.weights, used.error_scale)
-                        .demand(SLOPE)
+                        .demand(SLOPE_RAD)
                         .unwrap()
                 });
-                assert_eq!(learner.demand(SLOPE), expected);
+                assert_eq!(learner.demand(SLOPE_RAD), expected);
                 demands.push(expected);
                 // before the third reading it was no more than a guess
                 let then = (count - 1)
                     .saturating_sub(lag - 1)
                     .max(count.min(MIN_READINGS) - 1);
                 assert_eq!(
-                    learner.demand_before(SLOPE),
+                    learner.demand_before(SLOPE_RAD),
                     demands[then],
                     "{length} m, {count}"
                 );

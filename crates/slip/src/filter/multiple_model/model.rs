@@ -527,9 +527,12 @@ pub(super) fn inlier_probability(nis: f64) -> f64 {
     good / (good + bad).max(1e-300)
 }
 
+/// Less than this share of a variance is rounding, by which a difference of products is off by some 1e-16 of it; with less
+/// left, the state does not hold the noise.
+const ROUNDING_SHARE: f64 = 1e-9;
+
 /// Cholesky's decomposition: is it positive beyond rounding, where it is not 0?
 fn is_covariance(matrix: &[[f64; STATES]; STATES]) -> bool {
-    const ROUNDING: f64 = 1e-9;
     let mut root = [[0.0; STATES]; STATES];
     for i in 0..STATES {
         for j in 0..=i {
@@ -541,7 +544,7 @@ fn is_covariance(matrix: &[[f64; STATES]; STATES]) -> bool {
                 } else {
                     0.0
                 };
-            } else if left > ROUNDING * matrix[i][i] {
+            } else if left > ROUNDING_SHARE * matrix[i][i] {
                 root[i][i] = Real::sqrt(left);
             } else if matrix[i][i] != 0.0 {
                 return false;
