@@ -86,6 +86,15 @@ impl OutputFile {
         Ok(self.beside.as_deref().unwrap_or(&self.target))
     }
 
+    /// Waits until the disk has what was written, so that [`OutputFile::finish`] waits for less.
+    pub(crate) fn sync(&mut self) -> io::Result<()> {
+        match &self.writer {
+            // devices cannot be synced
+            Some(writer) if self.beside.is_some() => writer.get_ref().sync_data(),
+            _ => Ok(()),
+        }
+    }
+
     /// Puts the complete file in its place.
     pub(crate) fn finish(mut self) -> Result<()> {
         let written = self.close();

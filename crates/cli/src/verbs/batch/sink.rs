@@ -8,6 +8,10 @@ use crate::input::STANDARD;
 use crate::output::OutputFile;
 use crate::terminal::printable;
 
+/// Bytes of a file after which the disk is waited for. Rows are solved meanwhile, and the end has less to wait for:
+/// 8 MiB take 4 ms, a hundredth of the time in which a million rows are solved, and their 100 MB 38 ms.
+const SYNC_BYTES: usize = 8 << 20;
+
 /// A table being written.
 pub(super) struct TableSink {
     path: PathBuf,
@@ -15,7 +19,11 @@ pub(super) struct TableSink {
 }
 
 enum Kind {
-    Csv(OutputFile),
+    Csv {
+        file: OutputFile,
+        /// Bytes that the disk may not have yet.
+        unsynced: usize,
+    },
     Standard(io::BufWriter<Stdout>),
     #[cfg(feature = "parquet")]
     Parquet(Box<crate::parquet_table::ParquetSink<OutputFile>>),
@@ -44,7 +52,7 @@ impl TableSink {
         }
         Ok(Self {
             path: target,
-            kind: Kind::Csv(file),
+            kind: Kind::Csv { file, unsynced: 0 },
         })
     }
 
@@ -56,7 +64,14 @@ impl TableSink {
     /// Lines with their ends, the header first.
     pub(super) fn lines(&mut self, text: &str) -> Result<()> {
         match &mut self.kind {
-            Kind::Csv(file) => file.write_all(text.as_bytes()),
+            Kind::Csv { file, unsynced } => file.write_all(text.as_bytes()).and_then(|()| {
+                *unsynced += text.len();
+                if *unsynced < SYNC_BYTES {
+                    return Ok(());
+                }
+                *unsynced = 0;
+                file.sync()
+            }),
             Kind::Standard(out) if out.get_ref().is_terminal() => {
                 out.write_all(printable(text).as_bytes())
             }
@@ -72,7 +87,7 @@ impl TableSink {
     /// Completes the table and puts it in its place.
     pub(super) fn finish(self) -> Result<()> {
         match self.kind {
-            Kind::Csv(file) => file.finish(),
+            Kind::Csv { file, .. } => file.finish(),
             Kind::Standard(mut out) => out
                 .flush()
                 .map_err(|error| Error::file("write", &self.path, &error)),
