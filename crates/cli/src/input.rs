@@ -1,4 +1,4 @@
-//! Input files: regular files only, hashed while they are read.
+//! Input files: regular files only, hashed while they are read where the hash is reported.
 
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -15,7 +15,8 @@ pub(crate) const STANDARD: &str = "-";
 /// A file being read, or standard input.
 pub(crate) struct Input {
     source: Box<dyn Read + Send>,
-    hash: Sha256,
+    /// `None` where nobody reads it.
+    hash: Option<Sha256>,
     path: PathBuf,
     length: Option<u64>,
     /// The SHA-256 of the file, where what is read is not what stands in it.
@@ -39,7 +40,7 @@ impl Input {
         };
         Ok(Self {
             source,
-            hash: Sha256::new(),
+            hash: Some(Sha256::new()),
             path: path.to_owned(),
             length,
             #[cfg(feature = "parquet")]
@@ -47,33 +48,42 @@ impl Input {
         })
     }
 
-    /// Opens a table: as [`Input::open`], and a Parquet file as the text of a CSV table.
+    /// The same input, hashed only if that is reported.
+    fn hashed(mut self, is_reported: bool) -> Self {
+        self.hash = self.hash.filter(|_| is_reported);
+        self
+    }
+
+    /// Opens a table, which is long, and hashes it only if that is reported: as [`Input::open`], and a Parquet file as the
+    /// text of a CSV table.
     #[cfg(feature = "parquet")]
-    pub(crate) fn open_table(path: &Path) -> Result<Self> {
+    pub(crate) fn open_table(path: &Path, is_reported: bool) -> Result<Self> {
         use crate::error::Error;
         use crate::parquet_table::{ParquetText, is_parquet};
         if !is_parquet(path) {
-            return Self::open(path);
+            return Ok(Self::open(path)?.hashed(is_reported));
         }
         let refuse = |error: io::Error| Error::file("read", path, &error);
-        let mut whole = Self::open(path)?;
-        io::copy(&mut whole, &mut io::sink()).map_err(refuse)?;
-        let (_, known) = whole.digest();
+        let mut whole = Self::open(path)?.hashed(is_reported);
+        if is_reported {
+            io::copy(&mut whole, &mut io::sink()).map_err(refuse)?;
+        }
+        let known = whole.digest().map(|(_, known)| known);
         let file = regular::open(path)?;
         Ok(Self {
             source: Box::new(ParquetText::open(file).map_err(refuse)?),
-            hash: Sha256::new(),
+            hash: None,
             path: path.to_owned(),
             length: None,
-            known: Some(known),
+            known,
         })
     }
 
-    /// Opens a table.
+    /// Opens a table, which is long, and hashes it only if that is reported.
     #[cfg(not(feature = "parquet"))]
-    pub(crate) fn open_table(path: &Path) -> Result<Self> {
+    pub(crate) fn open_table(path: &Path, is_reported: bool) -> Result<Self> {
         refuse_parquet(path)?;
-        Self::open(path)
+        Ok(Self::open(path)?.hashed(is_reported))
     }
 
     /// Its name as given.
@@ -86,13 +96,12 @@ impl Input {
         self.length
     }
 
-    /// Its name and the SHA-256 of what was read.
-    pub(crate) fn digest(self) -> (String, String) {
+    /// Its name and the SHA-256 of what was read, where it is reported.
+    pub(crate) fn digest(self) -> Option<(String, String)> {
+        let digest = self.hash.map(hexadecimal);
         #[cfg(feature = "parquet")]
-        if let Some(known) = self.known {
-            return (self.path.display().to_string(), known);
-        }
-        (self.path.display().to_string(), hexadecimal(self.hash))
+        let digest = self.known.or(digest);
+        Some((self.path.display().to_string(), digest?))
     }
 }
 
@@ -132,7 +141,9 @@ fn hexadecimal(hash: Sha256) -> String {
 impl Read for Input {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.source.read(buffer)?;
-        self.hash.update(&buffer[..count]);
+        if let Some(hash) = &mut self.hash {
+            hash.update(&buffer[..count]);
+        }
         Ok(count)
     }
 }

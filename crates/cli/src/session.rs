@@ -42,8 +42,9 @@ impl Session {
 
     /// A file was read to its end.
     pub(crate) fn used_input(&mut self, input: Input) {
-        let (path, digest) = input.digest();
-        self.input_sha256.insert(path, Value::from(digest));
+        if let Some((path, digest)) = input.digest() {
+            self.input_sha256.insert(path, Value::from(digest));
+        }
     }
 
     /// A random stream was drawn from `seed`.

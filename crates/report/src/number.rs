@@ -16,8 +16,9 @@ pub fn parse_finite(text: &str) -> Result<f64, String> {
 ///
 /// A float holds the digits and the power of ten exactly, so that their quotient has the bits of the nearest float
 /// (W. D. Clinger, "How to read floating point numbers accurately", 1990).
+#[must_use]
 #[inline]
-fn parse_plain(text: &str) -> Option<f64> {
+pub fn parse_plain(text: &str) -> Option<f64> {
     /// A point and fifteen digits, or sixteen digits.
     const MAX_BYTES: usize = 16;
     /// Integers up to here are floats.

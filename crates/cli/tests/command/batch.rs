@@ -275,6 +275,102 @@ fn standard_input_is_streamed_and_an_endless_line_is_refused() {
     );
 }
 
+/// Rows of all lengths, so that the program's reads end at every place of a line; blank lines are no rows, and a row
+/// that is not UTF-8 hides no other.
+#[test]
+fn lines_are_whole_wherever_a_read_ends() {
+    let folder = Folder::new();
+    for end in ["\n", "\r\n"] {
+        let mut bytes =
+            format!("soil,radius_m,width_m,slip,sinkage_m,load_n,note{end}").into_bytes();
+        let count = 3000;
+        for i in 0..count {
+            let note = "n".repeat(i % 701);
+            bytes.extend(format!("lunar,0.1,0.1,0.2,,40,{i} {note}").as_bytes());
+            if i == 2000 {
+                bytes.push(0xff);
+            }
+            bytes.extend(end.as_bytes());
+            if i % 100 == 0 {
+                bytes.extend(format!("  {end}{end}").as_bytes());
+            }
+        }
+        bytes.truncate(bytes.len() - end.len()); // the last line has no end
+        let input = folder.path("in.csv");
+        std::fs::write(&input, &bytes).unwrap();
+        let output = folder.path("out.csv");
+        let arguments = ["batch".into(), input, "-o".into(), output.clone()];
+        assert_eq!(grouser(arguments).code, Some(3));
+        let text = std::fs::read_to_string(output).unwrap();
+        let rows: Vec<&str> = text.lines().skip(1).collect();
+        assert_eq!(rows.len(), count);
+        for (i, row) in rows.iter().enumerate() {
+            let note = format!(",40,{i} {},", "n".repeat(i % 701));
+            let (middle, status) = if i == 2000 {
+                ("\u{fffd}", ",bad-input: the row is not UTF-8")
+            } else {
+                (note.as_str(), ",ok")
+            };
+            assert!(row.contains(middle) && row.ends_with(status), "{row}");
+        }
+    }
+}
+
+#[test]
+fn a_line_that_is_too_long_has_its_number_wherever_it_is() {
+    let folder = Folder::new();
+    let limit = 1 << 20;
+    for before in [0, 10, 20_000] {
+        for (length, end, fits) in [
+            (limit, "\n", true),
+            (limit, "\r\n", true),
+            (limit, "", true),
+            (limit + 1, "\n", false),
+            (limit + 1, "\r\n", false),
+            (limit + 1, "", false),
+        ] {
+            let rows = "lunar,0.1,0.1,0.2,40\n".repeat(before);
+            let text = format!(
+                "soil,radius_m,width_m,slip,load_n\n{rows}{}{end}",
+                "x".repeat(length)
+            );
+            let output = folder.path("out.csv");
+            let arguments = [
+                "batch".into(),
+                folder.file("in.csv", &text),
+                "-o".into(),
+                output,
+            ];
+            let said = grouser(arguments);
+            let place = format!("line {}: is longer than 1048576 bytes", before + 2);
+            assert_eq!(
+                said.err.contains(&place),
+                !fits,
+                "{before} {length} {end:?}: {said:?}"
+            );
+        }
+    }
+}
+
+/// A header that is refused is refused at once, though the pipe stays open.
+#[test]
+fn a_header_is_answered_before_the_rows_come() {
+    let folder = Folder::new();
+    let arguments = [
+        "batch".into(),
+        "-".into(),
+        "-o".into(),
+        folder.path("out.csv"),
+    ];
+    let mut child = start(&arguments, Stdio::piped());
+    let mut pipe = child.stdin.take().unwrap();
+    pipe.write_all(b"soil,radius_m,width_m,load_n\n").unwrap();
+    let said = wait(child);
+    said.assert_refused("a header without slips");
+    assert!(said.err.contains("there is no column `slip`"), "{said:?}");
+    drop(pipe);
+}
+
 /// A row with a slip angle is the operating point of `wheel --slip-angle-deg`, with its side force.
 #[test]
 fn a_slip_angle_is_read() {

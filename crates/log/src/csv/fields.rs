@@ -93,6 +93,46 @@ fn trimmed(text: &str) -> &str {
     }
 }
 
+/// The first place of a byte, by eight bytes at a time: what lies between separators is short.
+#[inline]
+fn find(bytes: &[u8], byte: u8) -> Option<usize> {
+    const LOW_BITS: u64 = u64::from_le_bytes([0x01; 8]);
+    const HIGH_BITS: u64 = u64::from_le_bytes([0x80; 8]);
+    let (words, rest) = bytes.as_chunks::<8>();
+    for (at, word) in words.iter().enumerate() {
+        let differing = u64::from_le_bytes(*word) ^ u64::from_le_bytes([byte; 8]);
+        // the lowest high bit that is set is that of the first byte that is 0
+        let equal = differing.wrapping_sub(LOW_BITS) & !differing & HIGH_BITS;
+        if equal != 0 {
+            return Some(8 * at + equal.trailing_zeros() as usize / 8);
+        }
+    }
+    let place = rest.iter().position(|other| *other == byte)?;
+    Some(8 * words.len() + place)
+}
+
+/// The lines of a text without their ends, LF or CR LF.
+///
+/// ```
+/// use grouser_log::csv::lines;
+///
+/// assert_eq!(lines("slip\r\n0.2\n\n0.3").collect::<Vec<_>>(), ["slip", "0.2", "", "0.3"]);
+/// ```
+pub fn lines(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = text;
+    core::iter::from_fn(move || {
+        if rest.is_empty() {
+            return None;
+        }
+        let Some(end) = find(rest.as_bytes(), b'\n') else {
+            return Some(core::mem::take(&mut rest));
+        };
+        let line = &rest[..end];
+        rest = &rest[end + 1..];
+        Some(line.strip_suffix('\r').unwrap_or(line))
+    })
+}
+
 /// Splits `line` at `separator` into `fields`.
 ///
 /// A quoted field ends on its own line: in a log an open quotation mark would swallow the rows after it.
@@ -137,10 +177,7 @@ pub fn split(line: &str, separator: u8, fields: &mut Vec<Field>) -> Result<(), B
             }
         } else {
             let rest = &bytes[at..];
-            end += rest
-                .iter()
-                .position(|byte| *byte == separator)
-                .unwrap_or(rest.len());
+            end += find(rest, separator).unwrap_or(rest.len());
             at = end;
         }
         fields.push(Field { start, end, quoted });
@@ -189,6 +226,36 @@ mod tests {
         assert_eq!(fields("a,\"b").unwrap_err().field, 1);
         assert_eq!(fields("\"a\"b,c").unwrap_err().field, 0);
         assert_eq!(fields("\"").unwrap_err().field, 0);
+    }
+
+    #[test]
+    fn bytes_are_found_at_every_place() {
+        for length in 0..40 {
+            for place in 0..length {
+                // neighbours differ by the lowest bit: a borrow must not make one of them equal
+                let mut bytes = vec![b'-'; length];
+                assert_eq!(find(&bytes, b','), None);
+                bytes[place..].fill(b',');
+                assert_eq!(find(&bytes, b','), Some(place));
+                bytes[..place].fill(0x80 | b',');
+                assert_eq!(find(&bytes, b','), Some(place));
+            }
+        }
+    }
+
+    #[test]
+    fn lines_end_as_those_of_the_standard_library() {
+        for text in [
+            "",
+            "\n",
+            "a",
+            "a\r",
+            "a\r\n",
+            "µ\n\r\n\nb\r\r\nc\rd\n",
+            "\n\na,b,c,d,e,f,g",
+        ] {
+            assert!(lines(text).eq(text.lines()), "{text:?}");
+        }
     }
 
     #[test]

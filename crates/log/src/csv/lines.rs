@@ -98,12 +98,6 @@ impl<R: BufRead> Lines<R> {
         self.bytes
     }
 
-    /// The input, read up to the end of the current line.
-    #[must_use]
-    pub fn into_input(self) -> R {
-        self.input
-    }
-
     /// Moves to the next line; returns false at the end.
     ///
     /// A line ends with LF or CR LF. A UTF-8 byte-order mark before the first line is left out.
@@ -145,27 +139,21 @@ impl<R: BufRead> Lines<R> {
         Ok(true)
     }
 
-    /// The current line as it is, without its end.
+    /// The current line as text, without its end.
     ///
     /// ```
     /// use grouser_log::csv::Lines;
     ///
     /// let mut lines = Lines::over(&b"\xef\xbb\xbfslip\r\n"[..], "runs.csv");
     /// lines.advance()?;
-    /// assert_eq!(lines.raw(), b"slip"); // without mark and line end
+    /// assert_eq!(lines.text()?, "slip"); // without mark and line end
     /// # Ok::<(), grouser_log::Error>(())
     /// ```
-    #[must_use]
-    pub fn raw(&self) -> &[u8] {
-        &self.buffer
-    }
-
-    /// The current line as text.
     ///
     /// # Errors
     /// [`Error::Malformed`] for bytes that are not UTF-8, a NUL byte, or a carriage return inside the line.
     pub fn text(&self) -> Result<&str> {
-        let bytes = self.raw();
+        let bytes = &self.buffer[..];
         let what = if self.line == 1
             && [b"\xff\xfe", b"\xfe\xff"]
                 .iter()

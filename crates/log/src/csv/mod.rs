@@ -1,7 +1,8 @@
 //! Tables of text: CSV and its relatives, line by line.
 //!
-//! [`Lines`] reads lines of bounded length, [`split`] cuts a line into its fields, [`finite`] reads a number, and every
-//! error names its line and column ([`Cell`](crate::Cell)). Logs, operating points and soil tests are all read by these.
+//! [`Lines`] reads lines of bounded length and [`lines()`] cuts a text into lines, [`split`] cuts a line into its fields,
+//! [`finite`] reads a number, and every error names its line and column ([`Cell`](crate::Cell)). Logs, operating points
+//! and soil tests are all read by these.
 
 mod date;
 mod fields;
@@ -10,7 +11,7 @@ mod number;
 mod reader;
 mod row;
 
-pub use fields::{BadQuote, Field, quoted, split};
+pub use fields::{BadQuote, Field, lines, quoted, split};
 pub use lines::{LINE_LIMIT, Lines};
 pub use number::{NotANumber, finite};
 pub(crate) use reader::{CsvReader, TABLE_LOOK_AHEAD};

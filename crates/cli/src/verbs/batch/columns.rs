@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::operation::Prescribed;
 use grouser_files::{is_quantity_name, nearest};
 use grouser_log::csv::{Field, quoted, split};
-use grouser_report::number::{parse_finite, push_exact};
+use grouser_report::number::{parse_finite, parse_plain, push_exact};
 
 /// The columns that are added, in order; the side force only beside a column of slip angles, the fluctuations as
 /// lugs pass only beside columns of lugs.
@@ -267,10 +267,7 @@ impl Columns {
         };
         let wanted = self.names.len();
         let (layout, point) = match read {
-            Ok(()) if fields.len() == wanted => (
-                self.layout(line.text, fields),
-                self.point(line.text, fields),
-            ),
+            Ok(()) if fields.len() == wanted => self.read_row(line.text, fields),
             Ok(()) => {
                 let count = fields.len();
                 let message = format!("{count} fields, but the header has {wanted}");
@@ -285,89 +282,88 @@ impl Columns {
         }
     }
 
-    fn layout(&self, line: &str, fields: &[Field]) -> Layout {
-        match self.sinkage {
-            Some(index) if fields[index].value(line).is_empty() => {
-                Layout::Empty(fields[index].place())
-            }
+    /// Where the sinkage of a row goes, and its operating point.
+    fn read_row<'a>(&self, line: &'a str, fields: &[Field]) -> (Layout, Result<Point<'a>, String>) {
+        let is_filled = |index: usize| !fields[index].value(line).is_empty();
+        let has_sinkage = self.sinkage.is_some_and(is_filled);
+        let layout = match self.sinkage {
+            Some(index) if !has_sinkage => Layout::Empty(fields[index].place()),
             _ => Layout::Whole,
-        }
+        };
+        (layout, self.point(line, fields, has_sinkage))
     }
 
-    fn point<'a>(&self, line: &'a str, fields: &[Field]) -> Result<Point<'a>, String> {
-        let text = |index: usize| fields[index].value(line);
-        let parsed = |text: Cow<'_, str>, name: &str| {
-            parse_finite(&text).map_err(|reason| {
-                if text.is_empty() {
-                    format!("`{name}` is empty")
-                } else {
-                    format!("`{name}` is `{text}`, but {reason}")
-                }
-            })
+    fn point<'a>(
+        &self,
+        line: &'a str,
+        fields: &[Field],
+        has_sinkage: bool,
+    ) -> Result<Point<'a>, String> {
+        let is_filled = |index: usize| !fields[index].value(line).is_empty();
+        let optional = |index: Option<usize>, name: &str| {
+            let Some(field) = index.map(|index| fields[index]) else {
+                return Ok(None);
+            };
+            // as most fields are
+            if let Some(number) = parse_plain(field.text(line)) {
+                return Ok(Some(number));
+            }
+            let text = field.value(line);
+            if text.is_empty() {
+                return Ok(None);
+            }
+            match parse_finite(&text) {
+                Ok(number) => Ok(Some(number)),
+                Err(reason) => Err(format!("`{name}` is `{text}`, but {reason}")),
+            }
         };
-        let number = |index: usize, name: &str| parsed(text(index), name);
-        let filled = |index: &usize| !text(*index).is_empty();
-        let filled_text = |index: Option<usize>| index.map(text).filter(|text| !text.is_empty());
-        let sinkage = filled_text(self.sinkage);
-        let load = filled_text(self.load);
-        let prescribed = match (sinkage, load) {
-            (Some(sinkage), None) => Prescribed::Sinkage(parsed(sinkage, "sinkage_m")?),
-            (None, Some(load)) => Prescribed::Load(parsed(load, "load_n")?),
-            (Some(_), Some(_)) => {
+        let required = |index: Option<usize>, name: &str| {
+            optional(index, name)?.ok_or_else(|| format!("`{name}` is empty"))
+        };
+        let prescribed = match (has_sinkage, self.load.is_some_and(is_filled)) {
+            (true, false) => Prescribed::Sinkage(required(self.sinkage, "sinkage_m")?),
+            (false, true) => Prescribed::Load(required(self.load, "load_n")?),
+            (true, true) => {
                 return Err(
                     "both `sinkage_m` and `load_n` are filled, but exactly one must be".to_owned(),
                 );
             }
-            (None, None) => {
+            (false, false) => {
                 return Err(
                     "neither `sinkage_m` nor `load_n` is filled, but exactly one must be"
                         .to_owned(),
                 );
             }
         };
-        let rebound = self
-            .rebound
-            .filter(filled)
-            .map(|index| number(index, "rebound"));
-        let slip_angle = self
-            .slip_angle
-            .filter(filled)
-            .map(|index| number(index, "slip_angle_deg"));
-        let optional = |index: Option<usize>, name: &str| {
-            let filled = index.filter(filled);
-            filled.map_or(Ok(0.0), |index| number(index, name))
-        };
         let height = optional(self.grouser_height, "grouser_height_m")?;
-        let incomplete = [self.grouser_count, self.grouser_thickness];
-        if self.grouser_height.is_some_and(|index| !filled(&index))
-            && incomplete.iter().flatten().any(filled)
-        {
+        let other_sizes = [self.grouser_count, self.grouser_thickness];
+        if height.is_none() && other_sizes.into_iter().flatten().any(is_filled) {
             return Err(
                 "`grouser_height_m` is empty, but other sizes of the lugs are not".to_owned(),
             );
         }
-        let grousers = if height == 0.0 {
-            None
-        } else {
-            Some([
+        let grousers = match height {
+            Some(height) if height != 0.0 => Some([
                 height,
-                optional(self.grouser_count, "grouser_count")?,
-                optional(self.grouser_thickness, "grouser_thickness_m")?,
-            ])
+                optional(self.grouser_count, "grouser_count")?.unwrap_or(0.0),
+                optional(self.grouser_thickness, "grouser_thickness_m")?.unwrap_or(0.0),
+            ]),
+            _ => None,
         };
         Ok(Point {
             grousers,
-            soil: text(self.soil),
-            radius_m: number(self.radius, "radius_m")?,
-            width_m: number(self.width, "width_m")?,
-            rebound: rebound.transpose()?,
-            slip: number(self.slip, "slip")?,
-            slip_angle_deg: slip_angle.transpose()?.unwrap_or(0.0),
+            soil: fields[self.soil].value(line),
+            radius_m: required(Some(self.radius), "radius_m")?,
+            width_m: required(Some(self.width), "width_m")?,
+            rebound: optional(self.rebound, "rebound")?,
+            slip: required(Some(self.slip), "slip")?,
+            slip_angle_deg: optional(self.slip_angle, "slip_angle_deg")?.unwrap_or(0.0),
             prescribed,
         })
     }
 
-    /// Appends the row with its sinkage and forces, as a line. Numbers that there are not stay empty.
+    /// Appends the row with its sinkage and forces, as a line. Numbers that there are not stay empty; the
+    /// status is a field as it is written.
     pub(super) fn push_line(
         &self,
         text: &mut String,
@@ -409,9 +405,10 @@ impl Columns {
             }
         }
         text.push(',');
-        text.push_str(&quoted(status));
+        text.push_str(status);
         text.push('\n');
     }
+
     /// Appends a line that has not the fields of the header as a row with as many: what is missing stays empty, what
     /// is too much is left out, and a line without fields is the first.
     fn push_broken(&self, text: &mut String, line: Line<'_>) {

@@ -1,113 +1,143 @@
-//! The points of a chunk that run on lanes: sorted by soil and by the unknown, eight at a time.
+//! The points of some rows that run on lanes: sorted by soil and by the unknown, eight at a time.
+
+use std::ops::Range;
 
 use grouser_terra::{BatchColumns, BatchKernel, BatchPoints, SolveStatus};
 
-use super::columns::{Numbers, Point, Row};
+use super::columns::{Numbers, Row};
 use super::soils::Soils;
 use crate::operation::Prescribed;
 
-/// What the kernel found of a row; the default where it does not serve.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Found {
-    pub(super) status: SolveStatus,
-    /// `None` unless solved.
-    pub(super) numbers: Option<Numbers>,
-}
-
-/// The points of one soil that are solved alike, side by side.
-#[derive(Default)]
-struct Columns {
-    places: Vec<usize>,
+/// The points in columns: those of one soil that are solved alike are side by side.
+struct Points {
     radius: Vec<f64>,
     width: Vec<f64>,
     rebound: Vec<f64>,
     slip: Vec<f64>,
+    /// Sinkage or load.
     given: Vec<f64>,
 }
 
-impl Columns {
-    fn push(&mut self, place: usize, point: &Point<'_>, rebound: f64, given: f64) {
-        self.places.push(place);
-        self.radius.push(point.radius_m);
-        self.width.push(point.width_m);
-        self.rebound.push(rebound);
-        self.slip.push(point.slip);
-        self.given.push(given);
+/// What the kernel found of the points, in columns.
+pub(super) struct Found {
+    /// Where each row stands in the columns; `None` where lanes do not serve.
+    places: Vec<Option<usize>>,
+    status: Vec<SolveStatus>,
+    sinkage: Vec<f64>,
+    vertical_force: Vec<f64>,
+    drawbar_pull: Vec<f64>,
+    torque: Vec<f64>,
+}
+
+impl Found {
+    /// What was found of a row: the default status where lanes do not serve, and no numbers unless solved.
+    pub(super) fn of_row(&self, row: usize) -> (SolveStatus, Option<Numbers>) {
+        let Some(place) = self.places[row] else {
+            return (SolveStatus::default(), None);
+        };
+        let status = self.status[place];
+        let numbers = (status == SolveStatus::Solved).then(|| Numbers {
+            sinkage: self.sinkage[place],
+            forces: [
+                self.vertical_force[place],
+                self.drawbar_pull[place],
+                self.torque[place],
+            ],
+            // lanes have no slip angle and no lugs
+            side: 0.0,
+            fluctuation: None,
+        });
+        (status, numbers)
     }
 
-    /// Puts what the kernel finds at the places of the points.
-    fn solve(&self, kernel: &BatchKernel, load: bool, answers: &mut [Found]) {
-        let n = self.places.len();
-        if n == 0 {
-            return;
-        }
+    /// Solves points of one soil, by their loads or by their sinkages.
+    fn solve(
+        &mut self,
+        points: &Points,
+        range: Range<usize>,
+        (kernel, by_load): (&BatchKernel, bool),
+    ) {
+        let given = &points.given[range.clone()];
         let points = BatchPoints {
-            radius: (&self.radius).into(),
-            width: (&self.width).into(),
-            rebound: (&self.rebound).into(),
-            slip: (&self.slip).into(),
+            radius: (&points.radius[range.clone()]).into(),
+            width: (&points.width[range.clone()]).into(),
+            rebound: (&points.rebound[range.clone()]).into(),
+            slip: (&points.slip[range.clone()]).into(),
         };
-        let column = || vec![f64::NAN; n];
-        let [
-            mut sinkage,
-            mut vertical_force,
-            mut drawbar_pull,
-            mut torque,
-        ] = [column(), column(), column(), column()];
-        let mut status = vec![SolveStatus::default(); n];
         let mut out = BatchColumns {
-            sinkage: &mut sinkage,
-            vertical_force: &mut vertical_force,
-            drawbar_pull: &mut drawbar_pull,
-            torque: &mut torque,
-            status: &mut status,
+            sinkage: &mut self.sinkage[range.clone()],
+            vertical_force: &mut self.vertical_force[range.clone()],
+            drawbar_pull: &mut self.drawbar_pull[range.clone()],
+            torque: &mut self.torque[range.clone()],
+            status: &mut self.status[range],
         };
         // The columns are equally long, so that the kernel refuses none.
-        let _ = if load {
-            kernel.under_load(&points, &self.given, &mut out)
+        let _ = if by_load {
+            kernel.under_load(&points, given, &mut out)
         } else {
-            kernel.forces(&points, &self.given, &mut out)
+            kernel.forces(&points, given, &mut out)
         };
-        for (i, &place) in self.places.iter().enumerate() {
-            let numbers = Numbers {
-                sinkage: sinkage[i],
-                forces: [vertical_force[i], drawbar_pull[i], torque[i]],
-                // lanes have no slip angle and no lugs
-                side: 0.0,
-                fluctuation: None,
-            };
-            let status = status[i];
-            let numbers = (status == SolveStatus::Solved).then_some(numbers);
-            answers[place] = Found { status, numbers };
-        }
     }
 }
 
 /// What the kernel finds of each row.
-pub(super) fn solve(rows: &[Row<'_>], soils: &Soils<'_>) -> Vec<Found> {
-    let mut by_soil: Vec<[Columns; 2]> = Vec::new();
-    by_soil.resize_with(soils.len(), Default::default);
-    for (place, row) in rows.iter().enumerate() {
-        let Ok(point) = &row.point else { continue };
-        if point.slip_angle_deg != 0.0 || point.grousers.is_some() {
-            continue;
-        }
-        let Some((number, known)) = soils.of_row(place) else {
+pub(super) fn solve(rows: &[Row<'_>], soils: &Soils<'_>) -> Found {
+    // twice the soil's number, and one more for a load
+    let group = |row: usize| {
+        let point = rows[row].point.as_ref().ok()?;
+        let (number, _) = soils.of_row(row)?;
+        let by_load = matches!(point.prescribed, Prescribed::Load(_));
+        let is_served = point.slip_angle_deg == 0.0 && point.grousers.is_none();
+        is_served.then_some(2 * number + usize::from(by_load))
+    };
+    let groups: Vec<Option<usize>> = (0..rows.len()).map(group).collect();
+    // how many points a group has, then where its next point goes
+    let mut next = vec![0; 2 * soils.len() + 1];
+    for group in groups.iter().flatten() {
+        next[group + 1] += 1;
+    }
+    for group in 1..next.len() {
+        next[group] += next[group - 1];
+    }
+    let column = || vec![0.0; next[2 * soils.len()]];
+    let mut points = Points {
+        radius: column(),
+        width: column(),
+        rebound: column(),
+        slip: column(),
+        given: column(),
+    };
+    let mut found = Found {
+        places: vec![None; rows.len()],
+        status: vec![SolveStatus::default(); points.given.len()],
+        sinkage: column(),
+        vertical_force: column(),
+        drawbar_pull: column(),
+        torque: column(),
+    };
+    let starts = next.clone();
+    for (row, group) in groups.iter().enumerate() {
+        let (Some(group), Ok(point)) = (*group, &rows[row].point) else {
             continue;
         };
-        let rebound = point.rebound.unwrap_or(known.soil.params().rebound);
-        let (load, given) = match point.prescribed {
-            Prescribed::Load(load) => (true, load),
-            Prescribed::Sinkage(sinkage) => (false, sinkage),
+        let soil = soils.at(group / 2).map(|known| known.soil.params());
+        let rebound = point.rebound.or(soil.map(|soil| soil.rebound));
+        let place = next[group];
+        next[group] += 1;
+        found.places[row] = Some(place);
+        points.radius[place] = point.radius_m;
+        points.width[place] = point.width_m;
+        points.rebound[place] = rebound.unwrap_or_default();
+        points.slip[place] = point.slip;
+        points.given[place] = match point.prescribed {
+            Prescribed::Load(given) | Prescribed::Sinkage(given) => given,
         };
-        by_soil[number][usize::from(load)].push(place, point, rebound, given);
     }
-    let mut answers = vec![Found::default(); rows.len()];
-    for (number, [by_sinkage, by_load]) in by_soil.iter().enumerate() {
-        if let Some(known) = soils.at(number) {
-            by_sinkage.solve(&known.kernel, false, &mut answers);
-            by_load.solve(&known.kernel, true, &mut answers);
+    for group in 0..2 * soils.len() {
+        if let Some(known) = soils.at(group / 2) {
+            let range = starts[group]..starts[group + 1];
+            found.solve(&points, range, (&known.kernel, group % 2 == 1));
         }
     }
-    answers
+    found
 }

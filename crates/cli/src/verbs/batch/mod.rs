@@ -17,7 +17,7 @@ use grouser_terra::{
 use self::columns::{Columns, Numbers, Point, Row};
 use self::sink::TableSink;
 use self::soils::{Met, Soils};
-use self::stream::{Text, lines_of, next_line};
+use self::stream::{Blocks, Text};
 use crate::error::{Error, Result, shown};
 use crate::exit::Outcome;
 use crate::input::{Input, STANDARD};
@@ -28,6 +28,7 @@ use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
 use crate::verb_report::Report;
 use crate::wheel_choice::lugs;
+use grouser_log::csv::quoted;
 use grouser_report::{Fields, fields};
 
 #[derive(clap::Args, Debug)]
@@ -104,10 +105,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             "write the table into a file",
         ));
     }
-    let input = Input::open_table(&arguments.input)?;
+    let input = Input::open_table(&arguments.input, session.is_json())?;
     let progress = Progress::of_bytes(input.length());
-    let mut lines = lines_of(input);
-    let header = next_line(&mut lines)?;
+    let mut blocks = Blocks::of(input);
+    let header = blocks.header()?;
     let columns = Columns::read(header.lines().next(), &arguments.input)?;
     let mut output = TableSink::create(&arguments.output)?;
     let path = output.path().to_owned();
@@ -117,10 +118,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let met = Met::new(&arguments.overrides, session);
     let solve = |chunk: Text| {
         let mut fields = Vec::new();
-        let rows: Vec<Row<'_>> = chunk
-            .lines()
-            .map(|line| columns.row(line, &mut fields))
-            .collect();
+        let mut rows: Vec<Row<'_>> = Vec::with_capacity(chunk.max_lines());
+        rows.extend(chunk.rows().map(|line| columns.row(line, &mut fields)));
         let soils = Soils::of(&rows, &met);
         let found = lanes::solve(&rows, &soils);
         let mut cache = Cache::default();
@@ -128,11 +127,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             text: String::with_capacity(160 * rows.len()),
             counts: Counts::default(),
         };
-        for (place, (row, found)) in rows.iter().zip(found).enumerate() {
+        for (place, row) in rows.iter().enumerate() {
             let soil = soils.of_row(place).map(|(_, known)| &known.soil);
-            let status = match found.status {
-                SolveStatus::Solved | SolveStatus::NoSolution => {
-                    solved.push(&columns, row, (found.numbers, soil), found.status)
+            let status = match found.of_row(place) {
+                (status @ (SolveStatus::Solved | SolveStatus::NoSolution), numbers) => {
+                    solved.push(&columns, row, (numbers, soil), status)
                 }
                 // by the general solver and in its words
                 _ => complete(&mut solved, (&columns, row), soil, arguments, &mut cache),
@@ -146,7 +145,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         progress.advance(bytes);
         output.lines(&solved.text)
     };
-    let lines = stream::solve_lines(lines, solve, write)?;
+    let blocks = stream::solve_lines(blocks, solve, write)?;
     let (sources, session) = met.into_sources();
     if counts.rows == 0 {
         return Err(Error::content(
@@ -155,7 +154,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             None,
         ));
     }
-    session.used_input(lines.into_input().into_inner());
+    session.used_input(blocks.into_input());
     output.finish()?;
     drop(progress);
 
@@ -257,12 +256,8 @@ fn complete(
             solved.push(columns, row, (numbers, soil), status)
         }
         Err(message) => {
-            columns.push_line(
-                &mut solved.text,
-                row,
-                None,
-                &format!("bad-input: {message}"),
-            );
+            let status = format!("bad-input: {message}");
+            columns.push_line(&mut solved.text, row, None, &quoted(&status));
             SolveStatus::BadInput
         }
     }

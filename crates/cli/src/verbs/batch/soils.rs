@@ -96,6 +96,7 @@ pub(super) struct Soils<'a> {
 impl<'a> Soils<'a> {
     pub(super) fn of(rows: &'a [Row<'_>], met: &Met<'_>) -> Self {
         let mut soils = Self::default();
+        soils.of_rows.reserve(rows.len());
         for row in rows {
             let point = row.point.as_ref().ok();
             let number = point.map(|point| soils.number(&point.soil, met));
