@@ -86,13 +86,11 @@ impl OutputFile {
         Ok(self.beside.as_deref().unwrap_or(&self.target))
     }
 
-    /// Waits until the disk has what was written, so that [`OutputFile::finish`] waits for less.
-    pub(crate) fn sync(&mut self) -> io::Result<()> {
-        match &self.writer {
-            // devices cannot be synced
-            Some(writer) if self.beside.is_some() => writer.get_ref().sync_data(),
-            _ => Ok(()),
-        }
+    /// The same file for a thread that waits until the disk has what was written; `None` for a device, which cannot be
+    /// synced.
+    pub(crate) fn try_clone(&self) -> io::Result<Option<File>> {
+        let file = self.writer.as_ref().filter(|_| self.beside.is_some());
+        file.map(|writer| writer.get_ref().try_clone()).transpose()
     }
 
     /// Puts the complete file in its place.
