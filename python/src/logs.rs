@@ -177,6 +177,8 @@ fn summary_dict<'py>(py: Python<'py>, summary: &Summary) -> PyResult<Bound<'py, 
     dict.set_item("travel_wheels_m", summary.along.travel_wheels)?;
     dict.set_item("travel_reference_m", summary.along.travel_reference)?;
     dict.set_item("clock_offset_s", summary.clock_offset_s)?;
+    let delay = summary.reference_delay;
+    dict.set_item("reference_delay_s", delay.map(|delay| delay.delay_s))?;
     dict.set_item("rejected", summary.rejected.total())?;
     let odometry = summary.odometry.as_ref();
     dict.set_item("pose", odometry.map(|odometry| odometry.pose))?;

@@ -1,5 +1,6 @@
 //! The verb `estimate` from outside: its keys, columns, exit codes, and what bad input gets.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::process::{Command, Output};
 
@@ -216,6 +217,73 @@ fn a_radius_is_calibrated_into_a_robot_file_that_works() {
         fs::read_to_string(&robot)
             .unwrap()
             .contains("radius_m = 0.1\nwidth_m = 0.05")
+    );
+}
+
+#[test]
+fn a_reference_that_lags_is_reported_used_and_calibrated() {
+    let folder = Folder::new("estimate-delay");
+    // a cart that stops and drives on, seven seconds each, and positions that are stamped 0.15 s late
+    let (mut wheels, mut positions) = (String::from("t,w\n"), String::from("t,x,y,yaw\n"));
+    let (mut x, mut speed) = (0.0, 0.0);
+    for row in 0..6000 {
+        let time_s = f64::from(row) * 0.01;
+        let target = if row / 700 % 2 == 0 { 0.0 } else { 0.5 };
+        speed += (target - speed) * 0.01 / 0.3;
+        x += speed * 0.01;
+        let _ = writeln!(wheels, "{time_s:.2},{:.5}", x / 0.9 / 0.1);
+        if row % 20 == 0 {
+            let _ = writeln!(positions, "{:.2},{x:.4},0,0", time_s + 0.15);
+        }
+    }
+    fs::create_dir(folder.path("log")).unwrap();
+    fs::write(folder.path("log/wheels.csv"), wheels).unwrap();
+    fs::write(folder.path("log/positions.csv"), positions).unwrap();
+    let robot = folder.path("robot.toml");
+    let text = "format = 1\nname = \"cart\"\n\
+        [[table]]\nfile = \"wheels.csv\"\ntime = { column = \"t\", unit = \"s\" }\n\
+        columns = [{ column = \"w\", meaning = \"wheel_angle\", wheel = \"w\", unit = \"rad\" }]\n\
+        [[table]]\nfile = \"positions.csv\"\ntime = { column = \"t\", unit = \"s\" }\n\
+        columns = [{ column = \"x\", meaning = \"pose_x\", unit = \"m\" }, \
+        { column = \"y\", meaning = \"pose_y\", unit = \"m\" }, \
+        { column = \"yaw\", meaning = \"pose_yaw\", unit = \"rad\" }]\n\
+        [[wheel]]\nname = \"w\"\nx_m = 0.0\ny_m = 0.0\nradius_m = 0.1\ndrive = \"powered\"\n";
+    fs::write(&robot, text).unwrap();
+    let log = folder.path("log");
+    let output = grouser(&[&log, "--robot", &robot]);
+    let shown = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(shown.contains("the reference lags by 0.15"), "{shown}");
+    let calibrated = folder.path("calibrated.toml");
+    let found = json(&grouser(&[
+        &log,
+        "--robot",
+        &robot,
+        "--calibrate",
+        &calibrated,
+        "--json",
+    ]));
+    let delay_s = found["reference_delay"]["delay_s"].as_f64().unwrap();
+    assert!((delay_s - 0.15).abs() < 0.01, "{delay_s}");
+    let found = json(&grouser(&[&log, "--robot", &calibrated, "--json"]));
+    let delay = &found["reference_delay"];
+    assert_eq!(
+        delay["stated_s"].as_f64(),
+        Some((1e3 * delay_s).round() * 1e-3)
+    );
+    assert_eq!(delay["is_clear"].as_bool(), Some(false));
+    fs::write(
+        &robot,
+        text.replace(
+            "[[wheel]]",
+            "[filter]\nreference_latency_s = 0.0\n[[wheel]]",
+        ),
+    )
+    .unwrap();
+    let output = grouser(&[&log, "--robot", &robot]);
+    let warned = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        warned.contains("but `reference_latency_s` is 0: not applied"),
+        "{warned}"
     );
 }
 

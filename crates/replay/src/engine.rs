@@ -17,6 +17,7 @@ use crate::moment::{Moment, side_slip_angle};
 use crate::odometry::Odometry;
 use crate::options::Options;
 use crate::reckoning::Reckoning;
+use crate::reference_delay::ReferenceDelay;
 use crate::samples::{is_used, rotating_wheel};
 use crate::sink::{Row, Sink, Step};
 use crate::steering::WheelSteering;
@@ -83,6 +84,7 @@ pub struct Engine {
     reckoning: Reckoning,
     odometry: Option<Odometry>,
     clock_offset_s: Option<f64>,
+    reference_delay: Option<ReferenceDelay>,
     moment: Moment,
     /// The wheels' rim speeds over the window, m/s.
     rims: Vec<Option<f64>>,
@@ -156,9 +158,7 @@ impl Engine {
         settings.reference = inputs.reference;
         settings.window = options.window_s.unwrap_or(settings.window);
         settings.position_sigma = inputs.position_sigma.unwrap_or(settings.position_sigma);
-        let method = options
-            .method
-            .unwrap_or_else(|| Method::of(&robot, inputs.reference));
+        let method = options.method_for(&robot, inputs.reference);
         let slips = match method {
             Method::Filter => Slips::Filter(
                 Box::new(Fusion::new(file, &settings, options)?),
@@ -200,6 +200,7 @@ impl Engine {
             tallies: vec![Tally::new(); robot.wheels().len()],
             ways: Ways::new(settings.low_speed, settings.window),
             clock_offset_s: None,
+            reference_delay: None,
             moment: Moment::default(),
             rims: Vec::new(),
             angles: Vec::new(),
@@ -214,9 +215,15 @@ impl Engine {
         })
     }
 
-    /// How much later the gyro's clock stamps the same moment than the encoders', s, for the summary.
-    pub(crate) const fn set_clock_offset(&mut self, offset_s: Option<f64>) {
-        self.clock_offset_s = offset_s;
+    /// How the clocks of the sensors differ, for the summary: how much later the gyro's clock stamps the same moment than the
+    /// encoders', s, and the delay of the reference.
+    pub(crate) const fn set_clocks(
+        &mut self,
+        gyro_offset_s: Option<f64>,
+        reference_delay: Option<ReferenceDelay>,
+    ) {
+        self.clock_offset_s = gyro_offset_s;
+        self.reference_delay = reference_delay;
     }
 
     /// Takes a sample, not earlier than those before; its wheel is an index in the robot's order. Rows of the time
@@ -475,6 +482,7 @@ impl Engine {
             axes: self.axes.summary(),
             ground_changes_s: self.ground.called_s().to_vec(),
             clock_offset_s: self.clock_offset_s,
+            reference_delay: self.reference_delay,
             odometry: self.odometry,
             fused,
             soil,

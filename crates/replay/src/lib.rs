@@ -8,7 +8,7 @@
 //! | a live source | [`Engine`], [`RobotSamples`] |
 //! | the output as messages of ROS 2 | [`messages`] |
 //! | true slips beside the estimates | [`Truth`], [`Compared`] |
-//! | the effective radius; with track and scale of the gyro; intervals | [`calibrate_radius`], [`calibrate_geometry`], [`calibrate_intervals`] |
+//! | the effective radius; with track and scale of the gyro; the reference's delay; intervals | [`calibrate_radius`], [`calibrate_geometry`], [`calibrate_reference_delay`], [`calibrate_intervals`] |
 //! | a soil's reading of the slips | [`soil_readings`] |
 //! | slip from currents on known grounds, changes of ground | [`learn_grounds`], [`slips_by_known_grounds`], [`GroundChange`] |
 //!
@@ -43,6 +43,7 @@ mod options;
 mod path_smoother;
 mod quantiles;
 mod reckoning;
+mod reference_delay;
 mod reversed;
 mod run;
 mod samples;
@@ -81,6 +82,7 @@ pub use method::Method;
 pub use odometry::Odometry;
 pub use options::Options;
 pub use quantiles::Quantiles;
+pub use reference_delay::{ReferenceDelay, calibrate_reference_delay};
 pub use run::{run, run_into};
 pub use samples::RobotSamples;
 pub use sink::{Row, Sink, Step};

@@ -1,7 +1,7 @@
 //! The options of a run.
 
 use grouser_files::robot::WheelSensor;
-use grouser_slip::Reference;
+use grouser_slip::{Reference, Robot};
 use grouser_terra::Soil;
 
 use crate::method::Method;
@@ -32,4 +32,11 @@ pub struct Options {
     pub to_s: Option<f64>,
     /// Learns the soil on which the robot drives, of which this one is known; the filter must find the slips.
     pub learn_soil: Option<Soil>,
+}
+
+impl Options {
+    /// Which engine finds the slips of a robot whose speed is measured by `reference`.
+    pub(crate) fn method_for(&self, robot: &Robot, reference: Reference) -> Method {
+        self.method.unwrap_or_else(|| Method::of(robot, reference))
+    }
 }

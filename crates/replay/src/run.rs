@@ -11,6 +11,7 @@ use crate::engine::Engine;
 use crate::error::Result;
 use crate::method::Method;
 use crate::options::Options;
+use crate::reference_delay::{Postponed, ReferenceDelay, reference_delay};
 use crate::samples::of_robot;
 use crate::sink::{Row, Rows, Sink};
 use crate::summary::Summary;
@@ -63,7 +64,8 @@ pub fn run_into(
     options: &Options,
     sink: &mut impl Sink,
 ) -> Result<Summary> {
-    let mut summary = run_once(log, file, options, sink)?;
+    let clocks = Clocks::of(log, file, options)?;
+    let mut summary = run_once(log, file, options, clocks, sink)?;
     // Where the filter's own checks fail, the window estimator's result stands beside it.
     if summary
         .fused
@@ -76,7 +78,8 @@ pub fn run_into(
             learn_soil: None,
             ..*options
         };
-        let beside = run_once(log, file, &by_windows, &mut Rows(|_: &Row<'_>| Ok(())))?;
+        let mut nowhere = Rows(|_: &Row<'_>| Ok(()));
+        let beside = run_once(log, file, &by_windows, clocks, &mut nowhere)?;
         for (wheel, other) in summary.wheels.iter_mut().zip(beside.wheels) {
             wheel.window_slip = Some(other.slip);
         }
@@ -84,31 +87,68 @@ pub fn run_into(
     Ok(summary)
 }
 
-fn run_once(
-    log: &Log,
-    file: &RobotFile,
-    options: &Options,
-    sink: &mut impl Sink,
-) -> Result<Summary> {
-    let wheels = robot_wheels(log, file)?;
-    let inputs = Inputs::of(log, file, options)?;
-    let mut engine = Engine::new(file, inputs, options)?;
-    let mut shifts = vec![0; log.clocks()];
-    let unaligned = log.unaligned_clocks();
-    if !unaligned.is_empty() {
-        let offset_s = gyro_offset(log, file, &wheels, inputs.wheel_sensor)?;
-        engine.set_clock_offset(offset_s);
+/// How the clocks of a log's sensors differ, found in passes before the run.
+#[derive(Clone, Copy, Debug)]
+struct Clocks {
+    /// How much later the gyro's clock stamps the same moment than the encoders', s, where that is to be found.
+    gyro_offset_s: Option<f64>,
+    reference_delay: Option<ReferenceDelay>,
+}
+
+impl Clocks {
+    fn of(log: &Log, file: &RobotFile, options: &Options) -> Result<Self> {
+        let mut clocks = Self {
+            gyro_offset_s: None,
+            reference_delay: None,
+        };
+        if !log.unaligned_clocks().is_empty() {
+            let wheels = robot_wheels(log, file)?;
+            let sensor = Inputs::of(log, file, options)?.wheel_sensor;
+            clocks.gyro_offset_s = gyro_offset(log, file, &wheels, sensor)?;
+        }
+        let shifts = clocks.shifts(log);
+        clocks.reference_delay = reference_delay(log, file, options, &shifts)?;
+        Ok(clocks)
+    }
+
+    /// What is added to the times of each clock of the log, ns.
+    fn shifts(&self, log: &Log) -> Vec<i64> {
+        let mut shifts = vec![0; log.clocks()];
         #[allow(
             clippy::cast_possible_truncation,
             reason = "the offset is at most half a second"
         )]
-        let shift_ns = (offset_s.unwrap_or(0.0) * -1e9).round() as i64;
-        for clock in unaligned {
+        let shift_ns = (self.gyro_offset_s.unwrap_or(0.0) * -1e9).round() as i64;
+        for clock in log.unaligned_clocks() {
             shifts[clock] = shift_ns;
         }
+        shifts
     }
-    for sample in log.samples(&shifts)? {
-        engine.push(of_robot(sample?, &wheels), sink)?;
+}
+
+fn run_once(
+    log: &Log,
+    file: &RobotFile,
+    options: &Options,
+    mut clocks: Clocks,
+    sink: &mut impl Sink,
+) -> Result<Summary> {
+    let wheels = robot_wheels(log, file)?;
+    let inputs = Inputs::of(log, file, options)?;
+    let mut file = file.clone();
+    let method = options.method_for(&file.robot, inputs.reference);
+    let delay = clocks.reference_delay.as_mut();
+    let early_ns = delay.map_or(0, |delay| delay.apply(&mut file, method));
+    let mut engine = Engine::new(&file, inputs, options)?;
+    engine.set_clocks(clocks.gyro_offset_s, clocks.reference_delay);
+    let mut postponed = Postponed::by(early_ns);
+    for sample in log.samples(&clocks.shifts(log))? {
+        for sample in postponed.take(of_robot(sample?, &wheels)) {
+            engine.push(sample, sink)?;
+        }
+    }
+    for sample in postponed.finish() {
+        engine.push(sample, sink)?;
     }
     engine.finish(sink)
 }

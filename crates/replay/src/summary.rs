@@ -12,6 +12,7 @@ use crate::fusion::FusedSummary;
 use crate::method::Method;
 use crate::odometry::Odometry;
 use crate::quantiles::Quantiles;
+use crate::reference_delay::ReferenceDelay;
 use crate::turn_watch::TurnCheck;
 
 /// Median and the middle 90 % of something; `None` where there was nothing.
@@ -147,6 +148,8 @@ pub struct Summary {
     /// How much later the gyro's clock stamps the same moment than the encoders', s, where it was
     /// estimated.
     pub clock_offset_s: Option<f64>,
+    /// By how much the reference's stamps are later than those of wheels and gyro, where the log shows it.
+    pub reference_delay: Option<ReferenceDelay>,
     /// Where the robot was at the end, counted from the beginning of the span, and the ways that led there.
     pub odometry: Option<Odometry>,
     /// What the filter says of itself, where it found the slips.

@@ -22,6 +22,7 @@ mod logs_that_say_nothing;
 mod measured_poses;
 mod observability;
 mod path_smoothing;
+mod reference_delay;
 mod robotino;
 mod robotino_free_wheel;
 mod robotino_without_reference;

@@ -103,12 +103,15 @@ fn what_was_calibrated_is_written_beside_everything_else() {
         track: Some(1.1),
         yaw_rate: Some(0.98),
         interval: Some(1.5),
+        reference_latency: Some(0.12),
     };
     let kept = "# a comment\n";
     for estimator in [
         "",
         "[estimator]  # of ours\nwindow_s = 0.4\n",
         "[estimator]\ninterval_factor = 3.0\n",
+        "[filter]\nslip_sigma = 0.3\n[estimator]\n",
+        "[filter]\nreference_latency_s = 0.3 # of a camera\n",
     ] {
         let text = format!(
             "format = 1\n{kept}{}",
@@ -133,6 +136,11 @@ fn what_was_calibrated_is_written_beside_everything_else() {
         );
         assert!(
             (file.corrections.interval_factor - 1.5).abs() < 1e-9,
+            "{text}"
+        );
+        assert!(file.is_reference_latency_stated, "{text}");
+        assert!(
+            (file.filter.reference_latency - 0.12).abs() < 1e-9,
             "{text}"
         );
     }

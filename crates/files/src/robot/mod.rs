@@ -107,6 +107,8 @@ pub struct RobotFile {
     pub settings: WindowSettings,
     /// Settings of the slip filter, with the values of `settings` where both have one.
     pub filter: FilterSettings,
+    /// Does the file state `reference_latency_s`, be it 0? If not, a log may show the delay.
+    pub is_reference_latency_stated: bool,
     /// The reference that the file names, if it names one.
     pub reference: Option<Reference>,
     /// The wheel sensor that the file names, if it names one.
@@ -166,6 +168,9 @@ impl Corrections {
     }
 }
 
+/// The key of [`FilterSettings::reference_latency`].
+const REFERENCE_LATENCY_KEY: &str = "reference_latency_s";
+
 /// Wide enough for any sensible value; the robot itself checks more closely.
 const POSITIVE: (f64, f64) = (1e-12, 1e12);
 
@@ -211,7 +216,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         settings
             .check()
             .map_err(|source| Error::Robot { at, source })?;
-        let filter = read_filter(root, &settings)?;
+        let (filter, is_reference_latency_stated) = read_filter(root, &settings)?;
         let (mut topics, columns) = read_meanings(root)?;
         let steering = root.section("steering", read_section)?;
         let (mut joints, mut torque_per_ampere) = (Vec::new(), Vec::new());
@@ -242,6 +247,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             robot,
             settings,
             filter,
+            is_reference_latency_stated,
             reference,
             wheel_sensor,
             corrections,
@@ -297,16 +303,19 @@ pub(crate) fn filter_of(settings: &WindowSettings) -> FilterSettings {
     }
 }
 
-fn read_filter(root: &Section<'_>, settings: &WindowSettings) -> Result<FilterSettings> {
+/// The settings of the slip filter, and whether the file states the reference's delay.
+fn read_filter(root: &Section<'_>, settings: &WindowSettings) -> Result<(FilterSettings, bool)> {
     let mut filter = filter_of(settings);
+    let mut is_latency_stated = false;
     root.section("filter", |section| {
+        is_latency_stated = section.has(REFERENCE_LATENCY_KEY);
         read_fields(section, &mut filter, FilterSettings::FIELDS)
     })?;
     filter.check().map_err(|source| Error::Robot {
         at: root.place_of("filter"),
         source,
     })?;
-    Ok(filter)
+    Ok((filter, is_latency_stated))
 }
 
 fn read_wheel(section: &Section<'_>) -> Result<Wheel> {

@@ -5,14 +5,17 @@ use std::ops::Range;
 
 use grouser_real::Real;
 use grouser_slip::WheelRole;
+use grouser_slip::filter::FilterSettings;
 use grouser_slip::window::WindowSettings;
 
 use super::{
-    Corrections, WheelSensor, parse, read_estimator, read_filter, read_meanings, read_wheel,
+    Corrections, REFERENCE_LATENCY_KEY, WheelSensor, parse, read_estimator, read_meanings,
+    read_wheel,
 };
 use crate::body;
 use crate::document::Document;
 use crate::error::{Error, Place, Result};
+use crate::fields::read_fields;
 use crate::section::Section;
 use crate::steering::read_section;
 
@@ -27,14 +30,16 @@ pub struct Revision {
     pub yaw_rate: Option<f64>,
     /// The new `interval_factor`.
     pub interval: Option<f64>,
+    /// The new `reference_latency_s`.
+    pub reference_latency: Option<f64>,
 }
 
 /// The document's text with numbers changed; comments and everything else stay as they are. Lengths are rounded to a
-/// micrometre, factors to 1e-5.
+/// micrometre, factors to 1e-5, times to a millisecond.
 ///
 /// # Errors
 /// As [`read`](super::read), of the document and of the text that results; [`Error::Contradiction`] where a new key of
-/// `[estimator]` has no place because the table is written in one line.
+/// `[estimator]` or `[filter]` has no place because the table is written in one line.
 ///
 /// ```
 /// use grouser_files::Document;
@@ -51,6 +56,8 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
     let mut added = String::new();
     let mut at: Option<Place> = None;
+    let mut added_to_filter = String::new();
+    let mut filter_at: Option<Place> = None;
     document.parse(|root| {
         root.text("name")?;
         let mut corrections = Corrections::default();
@@ -69,7 +76,23 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
             }
         }
         root.section("steering", read_section)?;
-        read_filter(root, &WindowSettings::default())?;
+        let mut latency_span = None;
+        root.section("filter", |section| {
+            filter_at = Some(section.place());
+            latency_span = section.span_of(REFERENCE_LATENCY_KEY);
+            // Limits are checked where the robot is read, below.
+            read_fields(
+                section,
+                &mut FilterSettings::default(),
+                FilterSettings::FIELDS,
+            )
+        })?;
+        if let Some(latency_s) = revision.reference_latency {
+            match latency_span {
+                Some(span) => edits.push((span, format!("{latency_s:.3}"))),
+                None => added_to_filter = format!("{REFERENCE_LATENCY_KEY} = {latency_s:.3}\n"),
+            }
+        }
         read_meanings(root)?;
         root.sections("wheel", |section| {
             section.optional_text("joint")?;
@@ -95,21 +118,29 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
         body::read(root, Vec::new())
     })?;
     let mut text = document.text().to_owned();
-    if !added.is_empty() {
-        let place = match at {
+    for (header, at, added) in [
+        ("[estimator]", at, added),
+        ("[filter]", filter_at, added_to_filter),
+    ] {
+        if added.is_empty() {
+            continue;
+        }
+        match at {
             None => {
-                text.push_str("\n[estimator]\n");
-                text.len()
+                let end = text.len();
+                edits.push((end..end, format!("\n{header}\n{added}")));
             }
-            Some(at) => header_end(&text).ok_or_else(|| Error::Contradiction {
-                at,
-                message: format!(
-                    "add to it by hand, since it is no table with a header of its own: {}",
-                    added.trim_end().replace('\n', ", ")
-                ),
-            })?,
-        };
-        edits.push((place..place, added));
+            Some(at) => {
+                let place = header_end(&text, header).ok_or_else(|| Error::Contradiction {
+                    at,
+                    message: format!(
+                        "add to it by hand, since it is no table with a header of its own: {}",
+                        added.trim_end().replace('\n', ", ")
+                    ),
+                })?;
+                edits.push((place..place, added));
+            }
+        }
     }
     // From the end, so that the places before stay right.
     edits.sort_by_key(|(span, _)| std::cmp::Reverse(span.start));
@@ -155,13 +186,13 @@ fn put_factors(
     }
 }
 
-/// The byte behind the line of the header `[estimator]`.
-fn header_end(text: &str) -> Option<usize> {
+/// The byte behind the line of a header.
+fn header_end(text: &str, header: &str) -> Option<usize> {
     let mut offset = 0;
     for line in text.split_inclusive('\n') {
         offset += line.len();
         let bare = line.split('#').next().unwrap_or("").trim();
-        if bare == "[estimator]" && line.ends_with('\n') {
+        if bare == header && line.ends_with('\n') {
             return Some(offset);
         }
     }

@@ -4,7 +4,7 @@ use grouser_slip::window::WindowSettings;
 use grouser_slip::{Shaft, Wheel, WheelRole};
 use grouser_terra::{GrouserRule, Grousers};
 
-use super::{RobotFile, default_contact_sigmas, filter_of};
+use super::{REFERENCE_LATENCY_KEY, RobotFile, default_contact_sigmas, filter_of};
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
 use crate::columns::{meaning, write_table};
 use crate::fields::write_fields;
@@ -68,6 +68,10 @@ pub fn to_toml(file: &RobotFile) -> String {
         &usual,
         grouser_slip::filter::FilterSettings::FIELDS,
     );
+    let latency = file.filter.reference_latency;
+    if file.is_reference_latency_stated && latency == usual.reference_latency {
+        out.number(REFERENCE_LATENCY_KEY, latency);
+    }
     if let Some(steering) = &file.steering {
         out.header("[steering]");
         let wheels = file.robot.wheels();

@@ -8,12 +8,13 @@ use grouser_files::Document;
 use grouser_files::robot::{Revision, revised};
 use grouser_log::Log;
 use grouser_replay::{
-    Calibration, Factor, GeometryCalibration, IntervalCalibration, calibrate_geometry,
-    calibrate_intervals, calibrate_radius,
+    Calibration, Factor, GeometryCalibration, IntervalCalibration, ReferenceDelay,
+    calibrate_geometry, calibrate_intervals, calibrate_radius, calibrate_reference_delay,
 };
 use grouser_report::{Fields, Object, fields};
 use grouser_slip::WheelRole;
 
+use super::object::reference_delay;
 use super::request::Request;
 use crate::error::{Error, Result, shown};
 use crate::output::OutputFile;
@@ -140,14 +141,39 @@ fn geometry(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated
             ),
         };
     }
+    let delay = calibrate_reference_delay(logs, &request.robot, &request.options)?;
+    let clear = delay.filter(|delay| delay.is_clear);
+    let _ = match delay {
+        None => writeln!(
+            text,
+            "reference: its delay is not observable in these logs, unchanged"
+        ),
+        Some(delay) => {
+            let (value, half) = (delay.delay_s, delay.half_width_s);
+            let end = match (clear, value < 0.0) {
+                (None, _) => ", unchanged",
+                (Some(_), false) => "",
+                (Some(_), true) => {
+                    ": it is stamped early, `offset_s` in `time` of its table states it"
+                }
+            };
+            writeln!(
+                text,
+                "reference: late by {value:.3} ± {half:.3} s (95 %){end}"
+            )
+        }
+    };
     Ok(Calibrated {
         revision: Revision {
             radius: Some(found.radius.value),
             track: found.track.map(|factor| factor.value),
             yaw_rate: found.yaw_rate.map(|factor| factor.value),
+            reference_latency: clear
+                .map(|delay| delay.delay_s)
+                .filter(|delay_s| *delay_s > 0.0),
             ..Revision::default()
         },
-        object: of_geometry().object((&found, target)),
+        object: of_geometry().object((&found, delay, target)),
         text,
     })
 }
@@ -185,7 +211,7 @@ fn of_radius<'a>() -> Fields<'a, Radius<'a>> {
     }
 }
 
-type Geometry<'a> = (&'a GeometryCalibration, &'a Path);
+type Geometry<'a> = (&'a GeometryCalibration, Option<ReferenceDelay>, &'a Path);
 
 fn of_geometry<'a>() -> Fields<'a, Geometry<'a>> {
     fn factor<'a>() -> Fields<'a, Factor> {
@@ -198,7 +224,9 @@ fn of_geometry<'a>() -> Fields<'a, Geometry<'a>> {
         "radius" "radii of the powered wheels" group(factor()) = found.0.radius;
         "track" "distance of left and right wheels; null where it is not observable" group(factor()) = found.0.track;
         "yaw_rate" "yaw rate; null where it is not observable" group(factor()) = found.0.yaw_rate;
-        "output" "the file that was written" = found.1.display().to_string();
+        "reference_delay" "how much later the reference is stamped than wheels and gyro; null where it is not observable"
+            group(reference_delay()) = found.1;
+        "output" "the file that was written" = found.2.display().to_string();
     }
 }
 

@@ -20,8 +20,8 @@ use grouser_log::container::Container;
 use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
 use grouser_page::run::LogRecorder;
 use grouser_replay::{
-    Compared, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary, Truth,
-    check_start, run_into, soil_readings, unused_currents,
+    Compared, Inputs, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary,
+    Truth, check_start, run_into, soil_readings, unused_currents,
 };
 use grouser_slip::Reference;
 
@@ -152,15 +152,14 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let known = soil.as_ref().filter(|_| arguments.learn_soil);
     request.options.learn_soil = known.map(|known| known.soil);
     let log = request.log(&arguments.logs)?;
+    // The gyro's clock is aligned in a pass before, and the delay of the reference is found in another.
+    let inputs = Inputs::of(&log, &request.robot, &request.options)?;
+    let is_absolute = !matches!(inputs.reference, Reference::FreeWheel | Reference::Grip);
+    let is_unaligned = !log.unaligned_clocks().is_empty();
+    let passes = 1 + u64::from(is_unaligned) + u64::from(is_absolute);
     let wheels = request.robot.robot.wheels();
     let mut outputs = Outputs::begin(&arguments.output, wheels)?;
     let report = arguments.report.begin()?;
-    // Clocks are aligned in a pass of their own.
-    let passes = if log.unaligned_clocks().is_empty() {
-        1
-    } else {
-        2
-    };
     let progress = Progress::of_bytes(Some(log.bytes() * passes));
     let mut watched = Watched {
         log: &log,
@@ -415,6 +414,10 @@ fn warnings(
 ) -> Vec<String> {
     let mut out = Vec::new();
     out.extend(summary.doubts().iter().map(ToString::to_string));
+    let delay = summary
+        .reference_delay
+        .filter(|delay| delay.is_clear && !delay.is_applied);
+    out.extend(delay.map(|delay| delay.to_string()));
     if summary.reference == Reference::Grip {
         out.push(
             "slip counts from the wheel that grips best: which wheel slips is not observable here"

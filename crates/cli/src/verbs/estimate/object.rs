@@ -3,8 +3,8 @@
 use crate::soil_text;
 use grouser_log::{Log, UsedTopic};
 use grouser_replay::{
-    AlongSummary, Consistency, EventAt, FusedSummary, Odometry, SoilReading, Spread, StartOutcome,
-    Summary, TruthError, TurnCheck, WheelSummary, YawSummary,
+    AlongSummary, Consistency, EventAt, FusedSummary, Odometry, ReferenceDelay, SoilReading,
+    Spread, StartOutcome, Summary, TruthError, TurnCheck, WheelSummary, YawSummary,
 };
 use grouser_report::{Fields, fields};
 use grouser_slip::Reference;
@@ -74,6 +74,8 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
             Part::with(found.summary, found.summary.yaw.as_ref());
         "exchanged" "wheels of both sides whose encoders show the other side's bends" = exchanged(found.summary);
         "axes" "how far sensors are turned against the direction in which the wheels drive" group(axes()) = found.summary;
+        "reference_delay" "how much later the reference is stamped than wheels and gyro; null where the log does not show it"
+            group(reference_delay()) = found.summary.reference_delay;
         "ground_changes_s" "when torques or motor currents showed another ground" =
             found.summary.ground_changes_s.clone();
         "not_observable" "errors that look like slip and that this log cannot show" =
@@ -192,6 +194,16 @@ fn axes<'a>() -> Fields<'a, &'a Summary> {
         "reference_deg" "of the reference; null where it agrees" = summary.axes.reference.map(f64::to_degrees);
         "acceleration_deg" "of the accelerations; null where they agree" =
             summary.axes.acceleration.map(f64::to_degrees);
+    }
+}
+
+pub(super) fn reference_delay<'a>() -> Fields<'a, ReferenceDelay> {
+    fields! { |delay: ReferenceDelay|
+        "delay_s" "the delay; negative where wheels and gyro are late" = delay.delay_s;
+        "half_width_s" "half of its 95 % interval" = delay.half_width_s;
+        "stated_s" "what the robot file states; 0 where it states none" = delay.stated_s;
+        "is_clear" "whether it differs from what is stated" = delay.is_clear;
+        "is_applied" "whether the slips are estimated with it" = delay.is_applied;
     }
 }
 

@@ -101,6 +101,8 @@ pub(super) fn text(
 fn observability(summary: &Summary) -> String {
     let doubts = summary.doubts();
     let doubts = doubts.iter().map(|doubt| format!("DOUBTFUL: {doubt}\n"));
+    let delay = summary.reference_delay.filter(|delay| delay.is_clear);
+    let delay = delay.map_or_else(String::new, |delay| format!("{delay}\n"));
     if summary.reference == Reference::Grip {
         let differences = format!(
             "{}; differences only\n\n",
@@ -116,7 +118,7 @@ fn observability(summary: &Summary) -> String {
         )
     });
     let hidden = format!("{}\n\n", object::not_observable(summary.reference));
-    doubts.chain([used, hidden]).collect()
+    doubts.chain([delay, used, hidden]).collect()
 }
 
 /// The errors beside the truth.

@@ -1,0 +1,357 @@
+//! The delay at which what the reference measured agrees best with wheels and gyro.
+//!
+//! In a block of a few seconds the reference's ways are y = a f(δ) + e, where f is the way of the rims between the same
+//! stamps less the delay δ, and 1 − a the slip, constant in the block; its turns are y = a f(δ) + b t + e of the turn by the
+//! gyro, with the gyro's bias −b. a and b have priors, and the variance of e is each block's own (inverse gamma): a block in
+//! which slip jumps says little. Where the robot keeps its speed and its turn rate, every δ fits alike.
+//!
+//! A wheel pulls by its slip: a robot that speeds up by u̇ slips by c |u| u̇ / u more, on the ground's own c, which delays the
+//! robot against its rims by c |u|. A delay is the same at every speed. c is unknown and the same in the whole log.
+
+use grouser_real::Real;
+
+use super::steps::HALF_SPEED_S;
+use super::track::Track;
+use super::tracks::Passed;
+
+/// Delays are looked for from here to there, s, in these steps, and then about the likeliest in smaller ones.
+const MIN_DELAY_S: f64 = -0.5;
+const MAX_DELAY_S: f64 = 1.0;
+const STEP_S: f64 = 0.025;
+const FINE_STEP_S: f64 = 0.005;
+/// A multiple of the larger step, so that both meet.
+const FINE_RANGE_S: f64 = 0.05;
+/// Slip is constant over this time, s, or this number of readings if that takes longer.
+const BLOCK_S: f64 = 4.0;
+const MIN_BLOCK: usize = 6;
+/// A log of fewer blocks is too short.
+const MIN_BLOCKS: usize = 4;
+/// The variance of a block is that of the log's median block, as if from this number of readings more.
+const VARIANCE_PRIOR_COUNT: f64 = 4.0;
+/// Smallest variance of a reading, m² or rad²: 0.3 mm or mrad.
+const MIN_VARIANCE: f64 = 1e-7;
+/// Standard deviation of c, s²/m, and its trial values. c = 1/(g κ), where κ, the gain of pull over weight by slip, is 10 and
+/// more for rubber on asphalt and 1 to 2 on loose sand.
+const LAG_SIGMA: f64 = 0.05;
+const LAG_STEP: f64 = 0.01;
+const LAGS: usize = 15;
+/// Standard deviation of a gyro's bias, rad/s.
+const BIAS_SIGMA: f64 = 0.02;
+/// Mean and standard deviation of a: of the share of their way that the rims drive the robot on, and of a gyro's scale.
+const WAY_SCALE: (f64, f64) = (0.9, 0.3);
+const TURN_SCALE: (f64, f64) = (1.0, 0.02);
+/// Delays whose log-likelihood is less than the greatest by no more than this are possible (four standard deviations) and
+/// likely (two).
+const POSSIBLE: f64 = 8.0;
+const LIKELY: f64 = 2.0;
+/// A part of the log contradicts a delay whose log-likelihood in it is less than the greatest by this: three.
+const CONTRADICTED: f64 = 4.5;
+/// Step for derivatives by the delay, s.
+const DERIVATIVE_STEP_S: f64 = 0.004;
+
+/// What is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Ways of the rims.
+    Way,
+    /// Turns by the gyro.
+    Turn,
+}
+
+/// Readings of a few seconds.
+#[derive(Clone, Debug)]
+struct Block<'a> {
+    kind: Kind,
+    track: &'a Track,
+    passed: Vec<Passed>,
+    variance: f64,
+}
+
+/// Σ of products of f, y, and of the second regressor h: the gained ½ u |u|, or the time.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    ff: f64,
+    fh: f64,
+    hh: f64,
+    fy: f64,
+    hy: f64,
+    yy: f64,
+}
+
+impl Block<'_> {
+    fn sums(&self, delay_s: f64) -> Sums {
+        let mut sums = Sums::default();
+        for one in &self.passed {
+            let (from_s, to_s) = (one.from_s - delay_s, one.to_s - delay_s);
+            let f = self.track.between(from_s, to_s);
+            let h = match self.kind {
+                Kind::Way => self.energy(to_s) - self.energy(from_s),
+                Kind::Turn => to_s - from_s,
+            };
+            let y = one.amount;
+            sums.ff += f * f;
+            sums.fh += f * h;
+            sums.hh += h * h;
+            sums.fy += f * y;
+            sums.hy += h * y;
+            sums.yy += y * y;
+        }
+        sums
+    }
+
+    /// ½ u |u| of the rims.
+    fn energy(&self, time_s: f64) -> f64 {
+        let way = (self.track).between(time_s - HALF_SPEED_S, time_s + HALF_SPEED_S);
+        let speed = way / (2.0 * HALF_SPEED_S);
+        0.5 * speed * speed.abs()
+    }
+
+    /// Sum of squared residuals, with what the priors of a and b add.
+    fn squares(&self, sums: &Sums, lag: f64) -> f64 {
+        let Sums {
+            ff,
+            fh,
+            hh,
+            fy,
+            hy,
+            yy,
+        } = *sums;
+        let (ff, fy, yy, (scale, sigma)) = match self.kind {
+            Kind::Way => {
+                let ff = ff - 2.0 * lag * fh + lag * lag * hh;
+                (ff, fy - lag * hy, yy, WAY_SCALE)
+            }
+            Kind::Turn => {
+                let hh = hh + self.variance / (BIAS_SIGMA * BIAS_SIGMA);
+                let without = |a: f64, b: f64| a * b / hh;
+                let (ff, fy) = (ff - without(fh, fh), fy - without(fh, hy));
+                (ff, fy, yy - without(hy, hy), TURN_SCALE)
+            }
+        };
+        let weight = self.variance / (sigma * sigma);
+        let (ff, fy) = (ff + weight, fy + weight * scale);
+        (yy + weight * scale * scale - fy * fy / ff).max(0.0)
+    }
+
+    /// − log-likelihood.
+    fn cost(&self, sums: &Sums, lag: f64) -> f64 {
+        let count = self.passed.len() as f64 + VARIANCE_PRIOR_COUNT;
+        let share = self.squares(sums, lag) / (VARIANCE_PRIOR_COUNT * self.variance);
+        0.5 * count * Real::ln(1.0 + share)
+    }
+}
+
+/// What a log says of the delay, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fitted {
+    /// The likeliest.
+    pub(super) delay_s: f64,
+    /// How far the likely ones are from it.
+    pub(super) half_width_s: f64,
+    /// The least and the greatest that are possible.
+    pub(super) possible_s: [f64; 2],
+    /// Do halves of the log, or wheels and gyro, contradict it?
+    pub(super) is_contradicted: bool,
+}
+
+/// Tracks with what the reference measured beside each; `stated_s` is the delay that is counted from. `None` of a log that is
+/// too short.
+pub(super) fn fit<'a>(
+    pairs: impl Iterator<Item = (Kind, &'a Track, &'a [Passed])>,
+    stated_s: f64,
+) -> Option<Fitted> {
+    let mut blocks: Vec<Block<'_>> = Vec::new();
+    for (kind, track, passed) in pairs {
+        blocks.extend(blocks_of(kind, track, passed, stated_s));
+    }
+    if blocks.len() < MIN_BLOCKS {
+        return None;
+    }
+    let everywhere = range(MIN_DELAY_S, MAX_DELAY_S, STEP_S);
+    set_variances(&mut blocks, stated_s);
+    let first = Costs::of(&blocks, &everywhere, stated_s).least(|_| true);
+    set_variances(&mut blocks, stated_s + first.delay_s);
+    let mut costs = Costs::of(&blocks, &everywhere, stated_s);
+    let coarse = costs.least(|_| true).delay_s;
+    let near = range(coarse - FINE_RANGE_S, coarse + FINE_RANGE_S, FINE_STEP_S);
+    costs.add(Costs::of(&blocks, &near, stated_s));
+    let least = costs.least(|_| true);
+    let dispersion = dispersion(&blocks, stated_s + least.delay_s, least.lag);
+    let within = |limit: f64| {
+        let limit = least.cost + limit * dispersion;
+        let all = (0..costs.delays_s.len()).map(|delay| costs.at(delay, |_| true));
+        let possible = all.filter(|trial| trial.cost <= limit);
+        possible.fold([least.delay_s; 2], |[low, high], trial| {
+            [low.min(trial.delay_s), high.max(trial.delay_s)]
+        })
+    };
+    let mut begun: Vec<f64> = blocks.iter().map(|block| block.passed[0].from_s).collect();
+    begun.sort_by(f64::total_cmp);
+    let middle = begun[begun.len() / 2];
+    let parts: [&dyn Fn(&Block<'_>) -> bool; 4] = [
+        &|block| block.passed[0].from_s < middle,
+        &|block| block.passed[0].from_s >= middle,
+        &|block| block.kind == Kind::Way,
+        &|block| block.kind == Kind::Turn,
+    ];
+    let is_contradicted = parts.iter().any(|part| {
+        let of = |block: usize| part(&blocks[block]);
+        let here = costs.at(least.index, of).cost;
+        here > costs.least(of).cost + CONTRADICTED * dispersion
+    });
+    let [low, high] = within(LIKELY);
+    Some(Fitted {
+        delay_s: least.delay_s,
+        half_width_s: (least.delay_s - low).max(high - least.delay_s) + 0.5 * FINE_STEP_S,
+        possible_s: within(POSSIBLE),
+        is_contradicted,
+    })
+}
+
+/// From one number to another in steps.
+fn range(from: f64, to: f64, step: f64) -> Vec<f64> {
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "some tens of steps"
+    )]
+    let count = ((to - from) / step).round() as usize;
+    (0..=count).map(|k| from + k as f64 * step).collect()
+}
+
+/// The blocks of a track: of the readings that it covers at every delay.
+fn blocks_of<'a>(kind: Kind, track: &'a Track, passed: &[Passed], stated_s: f64) -> Vec<Block<'a>> {
+    let margin_s = STEP_S + HALF_SPEED_S;
+    let is_covered = |one: &&Passed| {
+        let from_s = one.from_s - stated_s - MAX_DELAY_S - margin_s;
+        let to_s = one.to_s - stated_s - MIN_DELAY_S + margin_s;
+        track.is_known(from_s, to_s) && one.amount.is_finite()
+    };
+    let covered: Vec<Passed> = passed.iter().filter(is_covered).copied().collect();
+    let mut rest = covered.as_slice();
+    let mut blocks = Vec::new();
+    while let Some(first) = rest.first() {
+        let in_time = rest.partition_point(|one| one.to_s < first.from_s + BLOCK_S);
+        let count = in_time.max(MIN_BLOCK);
+        if count > rest.len() {
+            break;
+        }
+        let (block, next) = rest.split_at(count);
+        blocks.push(Block {
+            kind,
+            track,
+            passed: block.to_vec(),
+            variance: MIN_VARIANCE,
+        });
+        rest = next;
+    }
+    blocks
+}
+
+/// Every block's variance: the median block's of its kind.
+fn set_variances(blocks: &mut [Block<'_>], delay_s: f64) {
+    for kind in [Kind::Way, Kind::Turn] {
+        let of = |block: &Block<'_>| {
+            block.squares(&block.sums(delay_s), 0.0) / block.passed.len() as f64
+        };
+        let same = blocks.iter().filter(|block| block.kind == kind);
+        let mut all: Vec<f64> = same.map(of).collect();
+        all.sort_by(f64::total_cmp);
+        let median = all.get(all.len() / 2).copied().unwrap_or(0.0);
+        for block in blocks.iter_mut().filter(|block| block.kind == kind) {
+            block.variance = median.max(MIN_VARIANCE);
+        }
+    }
+}
+
+/// Costs of each block at each delay and each lag.
+struct Costs {
+    delays_s: Vec<f64>,
+    of_blocks: Vec<Vec<[f64; LAGS]>>,
+}
+
+/// A delay with its likeliest lag.
+#[derive(Clone, Copy, Debug)]
+struct Trial {
+    index: usize,
+    delay_s: f64,
+    lag: f64,
+    cost: f64,
+}
+
+impl Costs {
+    fn of(blocks: &[Block<'_>], delays_s: &[f64], stated_s: f64) -> Self {
+        let one = |block: &Block<'_>| {
+            let at = |delay_s: &f64| {
+                let sums = block.sums(stated_s + delay_s);
+                std::array::from_fn(|lag| block.cost(&sums, lag as f64 * LAG_STEP))
+            };
+            delays_s.iter().map(at).collect()
+        };
+        Self {
+            delays_s: delays_s.to_vec(),
+            of_blocks: blocks.iter().map(one).collect(),
+        }
+    }
+
+    /// Adds other delays of the same blocks.
+    fn add(&mut self, others: Self) {
+        self.delays_s.extend(others.delays_s);
+        for (costs, others) in self.of_blocks.iter_mut().zip(others.of_blocks) {
+            costs.extend(others);
+        }
+    }
+
+    /// Of some blocks at a delay.
+    fn at(&self, index: usize, of: impl Fn(usize) -> bool) -> Trial {
+        let mut totals: [f64; LAGS] = std::array::from_fn(|lag| {
+            let lag = lag as f64 * LAG_STEP;
+            0.5 * lag * lag / (LAG_SIGMA * LAG_SIGMA)
+        });
+        let blocks = self.of_blocks.iter().enumerate();
+        for (_, costs) in blocks.filter(|(block, _)| of(*block)) {
+            for (total, cost) in totals.iter_mut().zip(costs[index]) {
+                *total += cost;
+            }
+        }
+        let trials = totals.into_iter().enumerate();
+        let (lag, cost) = trials.fold((0, f64::INFINITY), |least, trial| {
+            if trial.1 < least.1 { trial } else { least }
+        });
+        Trial {
+            index,
+            delay_s: self.delays_s[index],
+            lag: lag as f64 * LAG_STEP,
+            cost,
+        }
+    }
+
+    /// The likeliest delay of some blocks.
+    fn least(&self, of: impl Fn(usize) -> bool + Copy) -> Trial {
+        (1..self.delays_s.len()).fold(self.at(0, of), |least, index| {
+            let trial = self.at(index, of);
+            if trial.cost < least.cost {
+                trial
+            } else {
+                least
+            }
+        })
+    }
+}
+
+/// How much more the blocks scatter than their likelihoods say: the variance of their derivatives over the curvature, at least 1.
+fn dispersion(blocks: &[Block<'_>], delay_s: f64, lag: f64) -> f64 {
+    let (mut scatter, mut curvature) = (0.0, 0.0);
+    for block in blocks {
+        let at = |step: f64| block.cost(&block.sums(delay_s + step * DERIVATIVE_STEP_S), lag);
+        let (less, here, more) = (at(-1.0), at(0.0), at(1.0));
+        let slope = 0.5 * (more - less);
+        scatter += slope * slope;
+        curvature += more - 2.0 * here + less;
+    }
+    if curvature > 0.0 {
+        (scatter / curvature).max(1.0)
+    } else {
+        f64::INFINITY
+    }
+}

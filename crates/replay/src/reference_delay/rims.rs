@@ -1,0 +1,112 @@
+//! The way of the rims along the robot.
+
+use grouser_files::robot::RobotFile;
+use grouser_real::Real;
+use grouser_slip::{Measurement, Sample, Wheel, WheelRole};
+
+use super::track::Track;
+use crate::steering::WheelSteering;
+
+/// A wheel that is read less often is not known in between, s.
+const MAX_GAP_S: f64 = 0.5;
+/// Wheels whose headings differ by less (cosine) drive one way.
+const PARALLEL_COSINE: f64 = 0.98;
+
+/// The mean way of the powered wheels along their heading. Steered ones count by the cosine of their angle.
+#[derive(Clone, Debug)]
+pub(super) struct Rims {
+    pub(super) track: Track,
+    /// Cosine and sine of the heading; `None` of a robot whose wheels point apart.
+    pub(super) along: Option<[f64; 2]>,
+    wheels: Vec<Rim>,
+    steering: Option<WheelSteering>,
+    /// Of a wheel in the mean.
+    share: f64,
+    max_speed: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Rim {
+    wheel: Wheel,
+    cosine: f64,
+    last: Option<(f64, Measurement)>,
+}
+
+impl Rims {
+    pub(super) fn new(file: &RobotFile) -> Self {
+        let of = |wheel: &Wheel| Rim {
+            wheel: wheel.clone(),
+            cosine: 1.0,
+            last: None,
+        };
+        let wheels: Vec<Rim> = file.robot.wheels().iter().map(of).collect();
+        let powered = wheels
+            .iter()
+            .filter(|rim| rim.wheel.role == WheelRole::Powered);
+        let mut headings = powered
+            .clone()
+            .map(|rim| [rim.wheel.heading.cos(), rim.wheel.heading.sin()]);
+        let first = headings.next();
+        let along = first
+            .filter(|first| headings.all(|e| first[0] * e[0] + first[1] * e[1] > PARALLEL_COSINE));
+        Self {
+            track: Track::default(),
+            along,
+            share: 1.0 / (powered.count().max(1) as f64),
+            steering: file
+                .steering
+                .as_ref()
+                .map(|steering| WheelSteering::new(steering, &file.robot)),
+            wheels,
+            max_speed: file.settings.max_speed,
+        }
+    }
+
+    /// Takes a reading of a wheel or of the steering; others have no effect.
+    pub(super) fn take(&mut self, time_s: f64, sample: &Sample) {
+        let steered = (self.steering.iter()).flat_map(|steering| steering.angles(sample));
+        for steered in steered.chain([*sample]) {
+            if let Measurement::SteeringAngle { wheel, angle } = steered.measurement
+                && let Some(rim) = self.wheels.get_mut(wheel)
+            {
+                rim.cosine = Real::cos(angle);
+            }
+        }
+        let Some(rim) = (sample.measurement.wheel()).and_then(|wheel| self.wheels.get_mut(wheel))
+        else {
+            return;
+        };
+        if rim.wheel.role != WheelRole::Powered
+            || !sample.measurement.is_rotation()
+            || self.along.is_none()
+        {
+            return;
+        }
+        let Some((last_s, last)) = rim.last.replace((time_s, sample.measurement)) else {
+            return;
+        };
+        let passed_s = time_s - last_s;
+        let way = way(&rim.wheel, &last, &sample.measurement, passed_s) * rim.cosine;
+        if passed_s <= MAX_GAP_S && way.abs() <= self.max_speed * passed_s {
+            self.track.add(time_s, self.share * way);
+        } else {
+            self.track.interrupt(time_s);
+        }
+    }
+}
+
+/// The way of a rim between two readings, m; a rate counts as the mean since the reading before, as the filter takes it.
+fn way(wheel: &Wheel, last: &Measurement, now: &Measurement, passed_s: f64) -> f64 {
+    match (last, now) {
+        (Measurement::WheelCount { raw: from, .. }, Measurement::WheelCount { raw: to, .. }) => {
+            let ticks = wheel.encoder.counter.step(*from, *to) as f64;
+            ticks * wheel.travel_per_tick().unwrap_or(f64::NAN)
+        }
+        (
+            Measurement::WheelAngle { angle: from, .. },
+            Measurement::WheelAngle { angle: to, .. },
+        ) => (to - from) * wheel.travel_per_radian(),
+        (_, Measurement::WheelRate { rate, .. }) => rate * wheel.travel_per_radian() * passed_s,
+        _ => f64::NAN,
+    }
+}

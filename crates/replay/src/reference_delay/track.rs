@@ -1,0 +1,91 @@
+//! A sum over time, such as a way, between any two times.
+
+/// Sums that are closer than this are left out, s.
+const MIN_STEP_S: f64 = 0.009;
+
+/// A sum over time.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Track {
+    times_s: Vec<f64>,
+    /// NaN where a time without knowledge begins.
+    sums: Vec<f64>,
+    sum: f64,
+}
+
+impl Track {
+    /// Adds what has passed at a time, not earlier than those before.
+    pub(super) fn add(&mut self, time_s: f64, passed: f64) {
+        self.sum += passed;
+        let since_s = self
+            .times_s
+            .last()
+            .map_or(f64::INFINITY, |last| time_s - last);
+        if since_s >= MIN_STEP_S {
+            self.push(time_s, self.sum);
+        } else if since_s <= 0.0
+            && let Some(sum) = self.sums.last_mut()
+        {
+            // another wheel of the same row
+            *sum = self.sum;
+        }
+    }
+
+    /// What passes until this time is not known.
+    pub(super) fn interrupt(&mut self, time_s: f64) {
+        self.push(time_s, f64::NAN);
+        self.push(time_s, self.sum);
+    }
+
+    fn push(&mut self, time_s: f64, sum: f64) {
+        self.times_s.push(time_s);
+        self.sums.push(sum);
+    }
+
+    /// The sum at a time; NaN where it is not known.
+    fn at(&self, time_s: f64) -> f64 {
+        let next = self.times_s.partition_point(|time| *time <= time_s);
+        if next == 0 || next == self.times_s.len() {
+            return f64::NAN;
+        }
+        let (t0, t1) = (self.times_s[next - 1], self.times_s[next]);
+        let (s0, s1) = (self.sums[next - 1], self.sums[next]);
+        s0 + (s1 - s0) * (time_s - t0) / (t1 - t0)
+    }
+
+    /// What passed between two times; NaN where one of them is not known.
+    pub(super) fn between(&self, from_s: f64, to_s: f64) -> f64 {
+        self.at(to_s) - self.at(from_s)
+    }
+
+    /// Is it known from one time to another?
+    pub(super) fn is_known(&self, from_s: f64, to_s: f64) -> bool {
+        let first = self.times_s.partition_point(|time| *time < from_s);
+        let last = self.times_s.partition_point(|time| *time <= to_s);
+        first > 0
+            && last < self.times_s.len()
+            && self.sums[first - 1..=last].iter().all(|sum| !sum.is_nan())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn between_its_readings_a_track_is_interpolated_and_across_an_interruption_it_is_not_known() {
+        let mut track = Track::default();
+        for (time_s, passed) in [(0.0, 0.0), (1.0, 2.0), (2.0, 4.0)] {
+            track.add(time_s, passed);
+        }
+        track.add(2.0, 1.0); // another wheel of the same row
+        track.interrupt(5.0);
+        track.add(6.0, 3.0);
+        assert!((track.between(0.5, 1.5) - 3.5).abs() < 1e-12);
+        assert!((track.between(5.0, 5.5) - 1.5).abs() < 1e-12);
+        assert!(track.between(1.0, 3.0).is_nan() && track.between(-1.0, 1.0).is_nan());
+        assert!(track.is_known(0.5, 1.9) && track.is_known(5.1, 5.9));
+        assert!(
+            !track.is_known(1.0, 3.0) && !track.is_known(1.0, 5.5) && !track.is_known(5.5, 6.5)
+        );
+    }
+}
