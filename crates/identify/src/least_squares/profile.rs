@@ -67,7 +67,7 @@ pub fn profile(
     settings: &Settings,
 ) -> Result<Interval> {
     let uncertainty = Uncertainty::of(best, settings.loss);
-    let t = student_quantile(0.5 + 0.5 * confidence, uncertainty.freedom as f64);
+    let t = student_quantile(0.5 + 0.5 * confidence, uncertainty.freedom);
     let limit = best.cost + 0.5 * Real::powi(t * uncertainty.residual_deviation, 2);
     let guess = t * uncertainty.standard_errors[index];
     let bound = &best.bounds[index];
@@ -114,11 +114,15 @@ fn end(
         }
         Ok(found.cost)
     };
+    let is_met = |cost: f64| (cost - limit).abs() <= 1e-3 * (limit - best.cost);
     let (mut inside, mut inside_cost) = (best.x[index], best.cost);
     let mut stride = step;
     let (mut outside, mut outside_cost) = loop {
         let value = (inside + stride).clamp(bound.lower, bound.upper);
         let cost = cost_at(value)?;
+        if is_met(cost) {
+            return Ok(Some(value));
+        }
         if cost > limit {
             break (value, cost);
         }
@@ -135,7 +139,7 @@ fn end(
         let share = ((root(limit) - a) / (b - a)).clamp(0.05, 0.95);
         let value = inside + share * (outside - inside);
         let cost = cost_at(value)?;
-        if (cost - limit).abs() <= 1e-3 * (limit - best.cost) {
+        if is_met(cost) {
             return Ok(Some(value));
         }
         if cost > limit {

@@ -123,7 +123,8 @@ impl<'a> WheelModel<'a> {
             let solved = contact.as_ref().and_then(|contact| {
                 let mut inputs = DualInputs::<N>::new(contact, &test.kinematics);
                 for (index, (parameter, value)) in self.parameters.iter().zip(x).enumerate() {
-                    parameter.put_dual(&mut inputs.soil, number(*value, index));
+                    let side = self.fixed.soil.k_shear_side;
+                    parameter.put_dual(&mut inputs.soil, side, number(*value, index));
                 }
                 solve(&inputs, contact, test)
             });
