@@ -128,6 +128,13 @@ fn alike_residuals_count_as_few() {
         "{}",
         found.redundancy
     );
+    let same = disc("a", 0.1, &[0.01; 12], |_| 1e4);
+    assert!(
+        fit_plates(&[same], &PlateSettings::default())
+            .unwrap()
+            .redundancy
+            >= 1.0
+    );
     // of the law itself nothing is left over
     let exact = disc("a", 0.1, &steps(0.003, 0.001, 12), |z| 1e6 * z);
     let found = fit_plates(&[exact], &PlateSettings::default()).unwrap();
@@ -170,6 +177,26 @@ fn ten_readings_below_the_surface_are_needed() {
             .parameters
             .len()
             == 3
+    );
+}
+
+#[test]
+fn a_datum_stays_above_the_shallowest_reading() {
+    // z_0 at 0.97 of the shallowest depth that is used
+    let test = disc("a", 0.1, &steps(2e-3, 1e-3, 15), |z| {
+        1e6 * (z - 1.94e-3).powf(0.9)
+    });
+    let mut settings = PlateSettings::default();
+    settings.fit_datum = true;
+    let datum = fit_plates(&[test], &settings)
+        .unwrap()
+        .parameters
+        .pop()
+        .unwrap();
+    assert!(
+        close(datum.value, 0.9 * 2e-3, 1e-12) && datum.verdict == Verdict::OnBound,
+        "{}",
+        datum.value
     );
 }
 

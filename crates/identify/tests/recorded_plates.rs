@@ -11,7 +11,7 @@ use grouser_identify::{Error, Result};
 use grouser_log::message::build;
 use grouser_log::write::McapWriter;
 
-/// A test that is removed with its folder. Force 20 times a second, height 25 times, for 20 s.
+/// A test that is removed with its folder. Force 20 times a second for 18 s, height 25 times for 20 s.
 struct Recorded {
     folder: PathBuf,
     source: BagSource,
@@ -27,8 +27,12 @@ const LAW: (f64, f64) = (5e4, 1.2);
 /// What the cell reads without load, N; pressed in it reads less.
 const ZERO_N: f64 = 12.0;
 
-/// Height of the plate at a time: down by fits and starts to 20 mm under the surface at 15 s, a rest, up again.
+/// Height of the plate at a time: down by fits and starts to 20 mm under the surface at 15 s, a rest, up again; once the
+/// force is no longer recorded, far down.
 fn height(t: f64) -> f64 {
+    if t > 19.1 {
+        return -0.05;
+    }
     let down = t.min(15.0) - SURFACE.1;
     let depth = 2e-3 * down - 2e-3 * (std::f64::consts::PI * down).sin() / std::f64::consts::PI;
     SURFACE.0 - depth + 0.01 * (t - 17.0).max(0.0)
@@ -46,8 +50,17 @@ fn force(t: f64) -> f64 {
 }
 
 impl Recorded {
-    /// `zone_s` and `offset_s` are what the heights' clock lacks.
-    fn new(name: &str, (zone_s, offset_s): (f64, f64), topics: &[&str]) -> Self {
+    fn new(name: &str, clocks: (f64, f64), topics: &[&str]) -> Self {
+        Self::with(name, clocks, topics, (360, 50_000_000))
+    }
+
+    /// `zone_s` and `offset_s` are what the heights' clock lacks; so many messages in steps of so many nanoseconds.
+    fn with(
+        name: &str,
+        (zone_s, offset_s): (f64, f64),
+        topics: &[&str],
+        (messages, step_ns): (u32, i64),
+    ) -> Self {
         let folder = std::env::temp_dir().join(format!("grouser-{name}-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
         let mut writer = McapWriter::new(Vec::new(), "ros2").unwrap();
@@ -55,17 +68,26 @@ impl Recorded {
             .iter()
             .map(|topic| writer.topic(topic, "geometry_msgs/TwistStamped").unwrap())
             .collect();
-        for step in 0..400 {
-            let t = 0.05 * f64::from(step);
-            let stamp = START_NS + 50_000_000 * i64::from(step);
-            // recorded half a second after it was measured
-            for topic in &mut topics {
-                let value = build::twist_stamped(
-                    build::header(stamp, "cell"),
-                    [0.0, 0.0, ZERO_N - force(t)],
-                    [0.0; 3],
-                );
-                writer.send(topic, stamp + 500_000_000, &value).unwrap();
+        for step in 0..messages {
+            let stamp = START_NS + step_ns * i64::from(step);
+            let t = 1e-9 * step_ns as f64 * f64::from(step);
+            let noise = [0.0, 0.05, -0.05][step as usize % 3];
+            let mut send = |newtons: f64| {
+                // recorded half a second after it was measured
+                for topic in &mut topics {
+                    let value = build::twist_stamped(
+                        build::header(stamp, "cell"),
+                        [0.0, 0.0, newtons],
+                        [0.0; 3],
+                    );
+                    writer.send(topic, stamp + 500_000_000, &value).unwrap();
+                }
+            };
+            send(ZERO_N + noise - force(t));
+            // a reading with the stamp of the one before, and one that is none
+            if step == 200 {
+                send(-500.0);
+                send(f64::NAN);
             }
         }
         fs::write(folder.join("force.mcap"), writer.finish().unwrap()).unwrap();
@@ -128,7 +150,7 @@ fn check(record: &PlateRecord, zone_s: f64, offset_s: f64) {
         "{}",
         record.offset_s
     );
-    assert!((record.zero_n - ZERO_N).abs() < 1e-9);
+    assert!((record.zero_n - ZERO_N).abs() < 1e-9, "{}", record.zero_n);
     assert!(
         (record.contact_height - SURFACE.0).abs() < 2e-4,
         "{}",
@@ -137,7 +159,7 @@ fn check(record: &PlateRecord, zone_s: f64, offset_s: f64) {
     let (depth, force) = (&record.test.depth, &record.test.force);
     // 0.5 N are reached at 0.07 mm, and 0.3 mm of the stroke are left out at its end
     assert!(
-        depth[0].abs() < 2e-4 && force[0] > 0.5 && force[0] < 1.0,
+        depth[0].abs() < 2e-4 && force[0] > 0.5 && force[0] < 1.1,
         "{} {}",
         depth[0],
         force[0]
@@ -233,16 +255,31 @@ fn what_is_missing_is_named() {
     assert!(matches!(recorded.read(), Err(Error::Log(_))));
 }
 
+#[test]
+fn a_record_of_few_readings_is_refused_or_keeps_its_clocks() {
+    let few =
+        |messages| Recorded::with("few", (0.0, 0.0), &["/cell"], (messages, 500_000_000)).read();
+    assert!(few(19).unwrap_err().to_string().contains("fewer than 20"));
+    assert!(!few(20).is_err_and(|error| error.to_string().contains("fewer than 20")));
+    // fewer than twenty readings under load do not show an offset
+    let coarse = Recorded::with("coarse", (0.0, 0.35), &["/cell"], (31, 600_000_000))
+        .read()
+        .unwrap();
+    assert_eq!(coarse.offset_s, 0.0);
+}
+
 /// Half of a file of heights is not read as all of it.
 #[test]
 fn a_file_of_heights_beyond_the_limit_is_refused() {
     let mut recorded = Recorded::new("long", (0.0, 0.0), &["/cell"]);
     recorded.depth.file = recorded.folder.join("long.txt");
-    let blank = " ".repeat(1 << 20) + "\n";
-    fs::write(&recorded.depth.file, blank.repeat(64)).unwrap();
-    assert!(
-        recorded.refused().contains("line 64: is beyond the limit"),
-        "{}",
-        recorded.refused()
-    );
+    let blank = " ".repeat((1 << 20) - 1) + "\n";
+    for (end, message) in [
+        ("", "fewer than 20 readings"),
+        ("\n", "line 65: is beyond the limit"),
+    ] {
+        fs::write(&recorded.depth.file, blank.repeat(64) + end).unwrap();
+        let refused = recorded.refused();
+        assert!(refused.contains(message), "{refused}");
+    }
 }

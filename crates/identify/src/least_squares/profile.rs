@@ -74,10 +74,9 @@ pub fn profile(
     let width = bound.upper - bound.lower;
     let step = if guess.is_finite() && guess > 0.0 {
         guess.min(width)
-    } else if width.is_finite() {
-        0.1 * width
     } else {
-        0.1 * best.x[index].abs().max(1e-6)
+        let size = best.x[index].abs().max(1e-6);
+        0.1 * if width.is_finite() { width } else { size }
     };
     Ok(Interval {
         low: end(model, best, index, (-step, limit), settings)?,

@@ -12,7 +12,7 @@ use grouser_real::Real;
 /// ```
 #[must_use]
 pub fn student_quantile(p: f64, freedom: usize) -> f64 {
-    if !(p > 0.0 && p < 1.0) || freedom == 0 {
+    if !(p < 1.0) || freedom == 0 {
         return f64::NAN;
     }
     if p < 0.5 {

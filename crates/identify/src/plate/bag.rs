@@ -21,6 +21,8 @@ const CONTACT_TIME_S: f64 = 0.5;
 const QUIET_TIME_S: f64 = 3.0;
 /// How close to its deepest place the plate still counts as being pressed in, m.
 const STROKE_END_M: f64 = 3e-4;
+/// Down to this depth the surface's own roughness rules, m.
+const ROUGH_DEPTH_M: f64 = 1e-3;
 /// Clock offsets beyond the time zone that are tried, s, and their step.
 const OFFSETS: (f64, f64) = (1.0, 0.01);
 
@@ -206,20 +208,15 @@ fn roughness(
     let points: Vec<(f64, f64)> = depths
         .iter()
         .zip(&forces)
-        .filter(|(z, f)| **z > 1e-3 && **f > 0.0)
-        .map(|(z, f)| (Real::ln(*z), Real::ln(*f)))
+        .filter(|(z, f)| **z > ROUGH_DEPTH_M && **f > 0.0)
+        .map(|(z, f)| (Real::ln(*z / ROUGH_DEPTH_M), Real::ln(*f)))
         .collect();
     if points.len() < 20 {
         return f64::INFINITY;
     }
-    let low = points.iter().fold(f64::INFINITY, |m, p| m.min(p.0));
-    let high = points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p.0));
     let rows: Vec<Vec<f64>> = points
         .iter()
-        .map(|(x, _)| {
-            let u = 2.0 * (x - low) / (high - low) - 1.0;
-            (0..5).map(|power| Real::powi(u, power)).collect()
-        })
+        .map(|(x, _)| (0..5).map(|power| Real::powi(*x, power)).collect())
         .collect();
     let right: Vec<f64> = points.iter().map(|(_, y)| -y).collect();
     let Some(found) = solve_damped(&rows, &right, &[1e-9; 5]) else {
