@@ -5,7 +5,7 @@ use grouser_identify::least_squares::{Loss, Verdict, student_quantile};
 use grouser_identify::plate::read_table;
 use grouser_identify::shear::{ShearReading, fit_shear};
 use grouser_identify::{Error, Identification, Job, Parameter, identify};
-use grouser_terra::OpenSoil;
+use grouser_terra::{Angle, OpenSoil};
 use proptest::prelude::*;
 
 fn folder() -> std::path::PathBuf {
@@ -54,7 +54,7 @@ fn check_file(found: &Identification, job: &Job) {
         !modulus.split(',').next().unwrap().contains('.') && modulus.contains(", 95 % ["),
         "{modulus}"
     );
-    assert!(of("k_shear_m")[2].ends_with("was measured or stated"));
+    assert!(of("phi_deg")[2].ends_with("was measured or stated"));
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn the_example_is_what_it_was_made_of() {
     job.key = Some("example".into());
     let wheel = job.wheel.as_mut().unwrap();
     (wheel.profile, wheel.starts.starts) = (false, 2);
-    wheel.parameters = parameters(&["c_1", "c_2", "n_1", "sinkage_datum_m", "k_shear_m"]);
+    wheel.parameters = parameters(&["c_1", "c_2", "n_1", "sinkage_datum_m", "phi_deg"]);
     let found = identify(&job).unwrap();
     assert!(found.missing().is_empty());
     let truth = truth();
@@ -125,9 +125,16 @@ fn the_example_is_what_it_was_made_of() {
             close(number.interval.high.unwrap() - number.value, half)
                 && close(number.value - number.interval.low.unwrap(), half)
         );
-        let measured = (number.name == "k_shear_m").then_some(shear_tests.fit.values[2]);
-        assert_eq!((number.overruled, own.overruled), (measured, measured));
-        assert!(number.value == own.value);
+        let measured = (number.name == "phi_deg").then_some(shear_tests.fit.values[1]);
+        let unit = measured.map_or(1.0, |_| units[1]);
+        assert_eq!(
+            (number.overruled, own.overruled),
+            (measured.map(|phi| phi / unit), measured)
+        );
+        assert!(
+            close(number.value * unit, own.value)
+                && close(number.standard_error * unit, own.standard_error)
+        );
     }
     assert!(stage.starts == 2 && stage.reached >= 1 && stage.status.is_solved());
     // the prediction is near the readings, within a few of their scatter
@@ -140,7 +147,7 @@ fn the_example_is_what_it_was_made_of() {
     assert!(squares < 2.0 * stage.tests.len() as f64);
     let soil = found.soil;
     assert_eq!(
-        (soil.k_shear, soil.c_1),
+        (soil.phi.map(Angle::rad), soil.c_1),
         (Some(stage.numbers[4].value), Some(stage.numbers[0].value))
     );
     assert!(soil.fitted.is_some_and(|range| range.load == (60.0, 60.0)));
@@ -230,10 +237,11 @@ proptest! {
     /// τ = (c + σ tan φ)(1 − e^(−j/K)) is found again, also from tests that end before the rise does.
     #[test]
     fn a_shear_law_is_found_again(
-        (cohesion, phi, share) in (0.0..5e3_f64, 0.05..0.9_f64, 0.05..4.0_f64),
-        (reach, normal) in (0.005..2.0_f64, 1e3..3e4_f64),
+        (cohesion, phi, normal) in (0.0..5e3_f64, 0.05..0.9_f64, 1e3..3e4_f64),
+        (reach, share) in (-2.7..0.0_f64, -1.9..0.6_f64),
     ) {
-        let k_shear = share * reach;
+        let reach = 10_f64.powf(reach);
+        let k_shear = reach * 10_f64.powf(share);
         let readings: Vec<ShearReading> = [normal, 3.0 * normal]
             .into_iter()
             .flat_map(|normal| (1..=25).map(move |i| (normal, reach * f64::from(i) / 25.0)))
@@ -278,6 +286,14 @@ fn readings_that_do_not_show_a_number_are_refused_or_named() {
             && !few(&line(3, 0.1, 0.5))
     );
     assert!(few(&[]) && few(&line(9, 0.1, -0.5)));
+    let unmoved: Vec<ShearReading> = line(9, 0.1, 0.5)
+        .into_iter()
+        .map(|reading| ShearReading {
+            displacement: 0.0,
+            ..reading
+        })
+        .collect();
+    assert!(few(&unmoved));
     // a rise without an end: K is beyond ten times the longest displacement
     for reach in [0.06, 3.0] {
         let found = fit_shear(&line(20, reach, 0.1), Loss::Squares).unwrap();
@@ -288,4 +304,31 @@ fn readings_that_do_not_show_a_number_are_refused_or_named() {
         );
         assert_eq!(found.uncertainty.verdicts[2], Verdict::OnBound);
     }
+}
+
+#[test]
+fn a_search_begins_at_what_is_known_inside_its_bounds() {
+    let rad = f64::to_radians;
+    for (known, start) in [
+        (None, 30.0),
+        (Some(35.0), 35.0),
+        (Some(5.0), 30.0),
+        (Some(60.0), 30.0),
+    ] {
+        let soil = OpenSoil {
+            phi: known.map(Angle::from_deg),
+            ..OpenSoil::default()
+        };
+        let phi = Parameter::named("phi_deg").unwrap().bounded(&soil);
+        for (found, degrees) in [(phi.lower, 10.0), (phi.start, start), (phi.upper, 50.0)] {
+            assert!((found - rad(degrees)).abs() < 1e-12, "{known:?}: {found}");
+        }
+    }
+    let cohesion = Parameter::named("cohesion_kpa")
+        .unwrap()
+        .bounded(&OpenSoil::default());
+    assert_eq!(
+        (cohesion.lower, cohesion.start, cohesion.upper),
+        (0.0, 500.0, 20e3)
+    );
 }

@@ -674,20 +674,20 @@ fn a_profile_ends_soon() {
     ];
     let (found, evaluations) = of(&noisy, &near);
     assert!(
-        found == open && evaluations <= 16,
+        found == open && evaluations <= 15,
         "{found:?} {evaluations}"
     );
     // of two numbers of which the data show the sum each may go anywhere
     let sum = Linear::new(vec![vec![1.0, 1.0]; 4], vec![1.1, 2.9, 5.1, 6.9]);
     for (start, most) in [
-        (Bounded::free(2.0), 400),
+        (Bounded::free(2.0), 240),
         (
             Bounded {
                 start: 2.0,
                 lower: -50.0,
                 upper: 50.0,
             },
-            100,
+            55,
         ),
     ] {
         let (found, evaluations) = of(&sum, &[start, Bounded::free(2.0)]);

@@ -15,12 +15,12 @@ fn derivatives_in_many_parameters_are_those_of_the_values() {
         soil,
         scatter: Scatter::default(),
     };
-    let tests: Vec<WheelTest> = [-0.2, 0.1, 0.4]
+    let tests: Vec<WheelTest> = [(-0.2, 10.0), (0.1, -5.0), (0.4, -20.0), (0.1, 75.0)]
         .into_iter()
-        .map(|slip| WheelTest {
+        .map(|(slip, degrees)| WheelTest {
             kinematics: Kinematics::with_slip_angle(
                 Slip::new(slip).unwrap(),
-                Angle::from_deg(-50.0 * slip),
+                Angle::from_deg(degrees),
             )
             .unwrap(),
             support: Support::Load(60.0),

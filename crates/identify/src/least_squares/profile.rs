@@ -131,11 +131,9 @@ fn end(
         (inside, inside_cost) = (value, cost);
         stride *= 1.6;
     };
-    // √(cost) is nearly straight in the parameter: its secant, kept inside the bracket
-    let root = |cost: f64| (cost - best.cost).max(0.0).sqrt();
+    // the secant of the cost, kept inside the bracket
     for _ in 0..12 {
-        let (a, b) = (root(inside_cost), root(outside_cost));
-        let share = ((root(limit) - a) / (b - a)).clamp(0.05, 0.95);
+        let share = ((limit - inside_cost) / (outside_cost - inside_cost)).clamp(0.05, 0.95);
         let value = inside + share * (outside - inside);
         let cost = cost_at(value)?;
         if is_met(cost) {
