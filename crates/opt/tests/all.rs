@@ -14,6 +14,7 @@ mod certified_fronts;
 mod convex;
 mod enclosures;
 mod fronts;
+mod joint_problems;
 mod literature;
 mod methods;
 mod outcomes;

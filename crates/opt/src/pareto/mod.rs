@@ -9,6 +9,8 @@ mod knee;
 mod mutation;
 mod nsga2;
 mod nsga3;
+#[cfg(test)]
+mod operator_tests;
 mod polish;
 mod population;
 mod sbx;
