@@ -1,9 +1,11 @@
 //! What a measure makes of worlds and a weighted sum of objectives, number by number, at random points.
 
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
 use grouser_opt::{
     Differences, Error, Exact, Functions, Jacobian, LinearConstraint, Measure, Method, Model,
-    Problem, ProblemParams, Scheme, Settings, Sobol, Uncertainty, Variable, World,
-    check_derivatives, robust, sample, solve,
+    Problem, ProblemParams, Scheme, Settings, Sobol, Status, Uncertainty, Variable, World,
+    check_derivatives, multi_start, robust, sample, solve,
 };
 use grouser_real::Scalar;
 use proptest::prelude::*;
@@ -181,12 +183,12 @@ proptest! {
         let lower = [x[0] - room[0], x[1] - room[1]];
         let upper = [x[0] + room[2], x[1] + room[3]];
         let scheme = if central { Scheme::Central } else { Scheme::Forward };
-        let calls = std::sync::atomic::AtomicUsize::new(0);
-        let outside = std::sync::atomic::AtomicBool::new(false);
+        let calls = AtomicUsize::new(0);
+        let outside = AtomicBool::new(false);
         let model = Differences::new(|p: &[f64], f: &mut [f64]| {
-            calls.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            calls.fetch_add(1, Ordering::Relaxed);
             if (0..2).any(|i| p[i] < lower[i] || p[i] > upper[i]) {
-                outside.store(true, std::sync::atomic::Ordering::Relaxed);
+                outside.store(true, Ordering::Relaxed);
             }
             f[0] = a * p[0] * p[0] + b * p[0] * p[1] + c * p[1];
         })
@@ -212,6 +214,77 @@ proptest! {
         prop_assert!(!outside.into_inner());
         prop_assert_eq!(calls.into_inner(), expected);
     }
+}
+
+/// f = 10⁴ x + z and a constant, with a slope in x that is claimed as 10⁴ + `off`; y is fixed.
+struct Steep {
+    off: f64,
+}
+
+impl Model for Steep {
+    fn values(&self, x: &[f64], values: &mut [f64]) {
+        (values[0], values[1]) = (1e4 * x[0] + x[2], 3.0);
+    }
+
+    fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        self.values(x, values);
+        (0..2).for_each(|row| jacobian.row_mut(row).fill(0.0));
+        jacobian.set(0, 0, 1e4 + self.off);
+        jacobian.set(0, 2, 1.0);
+    }
+}
+
+#[test]
+fn a_check_is_relative_and_leaves_out_fixed_variables() {
+    let check = |off: f64, tolerance: f64| {
+        let variables = [
+            Variable::bounded("x", 0.5, -1.0, 2.0),
+            Variable::bounded("y", 1.0, 1.0, 1.0),
+            Variable::free("z", 0.25),
+        ];
+        let params = ProblemParams::new(&[0.5, 1.0, 0.25], 2, Steep { off }).variables(variables);
+        check_derivatives(&Problem::new(params).unwrap(), &[0.5, 1.0, 0.25], tolerance).unwrap()
+    };
+    let found = check(1.0, 2e-4);
+    assert!(
+        found.entries == 4 && found.wrong.is_empty() && (found.worst - 1e-4).abs() < 1e-8,
+        "{found:?}"
+    );
+    let found = check(1.0, 5e-5);
+    assert!(
+        found.wrong.len() == 1 && found.wrong[0].function == "f1" && found.wrong[0].variable == "x"
+    );
+    assert!(
+        (found.wrong[0].claimed - 10_001.0).abs() < 1e-9
+            && (found.wrong[0].difference - 1e4).abs() < 1e-4
+    );
+    // the constant is met exactly
+    assert!(
+        check(0.0, 0.0)
+            .wrong
+            .iter()
+            .all(|wrong| wrong.function == "f1")
+    );
+    // NaN is wrong, and the worst
+    let nan = check(f64::NAN, 1.0);
+    assert!(nan.wrong.len() == 1 && nan.worst.is_nan());
+}
+
+#[test]
+fn a_central_difference_at_a_kink_is_the_mean_of_its_sides() {
+    let slope = |scheme: Scheme, lower: f64| {
+        let model = Differences::new(|x: &[f64], f: &mut [f64]| f[0] = x[0].abs())
+            .scheme(scheme)
+            .within(&[lower], &[1.0]);
+        let (mut value, mut jacobian) = ([0.0], Jacobian::zeros(1, 1));
+        model.derivatives(&[0.0], &mut value, &mut jacobian);
+        jacobian.row(0)[0]
+    };
+    assert!(slope(Scheme::Central, -1.0).abs() < 1e-9);
+    assert!(
+        (slope(Scheme::Central, 0.0) - 1.0).abs() < 1e-9
+            && (slope(Scheme::Forward, -1.0) - 1.0).abs() < 1e-9
+    );
 }
 
 #[test]
@@ -349,6 +422,94 @@ fn a_weighted_sum_is_least_where_a_scan_finds_it() {
     }
 }
 
+/// A model that has no value and says why.
+struct Silent;
+
+impl Model for Silent {
+    fn values(&self, _: &[f64], values: &mut [f64]) {
+        values.fill(f64::NAN);
+    }
+    fn derivatives(&self, x: &[f64], values: &mut [f64], _: &mut Jacobian) {
+        self.values(x, values);
+    }
+    fn failure(&self, x: &[f64]) -> Option<String> {
+        Some(format!("{} variables are mute", x.len()))
+    }
+}
+
+/// Where all worlds agree the spread has no slope, whatever the rounding of their mean.
+#[test]
+fn equal_worlds_have_the_slope_of_one() {
+    for i in 0..60 {
+        let x = [30.0 + 0.37 * f64::from(i), 0.1 * f64::from(i)];
+        let worlds = (0..7)
+            .map(|k| World::new(k.to_string(), Exact(Two(0.3))))
+            .collect();
+        let joint = robust(
+            params(0),
+            worlds,
+            Measure::MeanPlusDeviations { kappa: 3.0 },
+        )
+        .unwrap();
+        let (mut values, mut slopes) = ([0.0; 16], Jacobian::zeros(16, 2));
+        joint
+            .problem()
+            .model()
+            .derivatives(&x, &mut values, &mut slopes);
+        let (mut own, mut alone) = ([0.0; 4], Jacobian::zeros(4, 2));
+        Exact(Two(0.3)).derivatives(&x, &mut own, &mut alone);
+        assert!(
+            near(slopes.row(0), alone.row(0)) && near(slopes.row(1), alone.row(1)),
+            "{i}"
+        );
+    }
+}
+
+#[test]
+fn the_world_without_a_value_says_why() {
+    let reason =
+        |problem: &Problem<'_>, method: &Method| match solve(problem, method, &Settings::default())
+            .unwrap()
+            .status
+        {
+            Status::NotFinite { reason, .. } => reason.unwrap(),
+            other => panic!("{other:?}"),
+        };
+    for measure in [
+        Measure::WorstCase,
+        Measure::MeanPlusDeviations { kappa: 1.0 },
+        Measure::ConditionalValueAtRisk { alpha: 0.5 },
+    ] {
+        let worlds = vec![
+            World::new("sound", Exact(Two(0.5))),
+            World::new("dumb", Silent),
+        ];
+        let joint = robust(params(1), worlds, measure).unwrap();
+        assert_eq!(
+            reason(joint.problem(), &Method::Minimax),
+            "in dumb, 2 variables are mute"
+        );
+    }
+    let problem = Problem::new(ProblemParams::new(&[0.5, 0.5], 2, Silent).absolute(1)).unwrap();
+    assert_eq!(
+        reason(
+            &problem,
+            &Method::Weighted {
+                weights: vec![1.0, 1.0]
+            }
+        ),
+        "2 variables are mute"
+    );
+    // all worlds on one tape, in the order of the problem's functions
+    let worlds = [0.5, 2.0].map(|a| World::new(a.to_string(), Exact(Two(a))));
+    let joint = robust(params(1), worlds.into(), Measure::WorstCase).unwrap();
+    let tape = joint.problem().model().taped(2, 8).unwrap();
+    let mut taped = vec![0.0; 8];
+    tape.values(&[0.3, 0.7], &mut taped);
+    let direct = values(joint.problem(), &[0.3, 0.7]);
+    assert!(near(&taped, &direct), "{taped:?} {direct:?}");
+}
+
 #[test]
 fn sequences_of_one_seed_differ_from_those_of_another() {
     let points = |seed| {
@@ -369,5 +530,88 @@ fn sequences_of_one_seed_differ_from_those_of_another() {
             let shift = bits(points(Some(4))[0][d]);
             assert_eq!(bits(shifted[d]) ^ shift, bits(plain[d]));
         }
+    }
+}
+
+/// Every operation that functions may use, with constants among its operands, and a count of the evaluations.
+struct Everything(AtomicUsize);
+
+impl Functions for Everything {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        let (a, b) = (x[0], x[1]);
+        let c = R::from_f64;
+        let mut sum = a;
+        sum += b * c(3.0);
+        sum -= a * b;
+        sum *= a + b;
+        f[0] = sum / (c(2.0) - b);
+        f[1] = a.mul_add(b, c(0.5)) + a.hypot(b) - (-a).abs();
+        f[2] = a.powf(c(3.0))
+            + b.powf(c(-2.0))
+            + a.powf(c(0.5))
+            + a.powf(b)
+            + a.powi(-1)
+            + b.powf(c(65.0));
+        f[3] = a.sqrt() + b.exp() + a.exp_m1() + b.ln() + a.ln_1p() + b.square();
+        f[4] = a.sin() + b.cos() + a.tan() + (c(0.3) * b).asin() + (c(0.3) * a).acos() + b.atan();
+        f[5] = a.atan2(b) + b.sinh() + a.cosh() + b.tanh() + a.max(b) * a.min(c(1.0));
+        // constants may be compared
+        let (low, high) = (c(1.0), c(2.0));
+        f[6] = R::select(low.lt(high), a, b) + R::select(high.lt(low), a, b * c(10.0));
+        f[6] += R::select(low.le(low), a * c(100.0), b) + R::select(high.le(low), a, b * c(1e3));
+        f[6] += if low < high && low != high { a } else { b } + if low == c(1.0) { b } else { a };
+        f[6] += c(low.value()) + R::select(low.lt(low), a, b * c(1e4));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// A function's tape has the function's values and derivatives.
+    #[test]
+    fn a_tape_is_the_function(x in prop::collection::vec(0.2..1.4_f64, 2..20)) {
+        prop_assume!((x[0] - x[1]).abs() > 1e-6 && (x[0] - 1.0).abs() > 1e-6);
+        let model = Exact(Everything(AtomicUsize::new(0)));
+        let tape = model.taped(x.len(), 7).unwrap();
+        let (mut values, mut exact, mut taped) = ([0.0; 7], [0.0; 7], [0.0; 7]);
+        model.values(&x, &mut values);
+        let (mut slopes, mut of_tape) = (Jacobian::zeros(7, x.len()), Jacobian::zeros(7, x.len()));
+        prop_assert_eq!((slopes.rows(), slopes.columns()), (7, x.len()));
+        let before = model.0.0.load(Ordering::Relaxed);
+        model.derivatives(&x, &mut exact, &mut slopes);
+        // two, four or eight directions at a time
+        let directions = match x.len() { 2 => 2, 3 | 4 => 4, _ => 8 };
+        prop_assert_eq!(model.0.0.load(Ordering::Relaxed) - before, x.len().div_ceil(directions));
+        tape.derivatives(&x, &mut taped, &mut of_tape);
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * (1.0 + a.abs().max(b.abs()));
+        for row in 0..7 {
+            prop_assert!(close(values[row], exact[row]) && close(values[row], taped[row]), "{row}: {} {}", values[row], taped[row]);
+            prop_assert!(slopes.row(row).iter().zip(of_tape.row(row)).all(|(a, b)| close(*a, *b)), "{row}: {slopes:?} {of_tape:?}");
+        }
+        let (a, b) = (x[0], x[1]);
+        prop_assert!(close(values[0], (a + 3.0 * b - a * b) * (a + b) / (2.0 - b)));
+        prop_assert!(close(values[1], a * b + 0.5 + (a * a + b * b).sqrt() - a));
+        prop_assert!(close(values[2], a.powi(3) + 1.0 / (b * b) + a.sqrt() + (b * a.ln()).exp() + 1.0 / a + b.powi(65)));
+        prop_assert!(close(values[6], a + 10.0 * b + 100.0 * a + 1e3 * b + a + b + 1.0 + 1e4 * b));
+    }
+
+    /// Two valleys at ±1, one `tilt` higher than the other, `height` up.
+    #[test]
+    fn optima_are_ambiguous_where_their_utilities_agree(height in prop_oneof![Just(0.0), 10.0..1e3_f64], share in prop_oneof![0.1..0.8_f64, 1.3..10.0_f64]) {
+        // equal is what differs by less than a millionth
+        let tilt = share * 1e-6 * (1.0 + height);
+        let model = Differences::new(move |x: &[f64], f: &mut [f64]| {
+            f[0] = height + 10.0 * (x[0] * x[0] - 1.0).powi(2) + 0.5 * tilt * (x[0] + 1.0);
+        });
+        let variable = Variable::bounded("x", 0.9, -2.0, 2.0);
+        let problem = Problem::new(ProblemParams::new(&[0.9], 1, model).variables([variable])).unwrap();
+        let found = multi_start(&problem, &Method::Minimax, &Settings::default(), 12, 1).unwrap();
+        prop_assert_eq!(found.optima.len(), 2);
+        prop_assert!((found.best().x[0] + 1.0).abs() < 0.02);
+        prop_assert_eq!(found.is_ambiguous(), share < 1.0);
+        let reached: usize = found.optima.iter().map(|optimum| optimum.reached_by.len()).sum();
+        prop_assert_eq!(reached, found.runs.iter().filter(|run| run.status.is_solved()).count());
+        prop_assert_eq!(found.counts.values, found.runs.iter().map(|run| run.counts.values).sum::<usize>());
     }
 }

@@ -65,12 +65,7 @@ impl Curvature {
             if let Some(factor) = Factor::new(&self.matrix, self.n) {
                 return factor;
             }
-            let scale = if self.scale.is_finite() && self.scale > 0.0 && !self.fresh {
-                self.scale
-            } else {
-                1.0
-            };
-            self.reset(scale);
+            self.reset(if self.fresh { 1.0 } else { self.scale });
         }
     }
 
@@ -195,8 +190,17 @@ mod tests {
         let factor = curvature.factor();
         assert_eq!(factor.forward(&[3.0_f64.sqrt(), 0.0]), [1.0, 0.0]);
         assert!(curvature.is_fresh() && curvature.scale() == 3.0);
-        curvature.matrix = vec![f64::NAN; 4];
-        curvature.factor();
-        assert_eq!(curvature.scale(), 1.0);
+        for useless in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
+            curvature.reset(useless);
+            curvature.fresh = false;
+            curvature.factor();
+            assert_eq!(curvature.scale(), 1.0);
+        }
+        // the first step sets the scale unless it is at right angles to the change to a hundred-millionth
+        for (along, scale) in [(3e-6, 1e6 / 3e-6), (3e-7, 1.0), (-1.0, 1.0)] {
+            let mut curvature = Curvature::new(2, 2, 1.0);
+            curvature.update(&[0.1, 0.0], &[10.0 * along, 1e3]);
+            assert!((curvature.scale() / scale - 1.0).abs() < 1e-6, "{along}");
+        }
     }
 }
