@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use grouser_opt::{
     Differences, Error, Exact, Functions, Jacobian, LinearConstraint, Measure, Method, Model,
     Problem, ProblemParams, Scheme, Settings, Sobol, Status, Uncertainty, Variable, World,
-    check_derivatives, multi_start, robust, sample, solve,
+    check_derivatives, evaluate, multi_start, robust, sample, solve,
 };
 use grouser_real::Scalar;
 use proptest::prelude::*;
@@ -141,6 +141,39 @@ proptest! {
         }
         prop_assert_eq!(risk.problem().linear()[0].coefficients.len(), point.len());
         prop_assert_eq!(risk.own(&point), &x[..]);
+    }
+
+    /// What a method minimises and what is violated, at points inside and outside all limits.
+    #[test]
+    fn the_merit_of_a_point_is_its_formula(
+        x in prop::array::uniform2(-7.0..7.0_f64),
+        goals in prop::array::uniform2(-2.0..2.0_f64),
+        weights in prop::array::uniform2(0.1..3.0_f64),
+        absolute in 0..=2_usize,
+    ) {
+        let line = LinearConstraint::equal("twice", vec![2.0, -1.0], 1.0);
+        let mut params = of(0.5, absolute);
+        params.linear.push(line);
+        let problem = Problem::new(params).unwrap();
+        let f = Two(0.5).at(&x);
+        let sized = [0, 1].map(|i| if i < absolute { f[i].abs() } else { f[i] });
+        // |f| below a goal: both signs of f
+        let [g, w] = [goals, weights];
+        let signed = |i: usize| if i < absolute { f[i].abs() - g[i] } else { f[i] - g[i] };
+        let others = [f[2], f[3].abs(), x[0] - 2.0 * x[1] - 30.0, (2.0 * x[0] - x[1] - 1.0).abs(), x[0] - 5.0, x[1] - 5.0, -5.0 - x[0], -5.0 - x[1]];
+        let violation = others.into_iter().fold(0.0, f64::max);
+        let merit = |method: Method| evaluate(&problem, &method, &x).unwrap();
+        let minimax = merit(Method::Minimax);
+        prop_assert!(near(&[minimax.utility, minimax.violation], &[sized[0].max(sized[1]), violation]));
+        let attain = merit(Method::Attain { goals: goals.to_vec(), weights: weights.to_vec() });
+        prop_assert!(near(&[attain.utility, attain.violation], &[(signed(0) / w[0]).max(signed(1) / w[1]), violation]));
+        let hard = merit(Method::Attain { goals: goals.to_vec(), weights: vec![0.0, w[1]] });
+        prop_assert!(near(&[hard.utility, hard.violation], &[signed(1) / w[1], violation.max(signed(0))]));
+        let chebyshev = merit(Method::Chebyshev { ideal: goals.to_vec(), weights: weights.to_vec() });
+        prop_assert!(near(&[chebyshev.utility, chebyshev.violation], &[(w[0] * signed(0)).max(w[1] * signed(1)), violation]));
+        let sum = merit(Method::Weighted { weights: weights.to_vec() });
+        prop_assert!(near(&[sum.utility, sum.violation], &[w[0] * sized[0] + w[1] * sized[1], violation]));
+        prop_assert!(evaluate(&problem, &Method::Minimax, &x[..1]).is_err());
     }
 
     /// A covariance of any size is met by its samples, and ranges are kept.
