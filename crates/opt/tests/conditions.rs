@@ -150,8 +150,8 @@ proptest! {
         // what holds the point: priced objectives and limits that are met, in the problem's order
         let near = |slack: f64, size: f64| slack <= 1e-7 * (1.0 + size);
         let mut active = Vec::new();
-        for k in 0..2 {
-            if prices.objectives[k] > 0.0 || near(level - scaled[k], level.abs()) {
+        for (k, own) in scaled.iter().enumerate() {
+            if prices.objectives[k] > 0.0 || near(level - own, level.abs()) {
                 active.push(format!("f{}", k + 1));
             }
         }
