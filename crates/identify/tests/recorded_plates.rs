@@ -164,6 +164,8 @@ fn check(record: &PlateRecord, zone_s: f64, offset_s: f64) {
         depth[0],
         force[0]
     );
+    // 457 N at the end of the stroke
+    assert!(force.iter().all(|force| *force < 470.0), "{force:?}");
     let deepest = depth[depth.len() - 1];
     assert!(deepest > 0.0193 && deepest < 0.0199, "{deepest}");
     let area = record.test.plate.area;

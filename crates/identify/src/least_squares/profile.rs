@@ -72,7 +72,7 @@ pub fn profile(
     let guess = t * uncertainty.standard_errors[index];
     let bound = &best.bounds[index];
     let width = bound.upper - bound.lower;
-    let step = if guess.is_finite() && guess > 0.0 {
+    let step = if guess.is_finite() {
         guess.min(width)
     } else {
         let size = best.x[index].abs().max(1e-6);

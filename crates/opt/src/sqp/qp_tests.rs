@@ -123,6 +123,40 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// For one objective over a box and B = scale · I the first guess of the multipliers is the solution.
+    #[test]
+    fn the_first_guess_is_right_for_one_objective(
+        variables in prop::collection::vec((-3.0..3.0_f64, -2.0..0.0_f64, 0.0..2.0_f64, any::<bool>()), 1..6),
+        scale in 0.1..5.0_f64,
+        place in 0..3_usize,
+    ) {
+        let n = variables.len();
+        let gradient: Vec<f64> = variables.iter().map(|v| v.0).collect();
+        let lower: Vec<f64> = variables.iter().map(|v| if v.3 { v.1 } else { f64::NEG_INFINITY }).collect();
+        let upper: Vec<f64> = variables.iter().map(|v| v.2).collect();
+        // beside it a constraint and an objective that are far from binding
+        let mut rows = Rows {
+            kinds: vec![RowKind::Objective, RowKind::Inequality { cap: 10.0 }],
+            gradients: vec![0.0; 2 * n],
+            offsets: vec![-1e3, -1e3],
+        };
+        rows.kinds.insert(place, RowKind::Objective);
+        rows.offsets.insert(place, 1.0);
+        rows.gradients.splice(place * n..place * n, gradient);
+        let matrix: Vec<f64> = (0..n * n).map(|at| if at / n == at % n { scale } else { 0.0 }).collect();
+        let factor = Factor::new(&matrix, n).unwrap();
+        let found = Qp { factor: &factor, rows: &rows, lower: &lower, upper: &upper }.solve(&[]);
+        let guess = super::super::guess_multipliers(&rows, &lower, &upper, scale);
+        prop_assert_eq!(guess.len(), found.multipliers.len());
+        prop_assert!(guess.iter().zip(&found.multipliers).all(|(a, b)| (a - b).abs() < 1e-9), "{guess:?} {found:?}");
+        rows.kinds.fill(RowKind::Ignored);
+        prop_assert!(super::super::guess_multipliers(&rows, &lower, &upper, scale).iter().all(|u| *u == 0.0));
+    }
+}
+
 #[test]
 fn only_a_positive_definite_matrix_has_a_factor() {
     assert!(Factor::new(&[1.0, 2.0, 2.0, 4.1], 2).is_some());
