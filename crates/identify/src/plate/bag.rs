@@ -209,7 +209,7 @@ fn roughness(
         .iter()
         .zip(&forces)
         .filter(|(z, f)| **z > ROUGH_DEPTH_M && **f > 0.0)
-        .map(|(z, f)| (Real::ln(*z / ROUGH_DEPTH_M), Real::ln(*f)))
+        .map(|(z, f)| (Real::ln(*z), Real::ln(*f)))
         .collect();
     if points.len() < 20 {
         return f64::INFINITY;
