@@ -533,6 +533,19 @@ fn the_world_without_a_value_says_why() {
         ),
         "2 variables are mute"
     );
+    // a model behind a reference or in a box is that model
+    let models: [Box<dyn Model>; 2] = [Box::new(&Silent), Box::new(Box::new(Silent))];
+    for model in models {
+        let problem = Problem::new(ProblemParams::new(&[0.5, 0.5], 1, model)).unwrap();
+        assert_eq!(reason(&problem, &Method::Minimax), "2 variables are mute");
+    }
+    let two = Exact(Two(0.5));
+    let boxed: Box<dyn Model> = Box::new(&two);
+    let tape = boxed.taped(2, 4).unwrap();
+    assert!(
+        tape.taped(2, 4).is_some() && boxed.taped(2, 4).is_some() && Silent.taped(2, 4).is_none()
+    );
+    assert!(tape.failure(&[0.0; 2]).is_none());
     // all worlds on one tape, in the order of the problem's functions
     let worlds = [0.5, 2.0].map(|a| World::new(a.to_string(), Exact(Two(a))));
     let joint = robust(params(1), worlds.into(), Measure::WorstCase).unwrap();
@@ -593,7 +606,10 @@ impl Functions for Everything {
         let (low, high) = (c(1.0), c(2.0));
         f[6] = R::select(low.lt(high), a, b) + R::select(high.lt(low), a, b * c(10.0));
         f[6] += R::select(low.le(low), a * c(100.0), b) + R::select(high.le(low), a, b * c(1e3));
-        f[6] += if low < high && low != high { a } else { b } + if low == c(1.0) { b } else { a };
+        f[6] += if low < high && low != high { a } else { b };
+        f[6] += c(7.0) * if low == c(1.0) { b } else { a };
+        // whole powers of negative numbers
+        f[6] += (a - c(3.0)).powf(c(3.0)) + (b - c(3.0)).powf(c(64.0)) * c(1e-20);
         f[6] += c(low.value()) + R::select(low.lt(low), a, b * c(1e4));
     }
 }
@@ -626,7 +642,7 @@ proptest! {
         prop_assert!(close(values[0], (a + 3.0 * b - a * b) * (a + b) / (2.0 - b)));
         prop_assert!(close(values[1], a * b + 0.5 + (a * a + b * b).sqrt() - a));
         prop_assert!(close(values[2], a.powi(3) + 1.0 / (b * b) + a.sqrt() + (b * a.ln()).exp() + 1.0 / a + b.powi(65)));
-        prop_assert!(close(values[6], a + 10.0 * b + 100.0 * a + 1e3 * b + a + b + 1.0 + 1e4 * b));
+        prop_assert!(close(values[6], a + 10.0 * b + 100.0 * a + 1e3 * b + a + 7.0 * b + (a - 3.0).powi(3) + (b - 3.0).powi(64) * 1e-20 + 1.0 + 1e4 * b));
     }
 
     /// Two valleys at ±1, one `tilt` higher than the other, `height` up.

@@ -335,3 +335,96 @@ fn violations_add_up_and_come_before_objectives() {
             && !found[0].dominates(&found[0])
     );
 }
+
+proptest! {
+    /// Whatever the objectives' units and zeros are, the knee is the corner of the front.
+    #[test]
+    fn a_knee_does_not_depend_on_units(scale in prop::array::uniform2(0.01..100.0_f64), shift in prop::array::uniform2(-50.0..50.0_f64), corner in 0.05..0.3_f64) {
+        let front = [[1.0, 0.0], [0.6, 0.35], [corner, 0.4 - corner], [0.0, 1.0]];
+        let place = |f: [f64; 2]| vec![shift[0] + scale[0] * f[0], shift[1] + scale[1] * f[1]];
+        let placed: Vec<Vec<f64>> = front.into_iter().map(place).collect();
+        prop_assert_eq!(super::knee(&placed), Some(2));
+        prop_assert_eq!(super::knee(&placed[1..]), Some(1));
+        prop_assert_eq!(super::knee(&placed[2..]), None);
+    }
+}
+
+#[test]
+fn a_front_without_extent_has_no_knee_and_no_objectives_no_directions() {
+    assert_eq!(
+        super::knee(&[vec![0.0, 1.0], vec![0.0, 2.0], vec![0.0, 3.0]]),
+        None
+    );
+    assert!(super::das_dennis(0, 3).is_empty() && super::das_dennis(3, 0).is_empty());
+    assert_eq!(super::das_dennis(1, 3), [[1.0]]);
+}
+
+/// Σ x and −Σ x of seventy variables, more than a Sobol sequence has; points are kept.
+struct Kept(std::sync::Mutex<Vec<Vec<f64>>>);
+
+impl crate::Model for &Kept {
+    fn values(&self, x: &[f64], values: &mut [f64]) {
+        let sum: f64 = x.iter().sum();
+        values.copy_from_slice(&[sum, -sum]);
+        self.0.lock().unwrap().push(x.to_vec());
+    }
+    fn derivatives(&self, x: &[f64], values: &mut [f64], _: &mut crate::Jacobian) {
+        self.values(x, values);
+    }
+}
+
+#[test]
+fn every_evaluation_is_counted_and_every_child_is_new() {
+    for (algorithm, n) in [
+        (super::Algorithm::NsgaII, 70),
+        (super::Algorithm::NsgaIII, 3),
+    ] {
+        let model = Kept(std::sync::Mutex::default());
+        let variables = (0..n).map(|i| crate::Variable::bounded(format!("x{i}"), 2.1, 2.0, 2.5));
+        let params = ProblemParams::new(&vec![2.1; n], 2, &model).variables(variables);
+        let problem = Problem::new(params).unwrap();
+        let mut settings = super::ParetoSettings::default();
+        settings.algorithm = Some(algorithm);
+        (settings.population, settings.generations, settings.polish) = (20, 3, false);
+        // children that no operator changes are changed in one variable
+        settings.crossover = Some(Crossover::new(20.0, 0.0));
+        let mut mutation = Mutation::new(20.0);
+        mutation.probability = Some(0.0);
+        settings.mutation = Some(mutation);
+        let front = super::pareto(&problem, &settings).unwrap();
+        let points = model.0.lock().unwrap().clone();
+        assert_eq!((front.counts.values, points.len()), (80, 80));
+        assert!(points.iter().flatten().all(|x| (2.0..=2.5).contains(x)));
+        // the parallel evaluation keeps generations apart, not the order within them
+        for (index, child) in points.iter().enumerate().skip(20) {
+            let apart = |other: &Vec<f64>| child.iter().zip(other).filter(|(a, b)| a != b).count();
+            let earlier = points[..20 * (index / 20)].iter().map(apart);
+            assert_eq!(earlier.min(), Some(1), "{index}");
+        }
+    }
+}
+
+#[test]
+fn the_less_violated_of_two_is_the_parent() {
+    let model = Kept(std::sync::Mutex::default());
+    let problem = Problem::new(ProblemParams::new(&[1.0], 2, &model)).unwrap();
+    let settings = super::ParetoSettings::default();
+    let mut search = super::Search {
+        problem: &problem,
+        settings: &settings,
+        bounds: (&[], &[]),
+        crossover: Crossover::new(20.0, 0.9),
+        mutation: Mutation::new(20.0),
+        random: Random::new(4),
+        counts: crate::Counts::default(),
+        callback: &mut |_| std::ops::ControlFlow::Continue(()),
+        stopped: false,
+    };
+    let mut population = individuals(&[vec![0.0, 0.0], vec![0.0, 0.0]]);
+    population[0].violation = 1.0;
+    let violated = (0..2000)
+        .filter(|_| search.less_violated(&population) == 0)
+        .count();
+    // only where both draws are it: a quarter, and five standard deviations
+    assert!((violated as f64 - 500.0).abs() < 97.0, "{violated}");
+}
