@@ -383,8 +383,10 @@ fn every_evaluation_is_counted_and_every_child_is_new() {
         let variables = (0..n).map(|i| crate::Variable::bounded(format!("x{i}"), 2.1, 2.0, 2.5));
         let params = ProblemParams::new(&vec![2.1; n], 2, &model).variables(variables);
         let problem = Problem::new(params).unwrap();
-        let mut settings = super::ParetoSettings::default();
-        settings.algorithm = Some(algorithm);
+        let mut settings = super::ParetoSettings {
+            algorithm: Some(algorithm),
+            ..super::ParetoSettings::default()
+        };
         (settings.population, settings.generations, settings.polish) = (20, 3, false);
         // children that no operator changes are changed in one variable
         settings.crossover = Some(Crossover::new(20.0, 0.0));
