@@ -3,9 +3,9 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use grouser_opt::{
-    Differences, Error, Exact, Functions, Jacobian, LinearConstraint, Measure, Method, Model,
-    Problem, ProblemParams, Scheme, Settings, Sobol, Status, Uncertainty, Variable, World,
-    check_derivatives, evaluate, multi_start, robust, sample, solve,
+    Algorithm, Differences, Error, Exact, Functions, Jacobian, LinearConstraint, Measure, Method,
+    Model, ParetoSettings, Problem, ProblemParams, Scheme, Settings, Sobol, Status, Uncertainty,
+    Variable, World, check_derivatives, evaluate, multi_start, pareto, robust, sample, solve,
 };
 use grouser_real::Scalar;
 use proptest::prelude::*;
@@ -662,5 +662,69 @@ proptest! {
         let reached: usize = found.optima.iter().map(|optimum| optimum.reached_by.len()).sum();
         prop_assert_eq!(reached, found.runs.iter().filter(|run| run.status.is_solved()).count());
         prop_assert_eq!(found.counts.values, found.runs.iter().map(|run| run.counts.values).sum::<usize>());
+    }
+}
+
+/// f1 = (x − 1)² + y², f2 = 10 ((x + 1)² + y²) with x ≥ −0.5 as a function.
+struct Uneven;
+
+impl Functions for Uneven {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        f[0] = (x[0] - R::ONE).square() + x[1].square();
+        f[1] = R::from_f64(10.0) * ((x[0] + R::ONE).square() + x[1].square());
+        f[2] = -x[0] - R::from_f64(0.5);
+    }
+}
+
+/// Along the front λ1 f1′ + λ2 f2′ − μ = 0 with λ1 + λ2 = 1, in the objectives' own units.
+#[test]
+fn prices_of_a_front_are_in_the_objectives_own_units() {
+    for (algorithm, rotate) in [
+        (Algorithm::NsgaII, false),
+        (Algorithm::NsgaIII, false),
+        (Algorithm::NsgaII, true),
+    ] {
+        let variables = ["x", "y"].map(|name| Variable::bounded(name, 0.3, -2.0, 2.0));
+        let params = ProblemParams::new(&[0.3, 0.3], 2, Exact(Uneven))
+            .variables(variables)
+            .inequalities(vec!["left".to_owned()]);
+        let problem = Problem::new(params).unwrap();
+        let mut settings = ParetoSettings::default();
+        (
+            settings.algorithm,
+            settings.population,
+            settings.generations,
+            settings.seed,
+        ) = (Some(algorithm), 24, 20, u64::from(rotate));
+        let front = pareto(&problem, &settings).unwrap();
+        assert!(
+            front.points.len() > 12 && front.ideal[0] < 0.05 && front.ideal[1] < 3.0,
+            "{:?}",
+            front.ideal
+        );
+        let mut priced = 0;
+        for point in &front.points {
+            let x = point.x[0];
+            assert!(
+                point.x[1].abs() < 1e-3 && (-0.5 - 1e-6..=1.0 + 1e-3).contains(&x),
+                "{:?}",
+                point.x
+            );
+            let Some(prices) = &point.multipliers else {
+                continue;
+            };
+            let (one, two, left) = (
+                prices.objectives[0],
+                prices.objectives[1],
+                prices.inequalities[0],
+            );
+            let slope = 2.0 * one * (x - 1.0) + 20.0 * two * (x + 1.0) - left;
+            assert!(
+                (one + two - 1.0).abs() < 1e-9 && slope.abs() < 1e-4,
+                "{x}: {one} {two} {left}"
+            );
+            priced += 1;
+        }
+        assert!(priced > 10, "{priced}");
     }
 }
