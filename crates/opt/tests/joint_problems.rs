@@ -647,17 +647,19 @@ proptest! {
 
     /// Two valleys at ±1, one `tilt` higher than the other, `height` up.
     #[test]
-    fn optima_are_ambiguous_where_their_utilities_agree(height in prop_oneof![Just(0.0), 10.0..1e3_f64], share in prop_oneof![0.1..0.8_f64, 1.3..10.0_f64]) {
+    fn optima_are_ambiguous_where_their_utilities_agree(height in prop_oneof![Just(0.0), 10.0..1e3_f64], share in prop_oneof![0.1..0.8_f64, 1.3..10.0_f64], narrow in any::<bool>()) {
         // equal is what differs by less than a millionth
         let tilt = share * 1e-6 * (1.0 + height);
+        let size = if narrow { 0.01 } else { 1.0 };
         let model = Differences::new(move |x: &[f64], f: &mut [f64]| {
-            f[0] = height + 10.0 * (x[0] * x[0] - 1.0).powi(2) + 0.5 * tilt * (x[0] + 1.0);
+            let u = x[0] / size;
+            f[0] = height + 10.0 * (u * u - 1.0).powi(2) + 0.5 * tilt * (u + 1.0);
         });
-        let variable = Variable::bounded("x", 0.9, -2.0, 2.0);
-        let problem = Problem::new(ProblemParams::new(&[0.9], 1, model).variables([variable])).unwrap();
+        let variable = Variable::bounded("x", 0.9 * size, -2.0 * size, 2.0 * size);
+        let problem = Problem::new(ProblemParams::new(&[0.9 * size], 1, model).variables([variable])).unwrap();
         let found = multi_start(&problem, &Method::Minimax, &Settings::default(), 12, 1).unwrap();
         prop_assert_eq!(found.optima.len(), 2);
-        prop_assert!((found.best().x[0] + 1.0).abs() < 0.02);
+        prop_assert!((found.best().x[0] / size + 1.0).abs() < 0.02);
         prop_assert_eq!(found.is_ambiguous(), share < 1.0);
         let reached: usize = found.optima.iter().map(|optimum| optimum.reached_by.len()).sum();
         prop_assert_eq!(reached, found.runs.iter().filter(|run| run.status.is_solved()).count());
