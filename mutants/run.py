@@ -158,39 +158,36 @@ for index, (_, _, _, reached) in enumerate(tests):
     for number in reached:
         reaching[number].append(index)
 chosen = [m for m in mutants if int(m[0]) % shares == remainder % shares and re.search(arguments.only, "src/" + m[1])]
-# tests that caught others of a function or file go first, then the shorter ones
-caught_by = collections.defaultdict(collections.Counter)
-missed = []
-for number, place, function, mutation in chosen:
-    file = place.split(":")[0]
-    worth = lambda index: (1 + 3 * caught_by[function][index] + caught_by[file][index]) / (0.01 + tests[index][2])
-    spent_s = 0.0
-    for index in sorted(reaching[int(number)], key=worth, reverse=True):
-        program, test, time_s, _ = tests[index]
-        passes, used_s = run(program, test, number, 3.0 * time_s + 1.0)
-        spent_s += used_s
-        if not passes:
-            caught_by[function][index] += 1
-            caught_by[file][index] += 1
-            break
-        if spent_s > BUDGET_S:
-            missed.append((file, function, mutation, place))
-            break
-    else:
-        missed.append((file, function, mutation, place))
-
 # each line argues for so many mutants of a function: lines move, functions do not
 argued = collections.Counter()
 for line in (ROOT / "mutants" / "argued.tsv").read_text().splitlines()[1:]:
     of, file, function, mutation, count, _ = line.split("\t")
     if of == crate:
         argued[file, function, mutation] += int(count)
-open_ones = []
-for file, function, mutation, place in missed:
+# tests that caught others of a function or file go first, then the shorter ones
+caught_by = collections.defaultdict(collections.Counter)
+missed, open_ones = 0, 0
+for number, place, function, mutation in chosen:
+    file = place.split(":")[0]
+    worth = lambda index: (1 + 3 * caught_by[function][index] + caught_by[file][index]) / (0.01 + tests[index][2])
+    caught, spent_s = False, 0.0
+    for index in sorted(reaching[int(number)], key=worth, reverse=True):
+        program, test, time_s, _ = tests[index]
+        passes, used_s = run(program, test, number, 3.0 * time_s + 1.0)
+        spent_s += used_s
+        if not passes:
+            caught = True
+            caught_by[function][index] += 1
+            caught_by[file][index] += 1
+        if caught or spent_s > BUDGET_S:
+            break
+    if caught:
+        continue
+    missed += 1
     if argued[file, function, mutation] > 0:
         argued[file, function, mutation] -= 1
-    else:
-        open_ones.append(f"not caught: crates/{crate}/src/{place} {function}: {mutation}")
-print("\n".join(open_ones))
-print(f"{len(chosen)} mutants run, {len(missed)} not caught, {len(missed) - len(open_ones)} of them argued")
+        continue
+    open_ones += 1
+    print(f"not caught: crates/{crate}/src/{place} {function}: {mutation}", flush=True)
+print(f"{len(chosen)} mutants run, {missed} not caught, {missed - open_ones} of them argued")
 sys.exit(bool(open_ones))

@@ -313,7 +313,7 @@ fn main() {
         excluded: excluded.lines().map(str::to_owned).collect(),
     };
     for path in files(sources) {
-        if path.ends_with("tests.rs") {
+        if path.to_string_lossy().ends_with("tests.rs") {
             continue;
         }
         let mut file = syn::parse_file(&std::fs::read_to_string(&path).unwrap()).unwrap();

@@ -131,8 +131,13 @@ impl Parameter {
         }
     }
 
-    /// Puts a dual number into the laws.
-    pub(crate) fn put_dual<const N: usize>(self, laws: &mut SoilLaws<Dual<N>>, value: Dual<N>) {
+    /// Puts a dual number into the laws of a soil, whose `k_shear_side` may be stated apart.
+    pub(crate) fn put_dual<const N: usize>(
+        self,
+        laws: &mut SoilLaws<Dual<N>>,
+        k_shear_side: Option<f64>,
+        value: Dual<N>,
+    ) {
         let Self::Soil(number) = self else { return };
         match number {
             SoilNumber::Exponent => laws.exponent.n_0 = value,
@@ -147,11 +152,15 @@ impl Parameter {
             SoilNumber::Phi => laws.strength.phi = value,
             SoilNumber::KShear => {
                 laws.k_shear = value;
-                laws.k_shear_side = value;
+                if k_shear_side.is_none() {
+                    laws.k_shear_side = value;
+                }
             }
             SoilNumber::KShearAngle => {
                 laws.k_shear_1 = value;
-                laws.k_shear_side_1 = value;
+                if k_shear_side.is_none() {
+                    laws.k_shear_side_1 = value;
+                }
             }
             SoilNumber::C1 => laws.c_1 = value,
             SoilNumber::C2 => laws.c_2 = value,

@@ -294,7 +294,7 @@ mod tests {
 
     #[test]
     fn an_error_names_its_place() {
-        let parse = |text| Table::parse(Path::new("t.csv"), text);
+        let parse = |text: &str| Table::parse(Path::new("t.csv"), text);
         let ragged = parse("a,b\n1,2\n3\n").unwrap_err().to_string();
         assert!(ragged.contains("line 3"), "{ragged}");
         let table = parse("dept_m\n1\n").unwrap();
@@ -308,5 +308,15 @@ mod tests {
                 .contains("row 1")
         );
         assert!(parse("").is_err() && parse("a\n").is_err());
+        assert!(!parse("a\n1\n").unwrap().is_empty());
+        // 64 MiB are read, a byte more is refused where it stands
+        let blank = " ".repeat((1 << 20) - 1) + "\n";
+        let full = "a\n1\n".to_owned() + &" ".repeat((1 << 20) - 5) + "\n" + &blank.repeat(63);
+        assert!(full.len() as u64 == TABLE_LIMIT && parse(&full).is_ok());
+        for end in ["\n", " \n"] {
+            let text = full.clone() + end;
+            let beyond = parse(&text).unwrap_err().to_string();
+            assert!(beyond.contains("line 67 is beyond the limit"), "{beyond}");
+        }
     }
 }

@@ -6,6 +6,11 @@
     reason = "a test fails by panicking, and prints what it measured or why it is skipped"
 )]
 
+mod identification;
+mod least_squares;
 mod nist_strd;
+mod plates;
+mod recorded_plates;
 mod wheel_derivatives;
+mod wheel_predictions;
 mod written_jobs;

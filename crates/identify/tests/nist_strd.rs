@@ -1,10 +1,12 @@
 //! Statistical Reference Datasets of the National Institute of Standards and Technology, nonlinear
 //! regression: certified parameters, standard errors and sums of squares, from both published starts.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use grouser_identify::least_squares::{
     Bounded, Fit, Loss, Settings, StartSettings, Uncertainty, fit, multi_start, profile,
 };
-use grouser_opt::{Exact, Functions};
+use grouser_opt::{Exact, Functions, Jacobian, Model};
 use grouser_real::Scalar;
 
 #[derive(Clone, Copy)]
@@ -41,14 +43,15 @@ impl Functions for Set {
 /// (certified value, certified standard error)
 type Certified = &'static [(f64, f64)];
 
+/// `starts` have the most evaluations that a search from there takes: its effort, a tenth above what it was.
 fn check(
     formula: Formula,
     data: &'static [(f64, f64)],
-    starts: [&[f64]; 2],
+    starts: [(&[f64], u32); 2],
     certified: Certified,
     squares: f64,
 ) {
-    for start in starts {
+    for (start, most) in starts {
         let bounded: Vec<Bounded> = start.iter().map(|s| Bounded::free(*s)).collect();
         let found = fit(
             &Exact(Set { formula, data }),
@@ -61,6 +64,7 @@ fn check(
         )
         .unwrap();
         assert!(found.status.is_solved(), "{:?}", found.status);
+        assert!(found.evaluations <= most, "{}", found.evaluations);
         // certified to 11 digits; a double-precision sum of squares fixes parameters to about half its digits
         assert!(
             (sum_of_squares(&found) / squares - 1.0).abs() < 1e-9,
@@ -108,7 +112,7 @@ fn misra1a() {
     check(
         Formula::Misra1a,
         MISRA1A,
-        [&[500.0, 0.0001], &[250.0, 0.0005]],
+        [(&[500.0, 0.0001], 36), (&[250.0, 0.0005], 14)],
         &[
             (2.389_421_291_8e2, 2.707_007_524_1),
             (5.501_564_318_1e-4, 7.266_868_843_6e-6),
@@ -150,6 +154,13 @@ fn box_bod_from_many_starts() {
     .unwrap();
     assert!(reached > 1, "{reached}");
     assert!((sum_of_squares(&found) / 1.168_008_876_6e3 - 1.0).abs() < 1e-9);
+    // effort, a tenth above what it was
+    for (k, most) in [(0, 160), (1, 76)] {
+        let counted = Counted(&model, AtomicU32::new(0));
+        profile(&counted, &found, k, 0.95, &settings).unwrap();
+        let evaluations = counted.1.into_inner();
+        assert!(evaluations <= most, "{evaluations}");
+    }
     let errors = Uncertainty::of(&found, Loss::Squares).standard_errors;
     for (k, (value, error)) in [
         (2.138_094_088_9e2, 1.235_451_517_6e1),
@@ -180,7 +191,10 @@ fn mgh09() {
             (2.35e-2, 0.0714),
             (2.46e-2, 0.0625),
         ],
-        [&[25.0, 39.0, 41.5, 39.0], &[0.25, 0.39, 0.415, 0.39]],
+        [
+            (&[25.0, 39.0, 41.5, 39.0], 200),
+            (&[0.25, 0.39, 0.415, 0.39], 32),
+        ],
         &[
             (1.928_069_345_8e-1, 1.143_531_222_7e-2),
             (1.912_823_287_3e-1, 1.963_322_091_1e-1),
@@ -235,8 +249,8 @@ fn thurber() {
             (1457.628, 2.2),
         ],
         [
-            &[1000.0, 1000.0, 400.0, 40.0, 0.7, 0.3, 0.03],
-            &[1300.0, 1500.0, 500.0, 75.0, 1.0, 0.4, 0.05],
+            (&[1000.0, 1000.0, 400.0, 40.0, 0.7, 0.3, 0.03], 75),
+            (&[1300.0, 1500.0, 500.0, 75.0, 1.0, 0.4, 0.05], 56),
         ],
         &[
             (1.288_139_680_0e3, 4.664_796_334_4),
@@ -249,6 +263,21 @@ fn thurber() {
         ],
         5.642_708_239_7e3,
     );
+}
+
+/// A model that counts its evaluations.
+struct Counted<M>(M, AtomicU32);
+
+impl<M: Model> Model for Counted<M> {
+    fn values(&self, x: &[f64], values: &mut [f64]) {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.values(x, values);
+    }
+
+    fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.derivatives(x, values, jacobian);
+    }
 }
 
 /// A profile interval crosses the limit of likelihood where a scan by hand, with the other parameter in

@@ -3,24 +3,29 @@
 use grouser_identify::Parameter;
 use grouser_identify::wheel::{Fixed, Scatter, Support, WheelModel, WheelTest};
 use grouser_opt::{Jacobian, Model};
-use grouser_terra::{Kinematics, OpenSoil, RigidWheel, Slip, catalogue};
+use grouser_terra::{Angle, Kinematics, OpenSoil, RigidWheel, ShearLaw, Slip, catalogue};
 
 #[test]
 fn derivatives_in_many_parameters_are_those_of_the_values() {
     let sand = catalogue::find("dry-sand").unwrap().soil().unwrap();
-    let soil = OpenSoil::from(*sand.params());
+    let mut soil = OpenSoil::from(*sand.params());
+    soil.laws.shear = Some(ShearLaw::Independent);
     let fixed = Fixed {
         wheel: RigidWheel::new(0.125, 0.1).unwrap(),
         soil,
         scatter: Scatter::default(),
     };
-    let tests: Vec<WheelTest> = [-0.2, 0.1, 0.4]
+    let tests: Vec<WheelTest> = [(-0.2, 10.0), (0.1, -5.0), (0.4, -20.0), (0.1, 75.0)]
         .into_iter()
-        .map(|slip| WheelTest {
-            kinematics: Kinematics::straight(Slip::new(slip).unwrap()),
+        .map(|(slip, degrees)| WheelTest {
+            kinematics: Kinematics::with_slip_angle(
+                Slip::new(slip).unwrap(),
+                Angle::from_deg(degrees),
+            )
+            .unwrap(),
             support: Support::Load(60.0),
             pull: Some(1.0),
-            side: None,
+            side: Some(2.0),
             torque: Some(0.5),
             sinkage: Some(0.01),
         })

@@ -57,16 +57,45 @@ mod tests {
         let mut random = Random {
             state: [1, 2, 3, 4],
         };
-        let first: Vec<u64> = (0..4).map(|_| random.bits()).collect();
+        let first: Vec<u64> = (0..10).map(|_| random.bits()).collect();
         assert_eq!(
             first,
             [
                 41_943_041,
                 58_720_359,
                 3_588_806_011_781_223,
-                3_591_011_842_654_386
+                3_591_011_842_654_386,
+                9_228_616_714_210_784_205,
+                9_973_669_472_204_895_162,
+                14_011_001_112_246_962_877,
+                12_406_186_145_184_390_807,
+                15_849_039_046_786_891_736,
+                10_450_023_813_501_588_000,
             ]
         );
+        // SplitMix64 from 1234567 and from 0
+        assert_eq!(
+            Random::new(1_234_567).state,
+            [
+                6_457_827_717_110_365_317,
+                3_203_168_211_198_807_973,
+                9_817_491_932_198_370_423,
+                4_593_380_528_125_082_431,
+            ]
+        );
+        assert_eq!(Random::new(0).state[0], 0xe220_a839_7b1d_cdaf);
+    }
+
+    #[test]
+    fn each_of_a_few_numbers_comes_as_often() {
+        let mut random = Random::new(5);
+        let mut counts = [0; 7];
+        (0..7000).for_each(|_| counts[random.below(7)] += 1);
+        assert!(
+            counts.iter().all(|count| (850..1150).contains(count)),
+            "{counts:?}"
+        );
+        assert_eq!((random.below(1), random.below(0)), (0, 0));
     }
 
     #[test]

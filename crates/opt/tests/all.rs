@@ -11,9 +11,11 @@ mod random_starts;
 
 mod certified;
 mod certified_fronts;
+mod conditions;
 mod convex;
 mod enclosures;
 mod fronts;
+mod joint_problems;
 mod literature;
 mod methods;
 mod outcomes;

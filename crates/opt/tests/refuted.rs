@@ -8,7 +8,8 @@ use crate::random_starts::{Stream, starts};
 use std::collections::BTreeMap;
 
 use grouser_opt::{
-    Exact, Functions, Method, Problem, ProblemParams, Settings, Status, Variable, evaluate, solve,
+    Exact, Functions, LinearConstraint, Method, Problem, ProblemParams, Settings, Status, Variable,
+    evaluate, solve,
 };
 use grouser_real::Scalar;
 
@@ -97,4 +98,40 @@ fn a_flat_side_of_a_kink_is_not_called_a_solution() {
     let solution = solve(&problem, &Method::Minimax, &blind).unwrap();
     assert_eq!(solution.status, Status::Converged);
     assert!((solution.utility - 1.0).abs() < 1e-9);
+}
+
+/// As [`Step`] for x − y about `0`, with both variables on the line x + y = 2 or in the half-plane above it.
+struct Slanted;
+
+impl Functions for Slanted {
+    /// −(x − y) where that is above 0 and at most 1, else flat; at the kink with the value and slope of the flat side.
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        let apart = x[0] - x[1];
+        f[0] = if apart.value() > 0.0 { -apart } else { R::ZERO };
+    }
+}
+
+/// A probe of one variable leaves a linear constraint; put back onto it, it finds the way down along it.
+#[test]
+fn probes_go_along_linear_constraints() {
+    let equal = || LinearConstraint::equal("line", vec![3.0, 1.0], 4.0);
+    let above = || LinearConstraint::at_most("half-plane", vec![-3.0, -1.0], -4.0);
+    for row in [equal(), above()] {
+        let variables = ["x", "y"].map(|name| Variable::bounded(name, 1.0, 0.5, 1.5));
+        let params = ProblemParams::new(&[1.0, 1.0], 1, Exact(Slanted))
+            .variables(variables)
+            .linear([row]);
+        let problem = Problem::new(params).unwrap();
+        let mut settings = Settings::default();
+        let solution = solve(&problem, &Method::Minimax, &settings).unwrap();
+        let merit = evaluate(&problem, &Method::Minimax, &solution.x).unwrap();
+        // the line reaches x − y = 2/3 at y = 0.5; above it x − y = 1
+        assert!(
+            solution.status.is_solved() && merit.violation < 1e-9 && solution.utility < -0.66,
+            "{solution:?}"
+        );
+        settings.probes = 0;
+        let blind = solve(&problem, &Method::Minimax, &settings).unwrap();
+        assert!(blind.status == Status::Converged && blind.utility == 0.0);
+    }
 }

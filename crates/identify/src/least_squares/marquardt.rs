@@ -259,7 +259,7 @@ impl<'a, M: Model> Search<'a, M> {
         let cost = self.cost(&residuals);
         let fall = self.here.cost - cost;
         if fall > 0.0 {
-            let ratio = if foretold > 0.0 { fall / foretold } else { 0.0 };
+            let ratio = fall / foretold;
             let bend = 1.0 - Real::powi(2.0 * ratio - 1.0, 3);
             self.lambda = (self.lambda * bend.clamp(1.0 / 3.0, 2.0)).max(1e-15);
             self.growth = 2.0;

@@ -67,17 +67,16 @@ pub fn profile(
     settings: &Settings,
 ) -> Result<Interval> {
     let uncertainty = Uncertainty::of(best, settings.loss);
-    let t = student_quantile(0.5 + 0.5 * confidence, uncertainty.freedom as f64);
+    let t = student_quantile(0.5 + 0.5 * confidence, uncertainty.freedom);
     let limit = best.cost + 0.5 * Real::powi(t * uncertainty.residual_deviation, 2);
     let guess = t * uncertainty.standard_errors[index];
     let bound = &best.bounds[index];
     let width = bound.upper - bound.lower;
-    let step = if guess.is_finite() && guess > 0.0 {
+    let step = if guess.is_finite() {
         guess.min(width)
-    } else if width.is_finite() {
-        0.1 * width
     } else {
-        0.1 * best.x[index].abs().max(1e-6)
+        let size = best.x[index].abs().max(1e-6);
+        0.1 * if width.is_finite() { width } else { size }
     };
     Ok(Interval {
         low: end(model, best, index, (-step, limit), settings)?,
@@ -114,11 +113,15 @@ fn end(
         }
         Ok(found.cost)
     };
+    let is_met = |cost: f64| (cost - limit).abs() <= 1e-3 * (limit - best.cost);
     let (mut inside, mut inside_cost) = (best.x[index], best.cost);
     let mut stride = step;
     let (mut outside, mut outside_cost) = loop {
         let value = (inside + stride).clamp(bound.lower, bound.upper);
         let cost = cost_at(value)?;
+        if is_met(cost) {
+            return Ok(Some(value));
+        }
         if cost > limit {
             break (value, cost);
         }
@@ -128,14 +131,12 @@ fn end(
         (inside, inside_cost) = (value, cost);
         stride *= 1.6;
     };
-    // √(cost) is nearly straight in the parameter: its secant, kept inside the bracket
-    let root = |cost: f64| (cost - best.cost).max(0.0).sqrt();
+    // the secant of the cost, kept inside the bracket
     for _ in 0..12 {
-        let (a, b) = (root(inside_cost), root(outside_cost));
-        let share = ((root(limit) - a) / (b - a)).clamp(0.05, 0.95);
+        let share = ((limit - inside_cost) / (outside_cost - inside_cost)).clamp(0.05, 0.95);
         let value = inside + share * (outside - inside);
         let cost = cost_at(value)?;
-        if (cost - limit).abs() <= 1e-3 * (limit - best.cost) {
+        if is_met(cost) {
             return Ok(Some(value));
         }
         if cost > limit {

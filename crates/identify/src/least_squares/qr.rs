@@ -19,31 +19,28 @@ pub(crate) fn solve_damped(rows: &[Vec<f64>], right: &[f64], damping: &[f64]) ->
         let norm = a[k..]
             .iter()
             .fold(0.0_f64, |sum, row| Real::hypot(sum, row[k]));
-        if !(norm > 0.0) {
-            return None;
-        }
-        let alpha = if a[k][k] > 0.0 { -norm } else { norm };
+        // of the sign that cancels no digits
+        let alpha = norm.copysign(-a[k][k]);
         let mut v: Vec<f64> = a[k..].iter().map(|row| row[k]).collect();
         v[0] -= alpha;
         let squared: f64 = v.iter().map(|x| x * x).sum();
-        if squared > 0.0 {
-            for column in k..columns {
-                let dot: f64 = v.iter().zip(&a[k..]).map(|(x, row)| x * row[column]).sum();
-                let scale = 2.0 * dot / squared;
-                for (x, row) in v.iter().zip(&mut a[k..]) {
-                    row[column] -= scale * x;
-                }
-            }
-            let dot: f64 = v.iter().zip(&b[k..]).map(|(x, y)| x * y).sum();
+        for column in k..columns {
+            let dot: f64 = v.iter().zip(&a[k..]).map(|(x, row)| x * row[column]).sum();
             let scale = 2.0 * dot / squared;
-            for (x, y) in v.iter().zip(&mut b[k..]) {
-                *y -= scale * x;
+            for (x, row) in v.iter().zip(&mut a[k..]) {
+                row[column] -= scale * x;
             }
         }
+        let dot: f64 = v.iter().zip(&b[k..]).map(|(x, y)| x * y).sum();
+        let scale = 2.0 * dot / squared;
+        for (x, y) in v.iter().zip(&mut b[k..]) {
+            *y -= scale * x;
+        }
     }
+    // an empty column leaves a quotient by 0
     let mut x = vec![0.0; columns];
     for k in (0..columns).rev() {
-        let known: f64 = (k + 1..columns).map(|j| a[k][j] * x[j]).sum();
+        let known: f64 = a[k].iter().zip(&x).map(|(a, x)| a * x).sum();
         x[k] = (b[k] - known) / a[k][k];
         if !x[k].is_finite() {
             return None;
@@ -62,6 +59,20 @@ mod tests {
         let rows = vec![vec![1.0, 0.0], vec![1.0, 1.0], vec![1.0, 2.0]];
         let x = solve_damped(&rows, &[-1.0, -3.0, -5.0], &[1e-12, 1e-12]).unwrap();
         assert!((x[0] - 1.0).abs() < 1e-12 && (x[1] - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_short_column_keeps_its_digits() {
+        // 1 less the norm of (1, 1e-8) has no digits: only the other sign of the reflection does
+        for sign in [1.0, -1.0] {
+            let rows = vec![vec![sign, 1.0], vec![1e-8, 1.0]];
+            let right = [-sign - 2.0, -1e-8 - 2.0];
+            let x = solve_damped(&rows, &right, &[0.0, 0.0]).unwrap();
+            assert!(
+                (x[0] - 1.0).abs() < 1e-14 && (x[1] - 2.0).abs() < 1e-14,
+                "{x:?}"
+            );
+        }
     }
 
     #[test]

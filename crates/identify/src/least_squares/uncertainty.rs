@@ -145,7 +145,7 @@ impl Uncertainty {
     /// The half width of a confidence interval of parameter `index`: t times its standard error.
     #[must_use]
     pub fn half_width(&self, index: usize, confidence: f64) -> f64 {
-        student_quantile(0.5 + 0.5 * confidence, self.freedom as f64) * self.standard_errors[index]
+        student_quantile(0.5 + 0.5 * confidence, self.freedom) * self.standard_errors[index]
     }
 
     fn find_loose(&mut self, fit: &Fit) {
@@ -156,15 +156,10 @@ impl Uncertainty {
             let width = 2.0 * self.half_width(k, 0.95);
             let bound = &fit.bounds[k];
             let range = bound.upper - bound.lower;
-            let limit = if range.is_finite() {
-                range
-            } else {
-                4.0 * fit.x[k].abs()
-            };
             // an offset, whose bounds are symmetric about 0, is not judged by its own size
-            let is_offset = bound.lower == -bound.upper;
+            let is_offset = bound.lower == -bound.upper && range.is_finite();
             let uncertain = self.standard_errors[k] > MAX_RELATIVE_ERROR * fit.x[k].abs();
-            if width > limit || (uncertain && !is_offset) {
+            if width > range || (uncertain && !is_offset) {
                 self.verdicts[k] = Verdict::Loose;
             }
         }

@@ -1,34 +1,25 @@
 //! Clocks of two recordings of one test.
 
-use grouser_real::Real;
-
 /// Times of readings by a controller's own clock, put on a system clock that stamped them late and in bursts:
 /// the straight line through (controller, system), shifted so that no reading was stamped before it was made.
 ///
 /// Both in s. The controller's clock may run fast or slow against the system's; the least delay is taken
 /// as none.
 pub(super) fn straightened(controller: &[f64], system: &[f64]) -> Vec<f64> {
-    let count = controller.len() as f64;
-    let (first, second) = (controller.first(), system.first());
-    let (Some(&c_0), Some(&s_0)) = (first, second) else {
+    let (Some(&c_0), Some(&s_0)) = (controller.first(), system.first()) else {
         return Vec::new();
     };
-    let mean = |values: &[f64], from: f64| values.iter().map(|v| v - from).sum::<f64>() / count;
-    let (c_mean, s_mean) = (mean(controller, c_0), mean(system, s_0));
-    let pairs = || controller.iter().zip(system);
-    let top: f64 = pairs()
-        .map(|(c, s)| (c - c_0 - c_mean) * (s - s_0 - s_mean))
-        .sum();
-    let bottom: f64 = controller
-        .iter()
-        .map(|c| Real::powi(c - c_0 - c_mean, 2))
-        .sum();
+    let count = controller.len() as f64;
+    let mean = controller.iter().map(|c| c - c_0).sum::<f64>() / count;
+    let centred: Vec<f64> = controller.iter().map(|c| c - c_0 - mean).collect();
+    let pairs = || centred.iter().zip(system);
+    let top: f64 = pairs().map(|(c, s)| c * (s - s_0)).sum();
+    let bottom: f64 = centred.iter().map(|c| c * c).sum();
     let rate = if bottom > 0.0 { top / bottom } else { 1.0 };
-    let line = |c: f64| s_0 + s_mean + rate * (c - c_0 - c_mean);
     let least = pairs()
-        .map(|(c, s)| s - line(*c))
+        .map(|(c, s)| s - rate * c)
         .fold(f64::INFINITY, f64::min);
-    controller.iter().map(|c| line(*c) + least).collect()
+    centred.iter().map(|c| rate * c + least).collect()
 }
 
 /// The difference between two clocks that show local times of different zones: the multiple of a quarter of an
@@ -52,7 +43,7 @@ pub(super) fn at(times: &[f64], values: &[f64], t: f64) -> f64 {
         return values.last().copied().unwrap_or(f64::NAN);
     }
     let (a, b) = (times[next - 1], times[next]);
-    let share = if b > a { (t - a) / (b - a) } else { 0.0 };
+    let share = (t - a) / (b - a);
     values[next - 1] + share * (values[next] - values[next - 1])
 }
 
@@ -72,12 +63,15 @@ mod tests {
         for (a, b) in found.iter().zip(&truth) {
             assert!((a - b).abs() < 1e-3, "{a} {b}");
         }
+        // a clock that stands has no rate: all readings are as old as the oldest
+        assert_eq!(straightened(&[7.0; 3], &[3.0, 2.0, 4.0]), [2.0; 3]);
+        assert!(straightened(&[], &[]).is_empty());
     }
 
     #[test]
     fn time_zones_and_lines() {
         assert_eq!(time_zone(&[18_000.3, 18_030.0], &[0.0, 30.0]), 18_000.0);
-        assert_eq!(at(&[0.0, 1.0, 2.0], &[0.0, 10.0, 0.0], 1.25), 7.5);
+        assert_eq!(at(&[0.0, 1.0, 3.0], &[0.0, 10.0, 0.0], 1.5), 7.5);
         assert_eq!(at(&[0.0, 1.0], &[3.0, 4.0], 9.0), 4.0);
     }
 }

@@ -1,8 +1,9 @@
 //! A plate test recorded as a force in a bag and a depth in a text file, each by its own clock.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use grouser_log::container::{Container, Event};
+use grouser_log::csv::Lines;
 use grouser_log::message::{Decoder, Value};
 use grouser_real::Real;
 
@@ -10,6 +11,7 @@ use super::align::{at, straightened, time_zone};
 use super::test::{Plate, PlateTest};
 use crate::error::{Error, Result};
 use crate::least_squares::solve_damped;
+use crate::table::TABLE_LIMIT;
 
 /// How far above the noise the force must be for the plate to have met the ground, N and deviations.
 const CONTACT: (f64, f64) = (0.5, 6.0);
@@ -19,6 +21,8 @@ const CONTACT_TIME_S: f64 = 0.5;
 const QUIET_TIME_S: f64 = 3.0;
 /// How close to its deepest place the plate still counts as being pressed in, m.
 const STROKE_END_M: f64 = 3e-4;
+/// Down to this depth the surface's own roughness rules, m.
+const ROUGH_DEPTH_M: f64 = 1e-3;
 /// Clock offsets beyond the time zone that are tried, s, and their step.
 const OFFSETS: (f64, f64) = (1.0, 0.01);
 
@@ -204,20 +208,15 @@ fn roughness(
     let points: Vec<(f64, f64)> = depths
         .iter()
         .zip(&forces)
-        .filter(|(z, f)| **z > 1e-3 && **f > 0.0)
+        .filter(|(z, f)| **z > ROUGH_DEPTH_M && **f > 0.0)
         .map(|(z, f)| (Real::ln(*z), Real::ln(*f)))
         .collect();
     if points.len() < 20 {
         return f64::INFINITY;
     }
-    let low = points.iter().fold(f64::INFINITY, |m, p| m.min(p.0));
-    let high = points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p.0));
     let rows: Vec<Vec<f64>> = points
         .iter()
-        .map(|(x, _)| {
-            let u = 2.0 * (x - low) / (high - low) - 1.0;
-            (0..5).map(|power| Real::powi(u, power)).collect()
-        })
+        .map(|(x, _)| (0..5).map(|power| Real::powi(*x, power)).collect())
         .collect();
     let right: Vec<f64> = points.iter().map(|(_, y)| -y).collect();
     let Some(found) = solve_damped(&rows, &right, &[1e-9; 5]) else {
@@ -291,9 +290,17 @@ fn read_force(source: &BagSource) -> Result<(Vec<f64>, Vec<f64>)> {
 
 /// Times (s, by the system's clock) and heights (m) of a text file.
 fn read_heights(depth: &DepthColumn) -> Result<(Vec<f64>, Vec<f64>)> {
-    let text = read_text(&depth.file)?;
+    let mut lines = Lines::open(&depth.file)?;
     let (mut clock, mut controller, mut height) = (Vec::new(), Vec::new(), Vec::new());
-    for (index, line) in text.lines().enumerate() {
+    while lines.advance()? {
+        let wrong = |message: String| Error::Content {
+            path: depth.file.clone(),
+            message: format!("line {}: {message}", lines.number()),
+        };
+        if lines.bytes() > TABLE_LIMIT {
+            return Err(wrong(format!("is beyond the limit of {TABLE_LIMIT} bytes")));
+        }
+        let line = lines.text()?;
         if line.trim().is_empty() {
             continue;
         }
@@ -306,10 +313,7 @@ fn read_heights(depth: &DepthColumn) -> Result<(Vec<f64>, Vec<f64>)> {
             let number = found.and_then(|text| text.parse::<f64>().ok());
             number
                 .filter(|value| value.is_finite())
-                .ok_or_else(|| Error::Content {
-                    path: depth.file.clone(),
-                    message: format!("line {}: field {place} is no finite number", index + 1),
-                })
+                .ok_or_else(|| wrong(format!("field {place} is no finite number")))
         };
         clock.push(field(depth.clock)?);
         height.push(depth.height_unit * field(depth.height)?);
@@ -323,20 +327,4 @@ fn read_heights(depth: &DepthColumn) -> Result<(Vec<f64>, Vec<f64>)> {
         straightened(&controller, &clock)
     };
     Ok((times, height))
-}
-
-fn read_text(path: &Path) -> Result<String> {
-    use std::io::Read as _;
-    let file = grouser_files::regular::open(path)?;
-    let mut bytes = Vec::new();
-    file.take(crate::table::TABLE_LIMIT)
-        .read_to_end(&mut bytes)
-        .map_err(|source| grouser_files::Error::Unreadable {
-            file: path.display().to_string(),
-            source,
-        })?;
-    String::from_utf8(bytes).map_err(|_| Error::Content {
-        path: path.to_owned(),
-        message: "is not UTF-8 text".to_owned(),
-    })
 }

@@ -233,50 +233,57 @@ fn assemble(
 ) -> PlateFit {
     let n = found.x[0];
     let wide = |end: Option<f64>, value: f64| end.map(|end| value + widen * (end - value));
-    let parameter = |name: String, index: usize, change: &dyn Fn(f64) -> f64| {
+    let number = |name: String, index: usize| {
         let x = found.x[index];
-        let value = change(x);
-        // the slope of the change carries the standard error over
-        let step = 1e-6 * x.abs().max(1e-3);
-        let slope = (change(x + step) - change(x - step)) / (2.0 * step);
         PlateParameter {
             name,
-            value,
-            standard_error: widen * slope.abs() * uncertainty.standard_errors[index],
+            value: x,
+            standard_error: widen * uncertainty.standard_errors[index],
             interval: Interval {
-                low: wide(intervals[index].low, x).map(change),
-                high: wide(intervals[index].high, x).map(change),
+                low: wide(intervals[index].low, x),
+                high: wide(intervals[index].high, x),
             },
             verdict: uncertainty.verdicts[index],
         }
     };
-    let itself = |x: f64| x;
-    let mut parameters = vec![parameter("n".to_owned(), 0, &itself)];
-    let (k_c, k_phi) = match shape {
-        Shape::One => {
-            parameters.push(parameter("k_pa_per_m_n".to_owned(), 1, &Real::exp));
-            (0.0, Real::exp(found.x[1]))
-        }
-        Shape::Two { least, greatest } => {
-            for (index, width) in [(1, least), (2, greatest)] {
-                let name = format!("k_pa_per_m_n_at_b_{}_mm", 1e3 * width);
-                parameters.push(parameter(name, index, &Real::exp));
-            }
-            let (narrow, wide) = (Real::exp(found.x[1]), Real::exp(found.x[2]));
-            let k_c = (narrow - wide) / (1.0 / least - 1.0 / greatest);
-            (k_c, narrow - k_c / least)
+    // k is the exponential of what was fitted
+    let modulus = |name: String, index: usize| {
+        let own = number(name, index);
+        let value = Real::exp(own.value);
+        PlateParameter {
+            value,
+            standard_error: value * own.standard_error,
+            interval: Interval {
+                low: own.interval.low.map(Real::exp),
+                high: own.interval.high.map(Real::exp),
+            },
+            ..own
         }
     };
-    for (index, test) in tests.iter().enumerate() {
-        let place = 1 + shape.moduli() + index;
-        if place < found.x.len() {
-            parameters.push(parameter(
-                format!("datum_m of {}", test.name),
-                place,
-                &itself,
-            ));
+    let mut parameters = vec![number("n".to_owned(), 0)];
+    let (k_c, k_phi) = match shape {
+        Shape::One => {
+            let k = modulus("k_pa_per_m_n".to_owned(), 1);
+            let k_phi = k.value;
+            parameters.push(k);
+            (0.0, k_phi)
         }
-    }
+        Shape::Two { least, greatest } => {
+            let at = |index: usize, width: f64| {
+                // the rounding of the width's own unit is no part of its name
+                let width_mm = (1e9 * width).round() / 1e6;
+                modulus(format!("k_pa_per_m_n_at_b_{width_mm}_mm"), index)
+            };
+            let (narrow, wide) = (at(1, least), at(2, greatest));
+            let k_c = (narrow.value - wide.value) / (1.0 / least - 1.0 / greatest);
+            let k_phi = narrow.value - k_c / least;
+            parameters.extend([narrow, wide]);
+            (k_c, k_phi)
+        }
+    };
+    let datums = tests.iter().zip(parameters.len()..found.x.len());
+    parameters
+        .extend(datums.map(|(test, place)| number(format!("datum_m of {}", test.name), place)));
     PlateFit {
         n,
         k_c,

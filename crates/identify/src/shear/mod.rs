@@ -66,6 +66,9 @@ pub fn read_table(path: &Path) -> Result<Vec<ShearReading>> {
         .collect())
 }
 
+/// Where searches for K begin, as shares of the longest displacement.
+const K_SHEAR_STARTS: [f64; 7] = [0.2, 1.0, 0.45, 0.09, 0.04, 0.018, 0.008];
+
 struct Law<'a>(&'a [ShearReading]);
 
 impl Functions for Law<'_> {
@@ -121,29 +124,38 @@ pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
             parameters: 3,
         });
     }
-    let bounds = [
-        Bounded {
-            start: 0.1 * most,
-            lower: 0.0,
-            upper: 10.0 * most,
-        },
-        Bounded {
-            start: 0.5,
-            lower: 0.0,
-            upper: 1.2,
-        },
-        Bounded {
-            start: 0.2 * reach,
-            lower: 1e-6 * reach,
-            upper: 10.0 * reach,
-        },
-    ];
+    // far from its K a search may take all readings for mobilised, where K has no effect: the best of several
+    let from = |k_shear: f64| {
+        [
+            Bounded {
+                start: 0.0,
+                lower: 0.0,
+                upper: 10.0 * most,
+            },
+            Bounded {
+                start: 0.5,
+                lower: 0.0,
+                upper: 1.2,
+            },
+            Bounded {
+                start: k_shear * reach,
+                lower: 1e-6 * reach,
+                upper: 10.0 * reach,
+            },
+        ]
+    };
     let settings = Settings {
         loss,
         ..Settings::default()
     };
     let law = Exact(Law(readings));
-    let found = fit(&law, readings.len(), &bounds, &settings)?;
+    let mut found = fit(&law, readings.len(), &from(K_SHEAR_STARTS[0]), &settings)?;
+    for k_shear in &K_SHEAR_STARTS[1..] {
+        let other = fit(&law, readings.len(), &from(*k_shear), &settings)?;
+        if other.cost < found.cost {
+            found = other;
+        }
+    }
     let uncertainty = Uncertainty::of(&found, loss);
     let mut intervals = [Interval {
         low: None,

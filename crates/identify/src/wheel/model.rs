@@ -110,8 +110,9 @@ impl<'a> WheelModel<'a> {
     ) {
         let contact = self.contact_at(x);
         let number = |value: f64, index: usize| match index.checked_sub(first) {
-            Some(direction) if direction < N => Dual::<N>::variable(value, direction),
-            _ => Dual::constant(value),
+            // beyond N a variable is a constant
+            Some(direction) => Dual::<N>::variable(value, direction),
+            None => Dual::constant(value),
         };
         let mut offsets = [Dual::<N>::constant(0.0); 3];
         for (index, (parameter, value)) in self.parameters.iter().zip(x).enumerate() {
@@ -123,7 +124,8 @@ impl<'a> WheelModel<'a> {
             let solved = contact.as_ref().and_then(|contact| {
                 let mut inputs = DualInputs::<N>::new(contact, &test.kinematics);
                 for (index, (parameter, value)) in self.parameters.iter().zip(x).enumerate() {
-                    parameter.put_dual(&mut inputs.soil, number(*value, index));
+                    let side = self.fixed.soil.k_shear_side;
+                    parameter.put_dual(&mut inputs.soil, side, number(*value, index));
                 }
                 solve(&inputs, contact, test)
             });

@@ -51,8 +51,8 @@ pub fn read_table(path: &Path) -> Result<Vec<WheelTest>> {
             Ok(vec![None; table.len()])
         }
     };
-    let by_speeds = table.has(RIM) && table.has(TRAVEL);
-    if table.has(RIM) != table.has(TRAVEL) {
+    let by_speeds = table.has(RIM);
+    if by_speeds != table.has(TRAVEL) {
         return Err(Error::Content {
             path: path.to_owned(),
             message: "the rim's and the travel speed are read together, but one of them is absent"

@@ -94,7 +94,7 @@ pub fn check_derivatives(
                     difference: b,
                 });
             }
-            if !(discrepancy <= check.worst) {
+            if discrepancy > check.worst || discrepancy.is_nan() {
                 check.worst = discrepancy;
             }
         }

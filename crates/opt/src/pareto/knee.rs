@@ -32,11 +32,10 @@ pub fn knee(front: &[Vec<f64>]) -> Option<usize> {
     if ends.iter().any(|(low, high)| !(high > low)) {
         return None;
     }
+    // Σ f of the scaled objectives but for a constant
     let height = |p: &Vec<f64>| -> f64 {
-        p.iter()
-            .zip(&ends)
-            .map(|(f, (low, high))| (f - low) / (high - low))
-            .sum()
+        let each = p.iter().zip(&ends);
+        each.map(|(f, (low, high))| f / (high - low)).sum()
     };
     (0..front.len()).min_by(|&a, &b| height(&front[a]).total_cmp(&height(&front[b])))
 }

@@ -9,6 +9,8 @@ mod knee;
 mod mutation;
 mod nsga2;
 mod nsga3;
+#[cfg(test)]
+mod operator_tests;
 mod polish;
 mod population;
 mod sbx;
@@ -286,7 +288,7 @@ impl Search<'_, '_, '_> {
         let population = self.seeded(count)?;
         let (mut population, mut fitness) = nsga2::survive(population, count);
         for _ in 0..self.settings.generations {
-            let mut offspring = Vec::with_capacity(count + 1);
+            let mut offspring = Vec::new();
             while offspring.len() < count {
                 let a = nsga2::tournament(&fitness, &mut self.random);
                 let b = nsga2::tournament(&fitness, &mut self.random);
@@ -308,7 +310,7 @@ impl Search<'_, '_, '_> {
         let mut population = self.seeded(count)?;
         let mut memory = nsga3::Normalisation::new(self.problem.objectives().len());
         for _ in 0..self.settings.generations {
-            let mut offspring = Vec::with_capacity(count + 1);
+            let mut offspring = Vec::new();
             while offspring.len() < count {
                 let a = self.less_violated(&population);
                 let b = self.less_violated(&population);

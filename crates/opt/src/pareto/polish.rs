@@ -232,3 +232,52 @@ fn nondominated(points: &[FrontPoint]) -> Vec<FrontPoint> {
     }
     kept
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kept(points: &[[f64; 2]]) -> Vec<usize> {
+        let of = |(index, f): (usize, &[f64; 2])| FrontPoint {
+            x: vec![index as f64],
+            objectives: f.to_vec(),
+            multipliers: None,
+        };
+        let points: Vec<FrontPoint> = points.iter().enumerate().map(of).collect();
+        let kept = nondominated(&points);
+        let place = |point: &FrontPoint| points.iter().position(|p| p.x == point.x).unwrap();
+        kept.iter().map(place).collect()
+    }
+
+    #[test]
+    fn beaten_and_repeated_points_leave() {
+        assert_eq!(
+            kept(&[[0.0, 1.0], [1.0, 0.0], [1.0, 0.5], [0.5, 0.5]]),
+            [0, 1, 3]
+        );
+        // to the solver's tolerance of 1e-9: repeated, as good in one objective, beaten in one
+        assert_eq!(
+            kept(&[[0.0, 1.0], [5e-10, 1.0 - 5e-10], [2.0, 0.0]]),
+            [0, 2]
+        );
+        assert_eq!(kept(&[[1.0, 1.0], [1.0 + 5e-10, 0.5]]), [1]);
+        assert_eq!(kept(&[[1.0, 1.0], [1.0 + 5e-9, 0.5]]), [0, 1]);
+        assert_eq!(kept(&[[1.0, 1.0 + 5e-9], [1.0 + 5e-10, 1.0]]), [1]);
+        assert_eq!(kept(&[[1.0, 1.0 + 1.5e-9], [1.0 + 1.5e-9, 1.0]]), [0, 1]);
+    }
+
+    #[test]
+    fn prices_are_of_the_objectives_themselves() {
+        let mut prices = Multipliers {
+            objectives: vec![0.5, 0.5],
+            inequalities: vec![3.0],
+            ..Multipliers::default()
+        };
+        // γ ≥ (f − ideal)/w: a half of f1/2 and a half of f2/0.5 are a quarter of f1 and one f2
+        per_objective(&mut prices, &[2.0, 0.5]);
+        assert_eq!(
+            (&prices.objectives[..], prices.inequalities[0]),
+            (&[0.2, 0.8][..], 2.4)
+        );
+    }
+}

@@ -65,12 +65,7 @@ impl Curvature {
             if let Some(factor) = Factor::new(&self.matrix, self.n) {
                 return factor;
             }
-            let scale = if self.scale.is_finite() && self.scale > 0.0 && !self.fresh {
-                self.scale
-            } else {
-                1.0
-            };
-            self.reset(scale);
+            self.reset(if self.fresh { 1.0 } else { self.scale });
         }
     }
 
@@ -120,6 +115,92 @@ impl Curvature {
             for j in 0..c {
                 self.matrix[i * self.n + j] += r[i] * r[j] / s_r - bs[i] * bs[j] / s_bs;
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn times(curvature: &Curvature, v: &[f64]) -> Vec<f64> {
+        let rows = curvature.matrix.chunks_exact(curvature.n);
+        rows.map(|row| dot(row, v)).collect()
+    }
+
+    fn near(a: &[f64], b: &[f64], size: f64) -> bool {
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-10 * size)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 128, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// B s = y where s·y is not too small, else s·B s falls to a fifth; at right angles to s and y nothing changes;
+        /// a linear variable keeps its small curvature.
+        #[test]
+        fn what_is_learned_holds_along_the_step(
+            steps in prop::collection::vec((prop::array::uniform3(-1.0..1.0_f64), prop::array::uniform3(-2.0..2.0_f64)), 1..6),
+            scale in 0.1..10.0_f64,
+        ) {
+            let mut curvature = Curvature::new(4, 3, scale);
+            prop_assert!(curvature.is_fresh() && curvature.scale() == scale);
+            for (round, (s, y)) in steps.iter().enumerate() {
+                let (s, y) = ([s[0], s[1], s[2], 0.7], [y[0], y[1], y[2], 0.3]);
+                let (s_s, s_y, y_y) = (dot(&s[..3], &s[..3]), dot(&s[..3], &y[..3]), dot(&y[..3], &y[..3]));
+                prop_assume!(s_s > 1e-3 && s_y.abs() > 1e-3 && y_y > 1e-3);
+                let own = [s[0], s[1], s[2], 0.0];
+                // the first step sets the scale by its own curvature
+                let first = if s_y > 0.0 { y_y / s_y } else { scale };
+                let before = if round == 0 { own.map(|s| first * s).to_vec() } else { times(&curvature, &own) };
+                let s_bs = dot(&own, &before);
+                let cross = [s[1] * y[2] - s[2] * y[1], s[2] * y[0] - s[0] * y[2], s[0] * y[1] - s[1] * y[0], 0.0];
+                let aside = if round == 0 { cross.map(|c| first * c).to_vec() } else { times(&curvature, &cross) };
+                let normal = round == 0; // later B s need not lie in the plane of s and y
+                curvature.update(&s, &y);
+                prop_assert!(!curvature.is_fresh());
+                let after = times(&curvature, &own);
+                let size = 10.0 * (1.0 + s_bs + y_y) / s_y.abs().min(s_bs).min(1.0);
+                if s_y >= 0.2 * s_bs {
+                    prop_assert!(near(&after[..3], &y[..3], size), "{after:?} {y:?}");
+                } else {
+                    prop_assert!((dot(&own, &after) - 0.2 * s_bs).abs() < 1e-10 * size);
+                }
+                prop_assert!(!normal || near(&times(&curvature, &cross), &aside, size));
+                prop_assert!((curvature.energy(&own) - dot(&own, &after)).abs() < 1e-10 * size);
+                let linear = if s_y > 0.0 || round > 0 { curvature.scale() } else { scale };
+                prop_assert!((curvature.energy(&[0.0, 0.0, 0.0, 2.0]) - 4e-6 * linear).abs() < 1e-12 * size);
+            }
+            curvature.reset(2.0);
+            prop_assert!(curvature.is_fresh() && curvature.scale() == 2.0);
+            prop_assert!(near(&times(&curvature, &[1.0, 2.0, 3.0, 1.0]), &[2.0, 4.0, 6.0, 2e-6], 1.0));
+        }
+    }
+
+    #[test]
+    fn nothing_is_learned_from_no_step_and_no_number() {
+        let mut curvature = Curvature::new(2, 2, 3.0);
+        curvature.update(&[0.0, 0.0], &[1.0, 1.0]);
+        curvature.update(&[1.0, 0.0], &[f64::INFINITY, 1.0]);
+        assert!(curvature.is_fresh() && times(&curvature, &[1.0, 2.0]) == [3.0, 6.0]);
+        // of an indefinite matrix a new start is made, of the scale that there was
+        curvature.fresh = false;
+        curvature.matrix = vec![1.0, 2.0, 2.0, 1.0];
+        let factor = curvature.factor();
+        assert_eq!(factor.forward(&[3.0_f64.sqrt(), 0.0]), [1.0, 0.0]);
+        assert!(curvature.is_fresh() && curvature.scale() == 3.0);
+        for useless in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
+            curvature.reset(useless);
+            curvature.fresh = false;
+            curvature.factor();
+            assert_eq!(curvature.scale(), 1.0);
+        }
+        // the first step sets the scale unless it is at right angles to the change to a hundred-millionth
+        for (along, scale) in [(3e-6, 1e6 / 3e-6), (3e-7, 1.0), (-1.0, 1.0)] {
+            let mut curvature = Curvature::new(2, 2, 1.0);
+            curvature.update(&[0.1, 0.0], &[10.0 * along, 1e3]);
+            assert!((curvature.scale() / scale - 1.0).abs() < 1e-6, "{along}");
         }
     }
 }

@@ -88,6 +88,7 @@ impl Qp<'_> {
         let cap = f64::INFINITY;
         let (variable, sign) = self.bound_row(row);
         match (self.lower[variable] == self.upper[variable], sign < 0.0) {
+            (false, _) if self.offset(row).is_infinite() => RowKind::Ignored,
             (false, _) => RowKind::Inequality { cap },
             (true, true) => RowKind::Equality { cap },
             (true, false) => RowKind::Ignored,
@@ -316,7 +317,7 @@ impl Qp<'_> {
         let mut most = 0.0;
         for (row, &multiplier) in u.iter().enumerate() {
             let (low, high) = self.kind(row).range();
-            if low == high || self.offset(row).is_infinite() {
+            if low == high {
                 continue;
             }
             let (residual, size) = self.residual(row, step, level);
@@ -368,3 +369,7 @@ fn blocked(
     }
     (shortest, blocking)
 }
+
+#[cfg(test)]
+#[path = "qp_tests.rs"]
+mod tests;
