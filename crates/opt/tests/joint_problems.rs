@@ -350,6 +350,11 @@ fn samples_of_what_is_no_distribution_are_refused() {
         normal(&[f64::NAN], &[&[1.0]]).is_err() && normal(&[0.0], &[&[f64::INFINITY]]).is_err()
     );
     assert!(normal(&[0.0], &[]).is_err() && normal(&[0.0, 1.0], &[&[1.0], &[1.0]]).is_err());
+    // an asymmetry is measured by the diagonal
+    assert!(normal(&[0.0, 0.0], &[&[2e8, 1.0], &[1.1, 1e8]]).is_ok());
+    assert!(normal(&[0.0, 0.0], &[&[2e-8, 0.0], &[1e-9, 1e-8]]).is_err());
+    let second = normal(&[0.0, f64::NAN], &[&[1.0, 0.0], &[0.0, 1.0]]).unwrap_err();
+    assert!(second.to_string().contains("parameter 2"), "{second}");
     let ranges = |low: f64, high: f64| {
         sample(
             &Uncertainty::Ranges {
