@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use grouser_rover::drive::{Pilot, Simulation, read_scenario};
 use grouser_rover::dynamics::Vehicle;
 use grouser_rover::ground::{Ground, HeightMap};
 use grouser_rover::robot::RobotModel;
@@ -56,4 +57,35 @@ fn the_step_bounds_a_motion_not_the_accuracy_of_the_forces() {
         by_forces < 1e-3 * by_step.min(by_half),
         "{by_forces} {by_step}"
     );
+}
+
+/// Drives of `scenario` in open loop: the way over the ground, m, and what the motors took, J, in the first six seconds.
+fn open_loop(scenario: &str, step_s: f64) -> [f64; 2] {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
+    let mut scenario = read_scenario(&root.join(scenario)).unwrap();
+    scenario.step = step_s;
+    let mut drive = Simulation::new(&scenario, Pilot::OpenLoop, 0.3, 7).unwrap();
+    let (mut place, mut way) = (None, 0.0);
+    drive.run(|frame| {
+        let [x, y, z] = frame.place;
+        let now = Vector::new(x, y, z);
+        way += place
+            .replace(now)
+            .map_or(0.0, |before| (now - before).length());
+        frame.time < 6.0
+    });
+    [way, drive.vehicle().ledger().electric]
+}
+
+/// docs/drive.md offers a step of 2.5 ms for sweeps, with these errors.
+#[test]
+fn a_step_for_sweeps_errs_by_a_thousandth() {
+    for scenario in ["slope.toml", "sandbox.toml", "dunes.toml"] {
+        let [way, electric] = open_loop(scenario, 2.5e-4);
+        let [long_way, long_electric] = open_loop(scenario, 2.5e-3);
+        let errors = [long_way / way - 1.0, long_electric / electric - 1.0];
+        println!("{scenario}: {way:.3} m, {electric:.1} J, off by {errors:?}");
+        assert!(way > 0.5, "{way}");
+        assert!(errors.iter().all(|error| error.abs() < 2e-3), "{errors:?}");
+    }
 }
