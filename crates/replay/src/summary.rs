@@ -65,7 +65,7 @@ pub struct WheelSummary {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct AlongSummary {
-    /// Slip over windows.
+    /// Slip over windows while the wheels turned, faster than the robot's `low_speed_m_per_s` on average.
     pub slip: Spread,
     /// Slip of the whole way: 1 − way by the reference / way by the wheels (or its braking branch).
     pub overall: Option<f64>,

@@ -43,17 +43,19 @@ impl Ways {
             return;
         }
         self.until_ns = body.until_ns;
+        // beside rims at rest the noise of a reference would look like a skid, or like a turn
+        let (sum, count) = rims.fold((0.0, 0.0), |(sum, count), rim| {
+            (sum + rim.abs(), count + 1.0)
+        });
+        if sum <= count * self.low_speed {
+            return;
+        }
         if let Some(slip) = body.along {
             self.along.add(slip.value());
         }
         if let (Some(wheels), Some(gyro)) = (body.wheels_yaw_rate, body.yaw_rate) {
-            let (sum, count) = rims.fold((0.0, 0.0), |(sum, count), rim| {
-                (sum + rim.abs(), count + 1.0)
-            });
-            if sum > count * self.low_speed {
-                let residual = (wheels.value - gyro.value).abs() * self.window;
-                self.yaw.add(residual);
-            }
+            let residual = (wheels.value - gyro.value).abs() * self.window;
+            self.yaw.add(residual);
         }
     }
 

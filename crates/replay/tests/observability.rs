@@ -14,10 +14,16 @@ const ROBOT: &str = "format = 1\nname = \"cart\"\n[estimator]\nreference = \"gri
 
 /// A cart that drives straight at 0.5 m/s by its rims and at 0.4 m/s over ground, 20 s at 50 Hz.
 fn summary(with_pose: bool, options: &Options) -> Summary {
+    summary_of(with_pose, |row| (1.8, 0.4 * 0.02 * f64::from(row)), options)
+}
+
+/// A cart that runs straight at a speed by its rims, km/h, and is at a place, m, both of the row, 20 s at 50 Hz.
+fn summary_of(with_pose: bool, drive: impl Fn(i32) -> (f64, f64), options: &Options) -> Summary {
     let mut table = String::from("t,left,right,gyro,x,y,yaw\n");
     for row in 0..1000 {
         let time = f64::from(row) * 0.02;
-        writeln!(table, "{time},1.8,1.8,0.0,{},0,0", 0.4 * time).unwrap();
+        let (speed, place) = drive(row);
+        writeln!(table, "{time},{speed},{speed},0.0,{place},0,0").unwrap();
     }
     let pose = "{ column = \"x\", meaning = \"pose_x\", unit = \"m\" }, { column = \"y\", meaning = \"pose_y\", \
         unit = \"m\" }, { column = \"yaw\", meaning = \"pose_yaw\", unit = \"rad\" },";
@@ -77,4 +83,24 @@ fn the_filters_checks_pass_where_it_follows_its_reference() {
     let (filter, reference) = (fused.ways.slip_by_filter(), fused.ways.slip_by_reference());
     assert!((filter.unwrap() - reference.unwrap()).abs() < 0.03);
     assert!(summary.wheels[0].window_slip.is_none());
+}
+
+#[test]
+fn the_noise_of_a_reference_at_rest_is_no_skid() {
+    // half of the time at rest; positions that jump by up to 4 cm
+    let drive = |row: i32| {
+        let noise = f64::from(row * row % 997 * 7919 % 1009) / 504.0 - 1.0;
+        let driven = f64::from((row - 500).max(0)) * 0.02;
+        let speed = if row > 500 { 1.8 } else { 0.0 };
+        (speed, 0.4 * driven + 0.02 * noise)
+    };
+    for method in [Method::Window, Method::Filter] {
+        let options = Options {
+            method: Some(method),
+            ..Options::default()
+        };
+        let slip = summary_of(true, drive, &options).along.slip;
+        assert!((slip.median.unwrap() - 0.2).abs() < 0.05, "{slip:?}");
+        assert!(slip.p5.unwrap() > -0.5 && slip.count > 100, "{slip:?}");
+    }
 }
