@@ -54,7 +54,7 @@ impl Recorded {
         Self::with(name, clocks, topics, (360, 50_000_000))
     }
 
-    /// `zone_s` and `offset_s` are what the heights' clock lacks; so many messages in steps of so many nanoseconds.
+    /// The heights' clock is behind by `zone_s` and `offset_s`; the bag has a number of messages, with this time between two, ns.
     fn with(
         name: &str,
         (zone_s, offset_s): (f64, f64),

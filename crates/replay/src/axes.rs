@@ -61,19 +61,23 @@ pub(crate) struct AxisWatch {
     way: f64,
 }
 
+/// Cosine and sine of the heading of the first powered wheel, where the other ones' differ from it by an angle with more than
+/// this cosine.
+pub(crate) fn common_heading(robot: &Robot, min_cosine: f64) -> Option<[f64; 2]> {
+    let mut powered = robot
+        .wheels()
+        .iter()
+        .filter(|wheel| wheel.role == WheelRole::Powered)
+        .map(|wheel| [wheel.heading.cos(), wheel.heading.sin()]);
+    let first = powered.next()?;
+    let is_parallel = |e: [f64; 2]| first[0] * e[0] + first[1] * e[1] > min_cosine;
+    powered.all(is_parallel).then_some(first)
+}
+
 impl AxisWatch {
     pub(crate) fn new(robot: &Robot, low_speed: f64) -> Self {
-        let mut powered = robot
-            .wheels()
-            .iter()
-            .filter(|wheel| wheel.role == WheelRole::Powered)
-            .map(|wheel| [wheel.heading.cos(), wheel.heading.sin()]);
-        let first = powered.next();
-        let is_parallel = |e: [f64; 2]| {
-            first.is_some_and(|first| first[0] * e[0] + first[1] * e[1] > Real::cos(MAX_ANGLE_RAD))
-        };
         Self {
-            along: first.filter(|_| powered.all(is_parallel)),
+            along: common_heading(robot, Real::cos(MAX_ANGLE_RAD)),
             low_speed,
             rim: 0.0,
             begun: None,

@@ -160,7 +160,7 @@ proptest! {
 #[test]
 fn only_a_positive_definite_matrix_has_a_factor() {
     assert!(Factor::new(&[1.0, 2.0, 2.0, 4.1], 2).is_some());
-    // a second pivot of so many units in the last place of its entry is rounding up to four
+    // a second pivot of up to four units in the last place of its entry is rounding
     let of_pivot = |units: f64| {
         let large = (1u64 << 20) as f64;
         let matrix = [1.0 / large, 1.0, 1.0, large * (1.0 + units * f64::EPSILON)];

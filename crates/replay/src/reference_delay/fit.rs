@@ -30,22 +30,21 @@ const MIN_BLOCKS: usize = 4;
 const VARIANCE_PRIOR_COUNT: f64 = 4.0;
 /// Smallest variance of a reading, m² or rad²: 0.3 mm or mrad.
 const MIN_VARIANCE: f64 = 1e-7;
-/// Standard deviation of c, s²/m, and its trial values. c = 1/(g κ), where κ, the gain of pull over weight by slip, is 10 and
+/// Standard deviation of c, and the step and the number of its trial values from 0, s²/m. c = 1/(g κ), where κ, the gain of pull over weight by slip, is 10 and
 /// more for rubber on asphalt and 1 to 2 on loose sand.
-const LAG_SIGMA: f64 = 0.05;
-const LAG_STEP: f64 = 0.01;
+const LAG_SIGMA_S2_PER_M: f64 = 0.05;
+const LAG_STEP_S2_PER_M: f64 = 0.01;
 const LAGS: usize = 15;
 /// Standard deviation of a gyro's bias, rad/s.
-const BIAS_SIGMA: f64 = 0.02;
+const BIAS_SIGMA_RAD_PER_S: f64 = 0.02;
 /// Mean and standard deviation of a: of the share of their way that the rims drive the robot on, and of a gyro's scale.
 const WAY_SCALE: (f64, f64) = (0.9, 0.3);
 const TURN_SCALE: (f64, f64) = (1.0, 0.02);
-/// Delays whose log-likelihood is less than the greatest by no more than this are possible (four standard deviations) and
-/// likely (two).
-const POSSIBLE: f64 = 8.0;
-const LIKELY: f64 = 2.0;
-/// A part of the log contradicts a delay whose log-likelihood in it is less than the greatest by this: three.
-const CONTRADICTED: f64 = 4.5;
+/// By how much the log-likelihood of a delay may be less than the greatest, nats: of a possible delay, of a likely one, and in
+/// a part of the log that does not contradict it. Half of the square of four, two and three standard deviations (Wilks).
+const POSSIBLE_NATS: f64 = 8.0;
+const LIKELY_NATS: f64 = 2.0;
+const CONTRADICTED_NATS: f64 = 4.5;
 /// Step for derivatives by the delay, s.
 const DERIVATIVE_STEP_S: f64 = 0.004;
 
@@ -122,7 +121,7 @@ impl Block<'_> {
                 (ff, fy - lag * hy, yy, WAY_SCALE)
             }
             Kind::Turn => {
-                let hh = hh + self.variance / (BIAS_SIGMA * BIAS_SIGMA);
+                let hh = hh + self.variance / (BIAS_SIGMA_RAD_PER_S * BIAS_SIGMA_RAD_PER_S);
                 let without = |a: f64, b: f64| a * b / hh;
                 let (ff, fy) = (ff - without(fh, fh), fy - without(fh, hy));
                 (ff, fy, yy - without(hy, hy), TURN_SCALE)
@@ -197,13 +196,13 @@ pub(super) fn fit<'a>(
     let is_contradicted = parts.iter().any(|part| {
         let of = |block: usize| part(&blocks[block]);
         let here = costs.at(least.index, of).cost;
-        here > costs.least(of).cost + CONTRADICTED * dispersion
+        here > costs.least(of).cost + CONTRADICTED_NATS * dispersion
     });
-    let [low, high] = within(LIKELY);
+    let [low, high] = within(LIKELY_NATS);
     Some(Fitted {
         delay_s: least.delay_s,
         half_width_s: (least.delay_s - low).max(high - least.delay_s) + 0.5 * FINE_STEP_S,
-        possible_s: within(POSSIBLE),
+        possible_s: within(POSSIBLE_NATS),
         is_contradicted,
     })
 }
@@ -284,7 +283,7 @@ impl Costs {
         let one = |block: &Block<'_>| {
             let at = |delay_s: &f64| {
                 let sums = block.sums(stated_s + delay_s);
-                std::array::from_fn(|lag| block.cost(&sums, lag as f64 * LAG_STEP))
+                std::array::from_fn(|lag| block.cost(&sums, lag as f64 * LAG_STEP_S2_PER_M))
             };
             delays_s.iter().map(at).collect()
         };
@@ -305,8 +304,8 @@ impl Costs {
     /// Of some blocks at a delay.
     fn at(&self, index: usize, of: impl Fn(usize) -> bool) -> Trial {
         let mut totals: [f64; LAGS] = std::array::from_fn(|lag| {
-            let lag = lag as f64 * LAG_STEP;
-            0.5 * lag * lag / (LAG_SIGMA * LAG_SIGMA)
+            let lag = lag as f64 * LAG_STEP_S2_PER_M;
+            0.5 * lag * lag / (LAG_SIGMA_S2_PER_M * LAG_SIGMA_S2_PER_M)
         });
         let blocks = self.of_blocks.iter().enumerate();
         for (_, costs) in blocks.filter(|(block, _)| of(*block)) {
@@ -321,7 +320,7 @@ impl Costs {
         Trial {
             index,
             delay_s: self.delays_s[index],
-            lag: lag as f64 * LAG_STEP,
+            lag: lag as f64 * LAG_STEP_S2_PER_M,
             cost,
         }
     }

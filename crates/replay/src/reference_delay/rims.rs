@@ -5,6 +5,7 @@ use grouser_real::Real;
 use grouser_slip::{Measurement, Sample, Wheel, WheelRole};
 
 use super::track::Track;
+use crate::axes::common_heading;
 use crate::steering::WheelSteering;
 
 /// A wheel that is read less often is not known in between, s.
@@ -43,15 +44,9 @@ impl Rims {
         let powered = wheels
             .iter()
             .filter(|rim| rim.wheel.role == WheelRole::Powered);
-        let mut headings = powered
-            .clone()
-            .map(|rim| [rim.wheel.heading.cos(), rim.wheel.heading.sin()]);
-        let first = headings.next();
-        let along = first
-            .filter(|first| headings.all(|e| first[0] * e[0] + first[1] * e[1] > PARALLEL_COSINE));
         Self {
             track: Track::default(),
-            along,
+            along: common_heading(&file.robot, PARALLEL_COSINE),
             share: 1.0 / (powered.count().max(1) as f64),
             steering: file
                 .steering
