@@ -1,4 +1,4 @@
-"""Robot-seconds a second of `grouser.environments`: 64 robots of a scenario, everything included (dynamics at 1 kHz, sensors,
+"""Robot-seconds a second of `grouser.environments`: 64 robots of a scenario, everything included (dynamics, sensors,
 estimator, observations), on all cores and on one.
 
     python bench/environments.py [SCENARIO.toml]

@@ -1,4 +1,4 @@
-//! Whole drives at 1 kHz: robot, ground, sensors, filter and controller. Start-up; simulated time over computing time with
+//! Whole drives: robot, ground, sensors, filter and controller. Start-up; simulated time over computing time with
 //! the forces of steps in time and with those to 1e-9, in turn; and many robots on all cores.
 
 use std::path::Path;

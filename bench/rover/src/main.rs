@@ -1,8 +1,8 @@
 //! Our linkage beside rapier's reduced-coordinate multibody: the same chassis, rockers and arms, without soil.
 //!
 //! Both are pushed from rest by the same force and moment on the chassis; then they fly, or stand on springs under
-//! the wheels' centres. Each differs from its own limit of small steps by an amount that goes with the step; when
-//! both are right, the limits are one.
+//! the wheels' centres. Each differs from its own limit of small steps by an amount that goes with the step, or with its
+//! square; when both are right, the limits are one.
 #![forbid(unsafe_code)]
 
 mod ours;
@@ -25,9 +25,10 @@ fn apart(a: &Positions, b: &Positions) -> [f64; 3] {
     [1e3 * place, 1e3 * turn, 1e3 * joints.fold(0.0, f64::max)]
 }
 
-/// The limit of small steps of a method of the first order, by Richardson: 2 x(h) − x(2 h).
-fn limit(fine: &Positions, coarse: &Positions) -> Positions {
-    let mix = |a: f64, b: f64| 2.0 * a - b;
+/// The limit of small steps of a method of order `p`, by Richardson: x(h) + (x(h) − x(2 h))/(2ᵖ − 1).
+fn limit(fine: &Positions, coarse: &Positions, order: i32) -> Positions {
+    let share = 1.0 / (2.0_f64.powi(order) - 1.0);
+    let mix = |a: f64, b: f64| a + share * (a - b);
     let mut attitude = [0, 1, 2, 3].map(|i| mix(fine.attitude[i], coarse.attitude[i]));
     let size = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
     attitude.iter_mut().for_each(|x| *x /= size);
@@ -51,8 +52,8 @@ fn main() {
             "step, ms   ours and rapier apart: mm, mrad, joints mrad   each from its limit, mm: ours, rapier"
         );
         let runs = STEPS.map(|step| (ours::run(&scene, step), theirs::run(&scene, step)));
-        let ours = limit(&runs[3].0, &runs[2].0);
-        let theirs = limit(&runs[3].1, &runs[2].1);
+        let ours = limit(&runs[3].0, &runs[2].0, 2);
+        let theirs = limit(&runs[3].1, &runs[2].1, 1);
         for (step, (a, b)) in STEPS.iter().zip(&runs) {
             let [place, turn, joints] = apart(a, b);
             let [from_ours, ..] = apart(a, &ours);

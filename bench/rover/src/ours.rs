@@ -1,5 +1,6 @@
 //! The scene by our linkage: the step of `Vehicle`, without its wheels.
 
+use grouser_rover::body::Leapfrog;
 use grouser_rover::vector::Vector;
 
 use crate::scene::{Positions, Scene, start};
@@ -8,17 +9,20 @@ pub fn run(scene: &Scene, step: f64) -> Positions {
     let linkage = &scene.model.linkage;
     let mut state = start();
     let mut pose = linkage.pose(&state);
+    let mut leapfrog = Leapfrog::default();
     let steps = (scene.duration / step).round() as u64;
     let (force, moment, time) = scene.push;
     let pushed = (time / step).round() as u64;
     for number in 0..steps {
         let mut forces = [0.0; grouser_rover::body::MAX_SPEEDS];
-        if number < pushed {
+        if number <= pushed {
+            // the push ends at this time: the mean of before and after
+            let share = if number < pushed { 1.0 } else { 0.5 };
             // at the centre of the chassis' mass
             let at = linkage.bodies()[0].centre;
             let (force, moment) = (
-                state.attitude.to_robot(force),
-                state.attitude.to_robot(moment),
+                state.attitude.to_robot(force) * share,
+                state.attitude.to_robot(moment) * share,
             );
             linkage.push(&pose, &mut forces, (None, at), force, moment);
         }
@@ -26,20 +30,14 @@ pub fn run(scene: &Scene, step: f64) -> Positions {
             for wheel in &scene.model.wheels {
                 let at = linkage.point(&pose, wheel.link, wheel.centre);
                 let height = (state.position + state.attitude.to_world(at)).z - wheel.centre.z;
-                let velocity = linkage.velocity(&state, &pose, wheel.link, at);
+                let velocity = linkage.velocity(&state.speeds, &pose, wheel.link, at);
                 let rising = state.attitude.to_world(velocity).z;
                 let up = Vector::AXES[2] * -(stiffness * height + damping * rising);
                 let force = state.attitude.to_robot(up);
                 linkage.push(&pose, &mut forces, (wheel.link, at), force, Vector::ZERO);
             }
         }
-        linkage.hold(&state, &mut forces);
-        let acceleration = linkage.accelerate(&state, &pose, &forces);
-        for (speed, rate) in state.speeds.iter_mut().zip(acceleration) {
-            *speed += step * rate;
-        }
-        linkage.advance(&mut state, step);
-        linkage.update_pose(&state, &mut pose);
+        leapfrog.step(linkage, &mut state, &mut pose, forces, step);
     }
     let (x, y, z) = (Vector::AXES[0], Vector::AXES[1], Vector::AXES[2]);
     let turned = [x, y, z].map(|axis| state.attitude.to_world(axis));

@@ -107,16 +107,25 @@ fn robots_side_by_side_drive_as_each_does_alone() {
 /// What the filter calls Ok is never off by more than four sigma for a second, and its sigmas are not too small.
 #[test]
 fn slips_called_ok_hold() {
-    for (name, most) in [("sandbox", 0.025), ("slope", 0.02), ("dunes", 0.02)] {
+    // pooled RMSE of more drives, without and with their starts: 0.040 on the sandbox, 0.012, 0.024 (`pooled_drives`)
+    for (name, most) in [("sandbox", 0.032), ("slope", 0.012), ("dunes", 0.022)] {
         let scenario = scenario(name);
-        let result = drive(&scenario, Pilot::Controller, scenario.seed);
-        assert_eq!(result.outcome, Outcome::Arrived);
-        assert!(result.slip.longest_wrong < 1.0);
-        assert!(result.slip.nees.unwrap() < 1.2);
-        // a start from standstill is another matter: the soil is not sheared yet
-        assert!(result.slip.settled.unwrap() < most);
-        assert!(result.slip.rmse.unwrap() < 3.0 * most);
-        assert!(result.energy_error.abs() < 0.01);
+        let (mut settled, mut squares, mut count) = (0.0, 0.0, 0.0);
+        for seed in scenario.seed..scenario.seed + 3 {
+            let result = drive(&scenario, Pilot::Controller, seed);
+            assert_eq!(result.outcome, Outcome::Arrived);
+            assert!(result.slip.longest_wrong < 1.0);
+            assert!(result.energy_error.abs() < 0.01);
+            // a start from standstill is another matter: the soil is not sheared yet
+            assert!(result.slip.rmse.unwrap() < 3.0 * most);
+            let weight = result.slip.count as f64;
+            settled += weight * result.slip.settled.unwrap().powi(2);
+            squares += weight * result.slip.nees.unwrap();
+            count += weight;
+        }
+        let (settled, nees) = ((settled / count).sqrt(), squares / count);
+        println!("{name}: {settled:.4}, {nees:.2}");
+        assert!(settled < most && nees < 1.2, "{name}: {settled} {nees}");
     }
 }
 
@@ -190,7 +199,7 @@ fn halving_the_step_changes_little() {
     let mut whole = scenario("sandbox");
     whole.duration = 12.0;
     let mut half = whole.clone();
-    half.step = 0.5 * whole.step;
+    half.step = Some(1.25e-3); // s; usual is twice as long
     let (a, b) = (
         drive(&whole, Pilot::OpenLoop, 1),
         drive(&half, Pilot::OpenLoop, 1),
@@ -236,7 +245,7 @@ distance_m = 12.0
                 .unwrap();
         let document = grouser_files::Document::from_text("skid.toml", text).unwrap();
         let scenario = grouser_rover::drive::parse_scenario(&document, "skid", robot).unwrap();
-        let results: Vec<_> = (3..8)
+        let results: Vec<_> = (3..19)
             .map(|seed| drive(&scenario, Pilot::Controller, seed))
             .collect();
         let median = |of: fn(&SlipScore) -> Option<f64>| {
@@ -246,9 +255,7 @@ distance_m = 12.0
         };
         let (all, settled) = (median(|slip| slip.rmse), median(|slip| slip.settled));
         println!("{sensor}: {all:.3}, without starts {settled:.3}");
-        // The target is 0.03 with the starts included. What is above it is the first second of each start, in which the
-        // readings of the reference do not yet outweigh the prior of the slip.
-        assert!(all < 0.036 && settled < 0.03, "{sensor}: {all}, {settled}");
+        assert!(all < 0.03 && settled < 0.03, "{sensor}: {all}, {settled}");
         for result in &results {
             assert!(result.slip.longest_wrong < 1.0, "{sensor}: {result:?}");
         }

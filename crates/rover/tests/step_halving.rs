@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use grouser_rover::drive::{Pilot, Simulation, read_scenario};
-use grouser_rover::dynamics::Vehicle;
+use grouser_rover::dynamics::{Vehicle, fastest_rate};
 use grouser_rover::ground::{Ground, HeightMap};
 use grouser_rover::robot::RobotModel;
 use grouser_rover::vector::Vector;
@@ -60,10 +60,10 @@ fn the_step_bounds_a_motion_not_the_accuracy_of_the_forces() {
 }
 
 /// Drives of `scenario` in open loop: the way over the ground, m, and what the motors took, J, in the first six seconds.
-fn open_loop(scenario: &str, step_s: f64) -> [f64; 2] {
+fn open_loop(scenario: &str, step: Option<f64>) -> [f64; 2] {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
     let mut scenario = read_scenario(&root.join(scenario)).unwrap();
-    scenario.step = step_s;
+    scenario.step = step;
     let mut drive = Simulation::new(&scenario, Pilot::OpenLoop, 0.3, 7).unwrap();
     let (mut place, mut way) = (None, 0.0);
     drive.run(|frame| {
@@ -77,15 +77,108 @@ fn open_loop(scenario: &str, step_s: f64) -> [f64; 2] {
     [way, drive.vehicle().ledger().electric]
 }
 
-/// docs/drive.md offers a step of 2.5 ms for sweeps, with these errors.
+/// The step that a scenario without one gets, against a tenth of the longest.
 #[test]
-fn a_step_for_sweeps_errs_by_a_thousandth() {
-    for scenario in ["slope.toml", "sandbox.toml", "dunes.toml"] {
-        let [way, electric] = open_loop(scenario, 2.5e-4);
-        let [long_way, long_electric] = open_loop(scenario, 2.5e-3);
-        let errors = [long_way / way - 1.0, long_electric / electric - 1.0];
+fn the_usual_step_errs_by_less_than_a_thousandth() {
+    for scenario in [
+        "slope.toml",
+        "sandbox.toml",
+        "dunes.toml",
+        "soft-patch.toml",
+    ] {
+        let [way, electric] = open_loop(scenario, Some(2.5e-4));
+        let [usual_way, usual_electric] = open_loop(scenario, None);
+        let errors = [usual_way / way - 1.0, usual_electric / electric - 1.0];
         println!("{scenario}: {way:.3} m, {electric:.1} J, off by {errors:?}");
         assert!(way > 0.5, "{way}");
-        assert!(errors.iter().all(|error| error.abs() < 2e-3), "{errors:?}");
+        assert!(errors.iter().all(|error| error.abs() < 5e-4), "{errors:?}");
+    }
+}
+
+/// Shipped robots under a gravity (m/s²).
+fn robot(name: &str, gravity: f64) -> RobotModel {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/robots");
+    let model = RobotModel::read(&root.join(name).with_extension("toml")).unwrap();
+    model.under_gravity(gravity)
+}
+
+/// Flat ground of a soil of the catalogue, its nodes so far apart that no rut is pressed.
+fn flat(soil: &str) -> Ground {
+    let soil = catalogue::find(soil).unwrap().soil().unwrap();
+    let map = HeightMap::from_shape((16.0, 4.0), 2.0, |_, _| 0.0).unwrap();
+    Ground::new(map, vec![soil]).unwrap()
+}
+
+/// Errors fall faster than the step (to a quarter, but for the corner where a wheel's direction is settled) while a robot starts, sways and runs into its motors' limit of voltage.
+#[test]
+fn steps_are_of_second_order() {
+    for name in ["five-wheel", "skid-steer", "rocker-bogie"] {
+        let end = |step: f64, steps: u32| {
+            let mut ground = flat("dry-sand");
+            let start = (5.0, 0.0, 0.0);
+            let mut vehicle = Vehicle::new(robot(name, 9.81), &ground, start, step).unwrap();
+            for index in 0..steps {
+                let time = f64::from(index) * step;
+                let rises = 1.0 - (-(time - 1.0).max(0.0)).exp();
+                let torque = 3.0 * rises * (1.0 + 0.2 * (3.0 * time).sin());
+                for wheel in 0..vehicle.wheels().len() {
+                    vehicle.set_input(wheel, torque, 0.0);
+                }
+                vehicle.advance(&mut ground);
+            }
+            vehicle.state().position.x
+        };
+        let [whole, half, quarter] =
+            [(2.5e-3, 1200), (1.25e-3, 2400), (6.25e-4, 4800)].map(|(step, n)| end(step, n));
+        let (error, by_half) = (whole - half, half - quarter);
+        println!("{name}: {whole:.4} m, {error:.1e} m, with half the step {by_half:.1e} m");
+        assert!((whole - 5.0) > 0.5, "{whole}");
+        assert!(error.abs() < 5e-4 * (whole - 5.0), "{error}");
+        assert!(
+            by_half.abs() < error.abs() / 2.2,
+            "{name}: {error} {by_half}"
+        );
+    }
+}
+
+/// The greatest of a robot's speeds, m/s and rad/s, after it has stood for two seconds.
+fn unrest(model: &RobotModel, soil: &str, step: f64) -> f64 {
+    let mut ground = flat(soil);
+    let mut vehicle = Vehicle::new(model.clone(), &ground, (5.0, 0.0, 0.0), step).unwrap();
+    let mut greatest: f64 = 0.0;
+    while vehicle.time() < 2.1 {
+        vehicle.advance(&mut ground);
+        if vehicle.time() > 2.0 {
+            let speeds = vehicle.state().speeds.iter().map(|speed| speed.abs());
+            greatest = speeds.fold(greatest, f64::max);
+        }
+    }
+    greatest
+}
+
+/// The rate of the fastest part, from the robot's inertia and the soil's stiffness, is where stepping ceases to be stable.
+#[test]
+fn the_fastest_rate_bounds_the_step() {
+    for name in ["five-wheel", "skid-steer", "rocker-bogie"] {
+        for gravity in [1.62, 9.81] {
+            for soil in ["dry-sand", "sandy-loam", "clayey-soil", "lunar"] {
+                let model = robot(name, gravity);
+                let soils = [catalogue::find(soil).unwrap().soil().unwrap()];
+                let rate = fastest_rate(&model, &soils, 1.0, 0.0).unwrap();
+                let calm = unrest(&model, soil, (0.8 / rate).clamp(1e-5, 5e-3));
+                assert!(
+                    calm < 1e-3,
+                    "{name} {gravity} {soil}: {calm} at 0.8/{rate} s"
+                );
+                // four equal wheels at rest on firm soil excite nothing but heave
+                if rate > 500.0 && name != "skid-steer" {
+                    let restless = unrest(&model, soil, 1.5 / rate);
+                    assert!(
+                        restless > 3e-3,
+                        "{name} {gravity} {soil}: {restless} at 1.5/{rate} s"
+                    );
+                }
+            }
+        }
     }
 }

@@ -173,7 +173,7 @@ fn drawn(draws: &mut Draws) -> Scenario {
     let robot = (PathBuf::from("robots/a robot.toml"), robot);
     let mut scenario = Scenario::new("µ \"t\"", robot, ground(draws), draws.between(1.0, 99.0));
     scenario.seed = draws.next().to_bits();
-    scenario.step = draws.between(1e-4, 5e-3);
+    scenario.step = Some(draws.between(1e-4, 5e-3));
     scenario.hotel = draws.between(0.0, 9.0);
     scenario.start = (
         draws.between(-9.0, 9.0),

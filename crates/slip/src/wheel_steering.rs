@@ -39,6 +39,9 @@ impl Steering {
 
     /// Turns to `angle` (rad).
     pub(crate) fn turn(&mut self, angle: f64) {
+        if self.angle == Some(angle) {
+            return;
+        }
         let [ahead, left] = self.arm;
         // Both the arm and the heading turn by the angle: d/dγ of the centre along the heading does not depend on it.
         let (sin, cos) = Real::sin_cos(self.heading);

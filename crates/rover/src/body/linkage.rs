@@ -375,17 +375,21 @@ impl Linkage {
         link.map_or(0.0, |index| pose.links[index].rate)
     }
 
-    /// Velocity of a point of a link that is now at `at`, in the robot's frame, m/s.
+    /// Velocity at `speeds` of a point of a link that is now at `at`, in the robot's frame, m/s.
     #[must_use]
     pub fn velocity(
         &self,
-        state: &BodyState,
+        speeds: &Speeds,
         pose: &Pose,
         link: Option<usize>,
         at: Vector,
     ) -> Vector {
-        let relative = link.map_or(Vector::ZERO, |index| pose.links[index].velocity_at(at));
-        state.velocity() + state.turning().cross(at) + relative
+        let turning = Vector::new(speeds[0], speeds[1], speeds[2]);
+        let own = Vector::new(speeds[3], speeds[4], speeds[5]) + turning.cross(at);
+        self.chain(pose, link, at)
+            .fold(own, |sum, (freedom, linear, _)| {
+                sum + linear * speeds[6 + freedom]
+            })
     }
 
     /// The links from one to the chassis: freedom, and the velocity of the point `at` that its rate gives, with its turning
@@ -423,6 +427,18 @@ impl Linkage {
         }
     }
 
+    /// The inertia (kg m²) that a `step` (s) adds to each freedom, so that springs, dampers and end stops of any strength
+    /// are stable: the damper acts at the mean of the rates before and after the step, the spring at the mean of three
+    /// angles (the trapezoidal rule).
+    pub(crate) fn held_inertia(&self, state: &BodyState, step: f64) -> [f64; MAX_FREEDOMS] {
+        let mut added = [0.0; MAX_FREEDOMS];
+        for (index, hold) in self.holds.iter().enumerate() {
+            let (stiffness, damping) = hold.strength(state.joints[index]);
+            added[index] = 0.5 * step * damping + 0.25 * step * step * stiffness;
+        }
+        added
+    }
+
     /// Adds springs, dampers and end stops.
     pub fn hold(&self, state: &BodyState, forces: &mut Speeds) {
         for (index, hold) in self.holds.iter().enumerate() {
@@ -437,7 +453,10 @@ impl Linkage {
         let (mut kinetic, mut potential) = (0.0, 0.0);
         for body in &self.bodies {
             let at = self.point(pose, body.link, body.centre);
-            let velocity = self.velocity(state, pose, body.link, at);
+            let relative = body
+                .link
+                .map_or(Vector::ZERO, |index| pose.links[index].velocity_at(at));
+            let velocity = state.velocity() + state.turning().cross(at) + relative;
             let inertia = match body.link {
                 None => body.inertia,
                 Some(index) => pitched(&body.inertia, pose.links[index].trigonometry),
@@ -455,12 +474,11 @@ impl Linkage {
 
     /// Moves the state on by `step` s with its present speeds.
     pub fn advance(&self, state: &mut BodyState, step: f64) {
-        let travel = state.attitude.to_world(state.velocity()) * step;
-        state.position += travel;
-        state.attitude = state
-            .attitude
-            .then(Attitude::from_rotation(state.turning() * step))
-            .normalised();
+        // the velocity is that along the axes amid the step
+        let half = Attitude::from_rotation(state.turning() * (0.5 * step));
+        let amid = state.attitude.then(half);
+        state.position += amid.to_world(state.velocity()) * step;
+        state.attitude = amid.then(half).normalised();
         for index in 0..self.freedoms() {
             state.joints[index] += step * state.speeds[6 + index];
         }
@@ -483,6 +501,18 @@ impl Hold {
             STOP_STIFFNESS_N_M_PER_RAD * beyond + STOP_DAMPING_N_M_S_PER_RAD * rate
         };
         self.preload - self.stiffness * angle - self.damping * rate - stop
+    }
+
+    /// Stiffness (N m/rad) and damping (N m s/rad) at an angle, with those of an end stop beyond the range.
+    fn strength(&self, angle: f64) -> (f64, f64) {
+        if angle.abs() > self.range {
+            (
+                self.stiffness + STOP_STIFFNESS_N_M_PER_RAD,
+                self.damping + STOP_DAMPING_N_M_S_PER_RAD,
+            )
+        } else {
+            (self.stiffness, self.damping)
+        }
     }
 
     fn energy(&self, angle: f64) -> f64 {

@@ -130,9 +130,7 @@ fn read(
         seed: root
             .optional_integer("seed")?
             .map_or(usual.seed, i64::cast_unsigned),
-        step: root
-            .optional_number("step_s", (1e-5, 5e-3))?
-            .unwrap_or(usual.step),
+        step: root.optional_number("step_s", (1e-5, 5e-3))?,
         start,
         legs,
         plan,

@@ -2,7 +2,7 @@
 
 /// Proportional gain over the motor's greatest torque, s/rad: full torque at 1.7 rad/s off its setpoint.
 /// With the integral gain an integral time of 0.15 s. Both are chosen, not those of a product.
-const GAIN_S_PER_RAD: f64 = 0.6;
+pub(super) const GAIN_S_PER_RAD: f64 = 0.6;
 /// Integral gain over the motor's greatest torque, 1/rad.
 const INTEGRAL_GAIN_PER_RAD: f64 = 4.0;
 

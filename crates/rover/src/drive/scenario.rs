@@ -290,8 +290,8 @@ pub struct Scenario {
     pub seed: u64,
     /// It ends at the latest after this time, s.
     pub duration: f64,
-    /// Step of the simulation, s.
-    pub step: f64,
+    /// Step of the simulation, s; else as long as the robot and its ground allow.
+    pub step: Option<f64>,
     /// x, y (m) and heading (rad) of the start.
     pub start: (f64, f64, f64),
     /// The ground.
@@ -396,7 +396,7 @@ impl Scenario {
             robot,
             seed: 1,
             duration,
-            step: 1e-3,
+            step: None,
             start: (0.0, 0.0, 0.0),
             ground,
             legs: Vec::new(),

@@ -5,17 +5,17 @@ use grouser_slip::Sample;
 use grouser_slip::control::{Action, Ending, Request, WheelCommand};
 use grouser_slip::onboard::{OnBoard, SoilLearnSettings, SoilLearner, SoilTables};
 
-use grouser_terra::{Accuracy, OutOfRange};
+use grouser_terra::{Accuracy, OutOfRange, Soil};
 
 use super::frame::{Frame, WheelFrame};
-use super::motor_driver::MotorDriver;
+use super::motor_driver::{GAIN_S_PER_RAD, MotorDriver};
 use super::on_board::{filter_settings, on_board, soil_tables};
 use super::outcome::{DriveResult, NamedDecision, Outcome};
 use super::pilot::Pilot;
 use super::referee::Referee;
 use super::scenario::Scenario;
 use super::score::{Scoring, TrueSlip};
-use crate::dynamics::Vehicle;
+use crate::dynamics::{Vehicle, fastest_rate};
 use crate::error::Result;
 use crate::ground::Ground;
 use crate::sensors::{FaultKind, Sensors, to_ns};
@@ -31,6 +31,14 @@ const SETTLING_TIME_S: f64 = 1.0;
 const MAX_DECISIONS: usize = 1000;
 /// The greatest slip is that of the load-weighted mean smoothed over this time, s.
 const WORST_SLIP_TIME_S: f64 = 1.0;
+
+/// The step is at most this long, s: up to here the errors of a drive are those of RESULTS.md.
+const MAX_STEP_S: f64 = 2.5e-3;
+/// And at least this long, s.
+const MIN_STEP_S: f64 = 1e-5;
+/// Where the scenario gives no step, it is this share of the time in which the robot's fastest part settles. Stepping is
+/// stable up to 1, or 0.9 with the spring of the soil.
+const STEP_RATE: f64 = 0.7;
 
 /// A sensor of sinkage (m) or entry angle (rad) is never described as better than this: variances must not vanish.
 const MIN_CONTACT_SIGMA: f64 = 1e-6;
@@ -78,7 +86,7 @@ pub struct Simulation {
     /// Load-weighted slip over a second, and the greatest so far.
     mean_slip: f64,
     worst_slip: f64,
-    steps_per_period: u64,
+    steps_per_period: u32,
     ended: Option<Outcome>,
     /// What a navigator requests in place of the legs.
     navigated: Option<Request>,
@@ -121,11 +129,12 @@ impl Simulation {
         tables: &SoilTables,
     ) -> Result<Self> {
         let ground = scenario.ground.build(seed)?;
+        let steps_per_period = steps_per_period(scenario, ground.soils())?;
         let vehicle = Vehicle::new(
             scenario.robot.clone(),
             &ground,
             scenario.start,
-            scenario.step,
+            CONTROL_PERIOD_S / f64::from(steps_per_period),
         )?;
         let model = vehicle.model();
         let loads = wheel_loads(model, 0.0, 0.0).loads;
@@ -169,7 +178,7 @@ impl Simulation {
             energy_at_start: kinetic + potential,
             mean_slip: 0.0,
             worst_slip: 0.0,
-            steps_per_period: u64::from(periods(CONTROL_PERIOD_S, scenario.step)),
+            steps_per_period,
             ended: None,
             navigated: None,
             vehicle,
@@ -304,7 +313,7 @@ impl Simulation {
 
     fn step(&mut self) {
         let time = self.vehicle.time();
-        let step = CONTROL_PERIOD_S / self.steps_per_period as f64;
+        let step = CONTROL_PERIOD_S / f64::from(self.steps_per_period);
         self.sensors.read(&self.vehicle, &mut self.arrived);
         for sample in &self.arrived {
             self.on_board.update_at(to_ns(time), *sample);
@@ -498,4 +507,15 @@ const fn outcome_of(ending: Ending) -> Outcome {
 )]
 fn periods(length: f64, period: f64) -> u32 {
     (length / period).round().clamp(1.0, 1e5) as u32
+}
+
+/// Steps in a control period: as the scenario gives them, else as few as keep the robot stable on these soils.
+fn steps_per_period(scenario: &Scenario, soils: &[Soil]) -> Result<u32> {
+    if let Some(step) = scenario.step {
+        return Ok(periods(CONTROL_PERIOD_S, step));
+    }
+    let strength = scenario.ground.packing.greatest_strength();
+    let rate = fastest_rate(&scenario.robot, soils, strength, GAIN_S_PER_RAD)?;
+    let longest = (STEP_RATE / rate).clamp(MIN_STEP_S, MAX_STEP_S);
+    Ok(periods((CONTROL_PERIOD_S / longest).ceil(), 1.0))
 }

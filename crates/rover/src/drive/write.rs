@@ -39,7 +39,7 @@ pub fn to_toml(scenario: &Scenario, remarks: &[&str]) -> String {
     out.number(GRAVITY_KEY, scenario.robot.gravity());
     out.whole("seed", scenario.seed.cast_signed());
     out.number("duration_s", scenario.duration);
-    out.number("step_s", scenario.step);
+    out.optional_number("step_s", scenario.step);
     out.nonzero("hotel_w", scenario.hotel);
     let world = scenario.ground.world_laws;
     out.optional_text("world_laws", world.map(grouser_terra::ShearLaw::key));

@@ -1,13 +1,13 @@
 //! A robot on the ground, moved on step by step.
 //!
-//! Semi-implicit Euler at a fixed step: forces at the present state, new speeds from them, new places from the new
-//! speeds. The stiffest part is soil under a light wheel, some 200 rad/s, so that 1 ms lies far inside its limit.
+//! The body moves by [`Leapfrog`] at a fixed step, and so does each wheel's spin. [`fastest_rate`](super::fastest_rate)
+//! bounds the step.
 
 use grouser_real::Real;
 use grouser_terra::{Accuracy, Settings, WheelOnSoil};
 
 use super::wheel_force::{SoilUnder, WheelContact, WheelLoad, WheelMotionNow};
-use crate::body::{BodyState, MAX_SPEEDS, MotorNow, Pose};
+use crate::body::{BodyState, Leapfrog, MAX_SPEEDS, MotorNow, Pose};
 use crate::error::{Error, Result};
 use crate::ground::{Ground, Track};
 use crate::robot::RobotModel;
@@ -15,7 +15,7 @@ use crate::vector::{Attitude, Axes, Vector};
 
 /// Bearing friction is proportional to the rate below this one, rad/s, so that it does not jump at standstill: 7.5 mm/s at
 /// a rim of 0.15 m.
-const BEARING_RATE_RAD_PER_S: f64 = 0.05;
+pub(super) const BEARING_RATE_RAD_PER_S: f64 = 0.05;
 /// The contact plane passes through the ground this share of the radius before and behind the wheel: acos(0.9), half of the
 /// contact of a wheel sunk by a tenth of its radius.
 const CONTACT_REACH_SHARE: f64 = 0.45;
@@ -112,6 +112,9 @@ pub struct Vehicle {
     /// The way that each wheel has made so far, m.
     ways: Vec<f64>,
     wheels: Vec<WheelNow>,
+    body_steps: Leapfrog,
+    /// Each wheel's spin half a step ago, rad/s; none before its first step.
+    spins_amid: Vec<Option<f64>>,
     /// Direction of each wheel's axle at its steering angle, in the pose of the description.
     axles: Vec<Vector>,
     inputs: Vec<WheelInput>,
@@ -191,6 +194,8 @@ impl Vehicle {
             pressed_at,
             ways: vec![0.0; count],
             wheels: vec![WheelNow::default(); count],
+            body_steps: Leapfrog::default(),
+            spins_amid: vec![None; count],
             inputs: vec![WheelInput::default(); count],
             specific_force: Vector::AXES[2] * gravity,
             ledger: Ledger::default(),
@@ -222,6 +227,7 @@ impl Vehicle {
     /// Sets a wheel's spin, rad/s.
     pub fn set_spin(&mut self, wheel: usize, spin: f64) {
         self.wheels[wheel].spin = spin;
+        self.spins_amid[wheel] = None;
     }
 
     /// Its wheels.
@@ -289,7 +295,6 @@ impl Vehicle {
             self.steer(index);
             self.wheel_step(index, ground, axes, &mut forces);
         }
-        self.model.linkage.hold(&self.state, &mut forces);
         for (hold, rate) in self
             .model
             .linkage
@@ -299,20 +304,17 @@ impl Vehicle {
         {
             self.ledger.dampers += hold.damping * rate * rate * self.step;
         }
-        let rates = self
-            .model
-            .linkage
-            .accelerate(&self.state, &self.pose, &forces);
+        let (turning, velocity) = (self.state.turning(), self.state.velocity());
+        let rates = self.body_steps.step(
+            &self.model.linkage,
+            &mut self.state,
+            &mut self.pose,
+            forces,
+            self.step,
+        );
         let gravity = axes.to_robot(Vector::AXES[2] * self.model.linkage.gravity());
-        let velocity = self.state.velocity();
-        self.specific_force = Vector::new(rates[3], rates[4], rates[5])
-            + self.state.turning().cross(velocity)
-            + gravity;
-        for (speed, rate) in self.state.speeds.iter_mut().zip(rates) {
-            *speed += self.step * rate;
-        }
-        self.model.linkage.advance(&mut self.state, self.step);
-        self.model.linkage.update_pose(&self.state, &mut self.pose);
+        self.specific_force =
+            Vector::new(rates[3], rates[4], rates[5]) + turning.cross(velocity) + gravity;
         self.steps += 1;
         self.time = self.steps as f64 * self.step;
     }
@@ -366,7 +368,7 @@ impl Vehicle {
         // height of the centre in the wheel's own plane
         let per_lean = 1.0 / cosine.max(MIN_LEAN_COSINE);
         let height = (place.z - spot.height) * steepness * per_lean;
-        let velocity = linkage.velocity(&self.state, &self.pose, mount.link, at);
+        let velocity = linkage.velocity(&self.state.speeds, &self.pose, mount.link, at);
         let motion = WheelMotionNow {
             sinkage: radius - height,
             sinking: -velocity.dot(up) * per_lean,
@@ -390,8 +392,12 @@ impl Vehicle {
             .map_or_else(MotorNow::default, |motor| motor.drive(input.torque, rate));
         let bearing = mount.bearing * (rate / BEARING_RATE_RAD_PER_S).clamp(-1.0, 1.0);
         let onto_wheel = motor.torque - bearing;
-        let spin_before = wheel.spin;
-        wheel.spin += step * (onto_wheel - load.torque) / mount.spin_inertia;
+        let spin_now = wheel.spin;
+        let gain = step * (onto_wheel - load.torque) / mount.spin_inertia;
+        let before = self.spins_amid[index].unwrap_or(spin_now - 0.5 * gain);
+        let spin_amid = before + gain;
+        self.spins_amid[index] = Some(spin_amid);
+        wheel.spin = spin_amid + 0.5 * gain;
         let force = up * load.normal + forward * load.along + left * load.across;
         // The contact lies below the centre; moments about the axle are handled by the wheel's spin equation.
         let arm = up * -height.clamp(0.0, radius);
@@ -406,17 +412,16 @@ impl Vehicle {
             moment - axle * onto_wheel,
         );
 
-        let mean_spin = 0.5 * (spin_before + wheel.spin);
-        wheel.angle += step * wheel.spin;
+        wheel.angle += step * spin_amid;
         wheel.encoder_rate = wheel.spin - link_rate;
-        wheel.encoder_angle += step * wheel.encoder_rate;
+        wheel.encoder_angle += step * (spin_amid - link_rate);
         wheel.velocity = motion.velocity;
         wheel.rim = radius * wheel.spin;
         wheel.place = place;
         wheel.load = load;
         wheel.motor = motor;
         wheel.soil = spot.soil;
-        let lost = load.torque * mean_spin - force.dot(velocity) - moment.dot(self.state.turning());
+        let lost = load.torque * spin_now - force.dot(velocity) - moment.dot(self.state.turning());
         self.ledger.soil += step * lost;
         self.ledger.electric += step * motor.power;
         self.ledger.motor_heat += step * (motor.power - motor.torque * rate);

@@ -23,11 +23,11 @@ use grouser_terra::{Kinematics, RigidWheel, Slip, SoilHistory, WheelOnSoil};
 
 /// The shear is evaluated this much ahead in time, s. It damps a robot at rest with about 0.3 of the critical damping at a
 /// few kilogrammes a wheel.
-const SHEAR_LEAD_S: f64 = 0.015;
+pub(super) const SHEAR_LEAD_S: f64 = 0.015;
 /// The sinkage is evaluated this much ahead, s, which damps heave likewise.
-const SINKAGE_LEAD_S: f64 = 0.006;
+pub(super) const SINKAGE_LEAD_S: f64 = 0.006;
 /// Slope of unloading: relative load per relative sinkage, 1. Sands have 5 to 50; beyond about 10 it no longer matters.
-const UNLOADING_SLOPE: f64 = 6.0;
+pub(super) const UNLOADING_SLOPE: f64 = 6.0;
 /// A wheel sunk deeper than this share of its radius is buried: the laws end at 1.
 const MAX_SINKAGE_SHARE: f64 = 0.9;
 /// Greatest drift over rolling speed at which the laws are evaluated: the shear is saturated there.
@@ -69,6 +69,8 @@ impl Default for SoilUnder {
 pub struct WheelContact {
     /// Mean shear displacement along and across, m.
     shear: [f64; 2],
+    /// Its motion at the last step.
+    before: Option<WheelMotionNow>,
     /// Slip and drift that slip-sinkage has settled to.
     dug: [f64; 2],
     /// Direction of rolling, −1 to 1.
@@ -104,6 +106,35 @@ impl WheelMotionNow {
             velocity,
             rim,
         }
+    }
+
+    fn mean(&self, other: &Self) -> Self {
+        let mean = |a: f64, b: f64| 0.5 * (a + b);
+        Self {
+            sinkage: mean(self.sinkage, other.sinkage),
+            sinking: mean(self.sinking, other.sinking),
+            velocity: std::array::from_fn(|i| mean(self.velocity[i], other.velocity[i])),
+            rim: mean(self.rim, other.rim),
+        }
+    }
+
+    /// The faster of rim and centre, m/s, forwards or backwards.
+    fn dominant(&self) -> f64 {
+        if self.rim.abs() >= self.velocity[0].abs() {
+            self.rim
+        } else {
+            self.velocity[0]
+        }
+    }
+
+    /// max(|r ω|, |v|), m/s.
+    fn rolling(&self) -> f64 {
+        self.dominant().abs()
+    }
+
+    /// The speed at which the rim shears the soil, along and across, m/s.
+    fn rubbing(&self) -> [f64; 2] {
+        [self.rim - self.velocity[0], self.velocity[1]]
     }
 }
 
@@ -147,11 +178,13 @@ impl WheelContact {
         step: f64,
     ) -> WheelLoad {
         let radius = pair.wheel().running_radius();
-        let rolling = motion.rim.abs().max(motion.velocity[0].abs());
+        let before = self.before.replace(*motion).unwrap_or(*motion);
+        let amid = before.mean(motion);
         let length = contact_length(pair.wheel(), self.pressed.max(motion.sinkage));
         let per_length = 1.0 / length;
-        // what rolling leaves of the past in an implicit step
-        let kept = 1.0 / (1.0 + step * rolling * per_length);
+        // what rolling leaves of the past, by the trapezoidal rule
+        let half = 0.5 * step * amid.rolling() * per_length;
+        let kept = (1.0 - half) / (1.0 + half);
         let forgotten = motion.sinkage + (self.pressed - motion.sinkage) * kept;
         let limit = MAX_SINKAGE_SHARE * radius;
         let buried = motion.sinkage > limit;
@@ -160,17 +193,22 @@ impl WheelContact {
             *self = Self::default();
             return WheelLoad::default();
         }
-        let slips = self.shear_on(motion, (length, per_length), kept, step);
-        let dominant = if motion.rim.abs() >= motion.velocity[0].abs() {
-            motion.rim
-        } else {
-            motion.velocity[0]
-        };
+        let gained = step / (1.0 + half);
+        let limits = [1.0, MAX_DRIFT_RATIO];
+        let (rubbing_amid, rubbing) = (amid.rubbing(), motion.rubbing());
+        let forgetting = motion.rolling() * per_length;
+        let slips = std::array::from_fn(|i| {
+            let most = limits[i] * length;
+            let shear = (self.shear[i] * kept + gained * rubbing_amid[i]).clamp(-most, most);
+            self.shear[i] = shear;
+            let ahead = shear + SHEAR_LEAD_S * (rubbing[i] - forgetting * shear);
+            (ahead * per_length).clamp(-limits[i], limits[i])
+        });
         let per_speed = 2.0 * step * per_length;
         let turned = |way: f64, speed: f64| (way + per_speed * speed).clamp(-1.0, 1.0);
-        self.direction = turned(self.direction, dominant);
-        self.travel = turned(self.travel, motion.velocity[0]);
-        self.dig(motion, soil.settling_way, slips, step);
+        self.direction = turned(self.direction, amid.dominant());
+        self.travel = turned(self.travel, amid.velocity[0]);
+        self.dig(&amid, soil.settling_way, slips, step);
         let mut load = self.steady(pair, soil, slips);
         // W − k (z_p − z), the line of unloading, with its damping
         let gap = (self.pressed - motion.sinkage.min(limit)) - SINKAGE_LEAD_S * motion.sinking;
@@ -192,7 +230,7 @@ impl WheelContact {
             return;
         }
         let [forward, left] = motion.velocity;
-        let greater = motion.rim.abs().max(forward.abs());
+        let greater = motion.rolling();
         let speed = Real::hypot(forward, left).max(MIN_DIGGING_SHARE * motion.rim.abs());
         let share = step * speed / way;
         if !(greater > 0.0 && share > 0.0) {
@@ -203,27 +241,6 @@ impl WheelContact {
             (left / greater).clamp(-MAX_DRIFT_RATIO, MAX_DRIFT_RATIO),
         ];
         self.dug = std::array::from_fn(|i| (self.dug[i] + share * now[i]) / (1.0 + share));
-    }
-
-    /// Moves the shear displacements on; gives them over the contact's length, along and across.
-    fn shear_on(
-        &mut self,
-        motion: &WheelMotionNow,
-        (length, per_length): (f64, f64),
-        kept: f64,
-        step: f64,
-    ) -> [f64; 2] {
-        let speeds = [motion.rim - motion.velocity[0], motion.velocity[1]];
-        let limits = [1.0, MAX_DRIFT_RATIO];
-        let lead = SHEAR_LEAD_S / step;
-        std::array::from_fn(|i| {
-            let before = self.shear[i];
-            let most = limits[i] * length;
-            let after = ((before + step * speeds[i]) * kept).clamp(-most, most);
-            self.shear[i] = after;
-            let ahead = after + (after - before) * lead;
-            (ahead * per_length).clamp(-limits[i], limits[i])
-        })
     }
 
     /// The steady forces at slip `s` (of forward rolling) and drift `w`, by the direction of rolling.
@@ -269,7 +286,7 @@ impl WheelContact {
 }
 
 /// Length of the contact, m: the arc in front of the wheel's lowest point.
-fn contact_length(wheel: &RigidWheel, sinkage: f64) -> f64 {
+pub(super) fn contact_length(wheel: &RigidWheel, sinkage: f64) -> f64 {
     let radius = wheel.running_radius();
     let theta_1 =
         grouser_terra::entry_angle(sinkage.clamp(0.0, MAX_SINKAGE_SHARE * radius), radius);

@@ -114,6 +114,22 @@ pub struct Packing {
     pub settling_way: f64,
 }
 
+/// Standard deviations of the logarithm of strength that the strongest place lies above the mean.
+const STRONGEST_PLACE_SIGMAS: f64 = 3.0;
+/// Passes after which the strongest rut is taken: two of a robot with five wheels a side.
+const STRONGEST_RUT_PASSES: u32 = 10;
+
+impl Packing {
+    /// Stresses of the strongest soil that it makes, over those of the soil as it is described.
+    #[must_use]
+    pub fn greatest_strength(&self) -> f64 {
+        let passed = self.multi_pass.map_or(1.0, |law| {
+            law.change(1.0, STRONGEST_RUT_PASSES).strength_factor
+        });
+        (1.0 + self.gain) * passed * Real::exp(STRONGEST_PLACE_SIGMAS * self.scatter)
+    }
+}
+
 impl Default for Packing {
     fn default() -> Self {
         Self {

@@ -7,13 +7,19 @@ use crate::vector::{Tensor, Vector};
 const MAX_ROWS: usize = 3 + MAX_FREEDOMS;
 
 impl Linkage {
-    /// Accelerations under `forces` and gravity.
+    /// Accelerations under `forces` and gravity, with `added` inertia (kg m²) on the freedoms.
     ///
     /// With h = Σ m r, J = Σ (I + m r²) about the origin and L_k, A_k the momentum and the angular momentum that the rate of
     /// freedom k gives, the rows of the chassis' velocity are m v̇ + ω̇ × h + Σ L_k q̈_k = F. They are solved for v̇ first, which
     /// leaves three rows about the centre of gravity and one for each freedom.
     #[must_use]
-    pub fn accelerate(&self, state: &BodyState, pose: &Pose, forces: &Speeds) -> Speeds {
+    pub fn accelerate(
+        &self,
+        state: &BodyState,
+        pose: &Pose,
+        forces: &Speeds,
+        added: &[f64; MAX_FREEDOMS],
+    ) -> Speeds {
         let freedoms = self.freedoms();
         let (turning, velocity) = (state.turning(), state.velocity());
         let down = state.attitude.to_robot(Vector::AXES[2] * -self.gravity);
@@ -80,6 +86,7 @@ impl Linkage {
             for j in 0..=i {
                 row[3 + j] -= linear.dot(columns[j].0) * per_mass;
             }
+            row[3 + i] += added[i];
             right[3 + i] -= linear.dot(force) * per_mass;
         }
         solve(&mut matrix, &mut right, 3 + freedoms);
