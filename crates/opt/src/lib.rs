@@ -38,7 +38,7 @@ pub use certify::{
     FrontWatch, ProofSink, ProvedPoint, Suggest, certify, certify_front, certify_with,
 };
 pub use derivative::{
-    DerivativeCheck, Differences, Exact, Functions, Scheme, WrongEntry, check_derivatives,
+    DerivativeCheck, Differences, Exact, Functions, WrongEntry, check_derivatives,
 };
 pub use error::{Error, Result};
 pub use jacobian::Jacobian;

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use grouser_opt::{
     Algorithm, Differences, Error, Exact, Functions, Jacobian, LinearConstraint, Measure, Method,
-    Model, ParetoSettings, Problem, ProblemParams, Scheme, Settings, Sobol, Status, Uncertainty,
-    Variable, World, check_derivatives, evaluate, multi_start, pareto, robust, sample, solve,
+    Model, ParetoSettings, Problem, ProblemParams, Settings, Sobol, Status, Uncertainty, Variable,
+    World, check_derivatives, evaluate, multi_start, pareto, robust, sample, solve,
 };
 use grouser_real::Scalar;
 use proptest::prelude::*;
@@ -211,11 +211,9 @@ proptest! {
         x in prop::array::uniform2(-3.0..3.0_f64),
         room in prop::array::uniform4(prop_oneof![Just(0.0), 1e-9..1e-4_f64, 0.1..1.0_f64]),
         (a, b, c) in (-2.0..2.0_f64, -2.0..2.0_f64, -2.0..2.0_f64),
-        central in any::<bool>(),
     ) {
         let lower = [x[0] - room[0], x[1] - room[1]];
         let upper = [x[0] + room[2], x[1] + room[3]];
-        let scheme = if central { Scheme::Central } else { Scheme::Forward };
         let calls = AtomicUsize::new(0);
         let outside = AtomicBool::new(false);
         let model = Differences::new(|p: &[f64], f: &mut [f64]| {
@@ -225,7 +223,6 @@ proptest! {
             }
             f[0] = a * p[0] * p[0] + b * p[0] * p[1] + c * p[1];
         })
-        .scheme(scheme)
         .within(&lower, &upper);
         let (mut value, mut jacobian) = ([0.0], Jacobian::zeros(1, 2));
         model.derivatives(&x, &mut value, &mut jacobian);
@@ -238,10 +235,9 @@ proptest! {
                 prop_assert!(found == 0.0);
                 continue;
             }
-            expected += if central { 2 } else { 1 };
-            // rounding of values of up to 30 over the step, and of one-sided steps their curvature
-            let step = widest.min(if central { 6e-6 } else { 1.5e-8 });
-            let allowed = 3e-14 / step + if central { 0.0 } else { 4.0 * 4.0 * 1.5e-8 };
+            expected += 2;
+            // rounding of values of up to 30 over the step
+            let allowed = 3e-14 / widest.min(6e-6);
             prop_assert!((found - slope).abs() < allowed, "{found} {slope} {allowed}");
         }
         prop_assert!(!outside.into_inner());
@@ -305,19 +301,15 @@ fn a_check_is_relative_and_leaves_out_fixed_variables() {
 
 #[test]
 fn a_central_difference_at_a_kink_is_the_mean_of_its_sides() {
-    let slope = |scheme: Scheme, lower: f64| {
-        let model = Differences::new(|x: &[f64], f: &mut [f64]| f[0] = x[0].abs())
-            .scheme(scheme)
-            .within(&[lower], &[1.0]);
+    let slope = |lower: f64| {
+        let model =
+            Differences::new(|x: &[f64], f: &mut [f64]| f[0] = x[0].abs()).within(&[lower], &[1.0]);
         let (mut value, mut jacobian) = ([0.0], Jacobian::zeros(1, 1));
         model.derivatives(&[0.0], &mut value, &mut jacobian);
         jacobian.row(0)[0]
     };
-    assert!(slope(Scheme::Central, -1.0).abs() < 1e-9);
-    assert!(
-        (slope(Scheme::Central, 0.0) - 1.0).abs() < 1e-9
-            && (slope(Scheme::Forward, -1.0) - 1.0).abs() < 1e-9
-    );
+    assert!(slope(-1.0).abs() < 1e-9);
+    assert!((slope(0.0) - 1.0).abs() < 1e-9);
 }
 
 #[test]

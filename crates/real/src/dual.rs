@@ -303,7 +303,6 @@ impl<const N: usize> Scalar for Dual<N> {
     fn value(self) -> f64 {
         self.value
     }
-    const EPSILON: f64 = f64::EPSILON;
 }
 
 #[cfg(test)]

@@ -113,7 +113,6 @@ macro_rules! real_for_float {
             fn value(self) -> f64 {
                 f64::from(self)
             }
-            const EPSILON: f64 = $float::EPSILON as f64;
         }
     };
 }

@@ -212,6 +212,4 @@ pub trait Real:
 pub trait Scalar: Real<Mask = bool> + PartialOrd {
     /// The value in double precision.
     fn value(self) -> f64;
-    /// The distance from 1 to the next number of this type.
-    const EPSILON: f64;
 }

@@ -164,7 +164,6 @@ macro_rules! operators {
         }
         impl Scalar for Other<$number> {
             fn value(self) -> f64 { self.0.real() }
-            const EPSILON: f64 = f64::EPSILON;
         }
     )*};
     (@same $($name:ident)*) => {$(

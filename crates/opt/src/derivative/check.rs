@@ -1,6 +1,6 @@
 //! Derivatives that a model claims, checked against finite differences entry by entry.
 
-use crate::derivative::{Differences, Scheme};
+use crate::derivative::Differences;
 use crate::jacobian::Jacobian;
 use crate::model::Model;
 use crate::problem::Problem;
@@ -74,7 +74,6 @@ pub fn check_derivatives(
     let upper: Vec<f64> = problem.variables().iter().map(|v| v.upper).collect();
     let mut differences = Jacobian::zeros(functions, x.len());
     Differences::new(|x: &[f64], out: &mut [f64]| problem.model().values(x, out))
-        .scheme(Scheme::Central)
         .within(&lower, &upper)
         .derivatives(x, &mut values, &mut differences);
     let mut check = DerivativeCheck::default();

@@ -6,25 +6,14 @@ use crate::model::Model;
 /// ∛ε: the relative step at which a central difference has the least error.
 const CBRT_EPSILON: f64 = 6.055_454_452_393_343e-6;
 
-/// Which difference approximates the derivative.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Scheme {
-    /// (f(x + h) − f(x))/h with h = ε^(1/2)·max(1, |x|): n + 1 values, error about 1e-8.
-    Forward,
-    /// (f(x + h) − f(x − h))/2h with h = ε^(1/3)·max(1, |x|): 2 n + 1 values, error about 1e-10.
-    #[default]
-    Central,
-}
-
 /// A closure as a [`Model`], differentiated numerically.
 ///
+/// (f(x + h) − f(x − h))/2h with h = ε^(1/3)·max(1, |x|): 2 n + 1 values, error about 1e-10.
 /// Inside [`Differences::within`] bounds no point outside is ever evaluated: next to a bound a central
 /// difference turns into a one-sided one of second order.
 #[derive(Clone, Debug)]
 pub struct Differences<F> {
     function: F,
-    scheme: Scheme,
     lower: Vec<f64>,
     upper: Vec<f64>,
 }
@@ -34,17 +23,9 @@ impl<F: Fn(&[f64], &mut [f64]) + Sync> Differences<F> {
     pub fn new(function: F) -> Self {
         Self {
             function,
-            scheme: Scheme::Central,
             lower: Vec::new(),
             upper: Vec::new(),
         }
-    }
-
-    /// With another scheme.
-    #[must_use]
-    pub fn scheme(mut self, scheme: Scheme) -> Self {
-        self.scheme = scheme;
-        self
     }
 
     /// Never evaluates outside these bounds (infinite ones are none).
@@ -55,13 +36,9 @@ impl<F: Fn(&[f64], &mut [f64]) + Sync> Differences<F> {
         self
     }
 
-    /// The one or two steps from `value` that stay within `below` and `above` of it.
-    fn steps(&self, value: f64, below: f64, above: f64) -> Option<(f64, Option<f64>)> {
-        let relative = match self.scheme {
-            Scheme::Forward => f64::EPSILON.sqrt(),
-            Scheme::Central => CBRT_EPSILON,
-        };
-        let wish = relative * value.abs().max(1.0);
+    /// Two steps from `value` that stay within `below` and `above` of it.
+    fn steps(value: f64, below: f64, above: f64) -> Option<[f64; 2]> {
+        let wish = CBRT_EPSILON * value.abs().max(1.0);
         let (room, sign) = if above >= wish || above >= below {
             (above, 1.0)
         } else {
@@ -70,13 +47,11 @@ impl<F: Fn(&[f64], &mut [f64]) + Sync> Differences<F> {
         if !(room > 0.0) {
             return None;
         }
-        Some(match self.scheme {
-            Scheme::Forward => (sign * wish.min(room), None),
-            Scheme::Central if above >= wish && below >= wish => (wish, Some(-wish)),
-            Scheme::Central => {
-                let step = sign * wish.min(0.5 * room);
-                (step, Some(2.0 * step))
-            }
+        Some(if above >= wish && below >= wish {
+            [wish, -wish]
+        } else {
+            let step = sign * wish.min(0.5 * room);
+            [step, 2.0 * step]
         })
     }
 
@@ -98,7 +73,7 @@ impl<F: Fn(&[f64], &mut [f64]) + Sync> Model for Differences<F> {
         let (mut one, mut two) = (values.to_vec(), values.to_vec());
         for column in 0..x.len() {
             let (below, above) = self.room(x, column);
-            let Some(steps) = self.steps(x[column], below, above) else {
+            let Some(steps) = Self::steps(x[column], below, above) else {
                 // A variable that its bounds hold in place has no direction to differentiate in.
                 (0..values.len()).for_each(|row| jacobian.set(row, column, 0.0));
                 continue;
@@ -111,20 +86,12 @@ impl<F: Fn(&[f64], &mut [f64]) + Sync> Model for Differences<F> {
                 point[column] = x[column];
                 step
             };
-            let h = at(steps.0, &mut one);
-            // (f(x + h) − f(x)) w_1 + (f(x + k) − f(x)) w_2: exact for a quadratic where there are two steps.
-            let (w_1, w_2) = match steps.1 {
-                Some(second) => {
-                    let k = at(second, &mut two);
-                    (k / (h * (k - h)), -h / (k * (k - h)))
-                }
-                None => (1.0 / h, 0.0),
-            };
+            let h = at(steps[0], &mut one);
+            let k = at(steps[1], &mut two);
+            // (f(x + h) − f(x)) w_1 + (f(x + k) − f(x)) w_2: exact for a quadratic.
+            let (w_1, w_2) = (k / (h * (k - h)), -h / (k * (k - h)));
             for row in 0..values.len() {
-                let mut slope = (one[row] - values[row]) * w_1;
-                if w_2 != 0.0 {
-                    slope += (two[row] - values[row]) * w_2;
-                }
+                let slope = (one[row] - values[row]) * w_1 + (two[row] - values[row]) * w_2;
                 jacobian.set(row, column, slope);
             }
         }

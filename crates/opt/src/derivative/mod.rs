@@ -6,5 +6,5 @@ mod dual;
 mod trace;
 
 pub use check::{DerivativeCheck, WrongEntry, check_derivatives};
-pub use difference::{Differences, Scheme};
+pub use difference::Differences;
 pub use dual::{Exact, Functions};

@@ -255,7 +255,6 @@ impl Scalar for Trace {
             }
         }
     }
-    const EPSILON: f64 = f64::EPSILON;
 }
 
 #[cfg(test)]
