@@ -166,12 +166,13 @@ pub struct Spot {
 /// The ground.
 ///
 /// ```
-/// use grouser_rover::ground::{Ground, HeightMap};
+/// use grouser_rover::ground::{Ground, HeightMap, Track};
 /// use grouser_terra::catalogue;
 ///
 /// let sand = catalogue::find("dry-sand").expect("in the catalogue").soil().expect("complete");
 /// let mut ground = Ground::new(HeightMap::from_shape((4.0, 2.0), 0.1, |_, _| 0.0)?, vec![sand])?;
-/// ground.press((1.0, 0.0), (2.0, 0.0), 0.2, 0.03); // a wheel of 0.2 m has passed, 0.03 m deep
+/// // a wheel 0.2 m wide has passed, 0.03 m deep
+/// ground.pass((1.0, 0.0), (2.0, 0.0), (0.2, 0.03), &Track::new(0, 1.0, 0.0));
 /// assert!((ground.at(1.5, 0.0).height + 0.03).abs() < 1e-6);
 /// # Ok::<(), grouser_rover::Error>(())
 /// ```
@@ -364,28 +365,13 @@ impl Ground {
     }
 
     /// A wheel has pressed the strip from `from` to `to`, `width` wide, to `depth` (m) below the undisturbed
-    /// surface. What is deeper already stays.
-    pub fn press(&mut self, from: (f64, f64), to: (f64, f64), width: f64, depth: f64) {
-        self.leave_rut(from, to, (width, depth), None);
-    }
-
-    /// As [`Ground::press`], by a wheel that is known: passes count where a [`MultiPass`] law holds.
+    /// surface. What is deeper already stays; passes count where a [`MultiPass`] law holds.
     pub fn pass(
         &mut self,
         from: (f64, f64),
         to: (f64, f64),
         (width, depth): (f64, f64),
         track: &Track,
-    ) {
-        self.leave_rut(from, to, (width, depth), Some(track));
-    }
-
-    fn leave_rut(
-        &mut self,
-        from: (f64, f64),
-        to: (f64, f64),
-        (width, depth): (f64, f64),
-        track: Option<&Track>,
     ) {
         let (length_x, length_y) = (to.0 - from.0, to.1 - from.1);
         let length = Real::hypot(length_x, length_y);
@@ -408,7 +394,7 @@ impl Ground {
             let across = (d_y * along_x - d_x * along_y).abs();
             if across <= half && along >= -1e-9 && along <= length {
                 self.rut[index] = self.rut[index].max(depth);
-                if let (Some(passes), Some(track)) = (&mut self.passes, track) {
+                if let Some(passes) = &mut self.passes {
                     passes.leave(index, track, PASS_WAY_CELLS * cell);
                 }
             }

@@ -9,8 +9,8 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 /// use grouser_rover::ground::Noise;
 ///
 /// let (mut one, mut again) = (Noise::new(7, 1), Noise::new(7, 1));
-/// assert_eq!(one.bits(), again.bits());
-/// assert_ne!(one.bits(), Noise::new(7, 2).bits()); // each stream is its own
+/// assert_eq!(one.uniform(), again.uniform());
+/// assert_ne!(one.uniform(), Noise::new(7, 2).uniform()); // each stream is its own
 /// assert!((0.0..1.0).contains(&one.uniform()));
 /// ```
 #[derive(Clone, Debug)]
@@ -24,11 +24,6 @@ impl Noise {
         key[..8].copy_from_slice(&seed.to_le_bytes());
         key[8..16].copy_from_slice(&stream.to_le_bytes());
         Self(ChaCha8Rng::from_seed(key))
-    }
-
-    /// 64 random bits.
-    pub fn bits(&mut self) -> u64 {
-        self.0.next_u64()
     }
 
     /// Uniform in [0, 1), a multiple of 2^−53.
@@ -76,6 +71,6 @@ mod tests {
         let n = f64::from(count);
         assert!((sum / n).abs() < 3.0 / n.sqrt());
         assert!((square / n - 1.0).abs() < 3.0 * 1.31 / n.sqrt());
-        assert_ne!(Noise::new(7, 2).bits(), Noise::new(7, 1).bits());
+        assert_ne!(Noise::new(7, 2).uniform(), Noise::new(7, 1).uniform());
     }
 }

@@ -3,10 +3,9 @@
 use grouser_real::Real;
 use grouser_terra::{Kinematics, Settings, Slip, Soil, WheelOnSoil};
 
-use super::gradeability::of;
 use super::loads::wheel_loads;
 use super::margins::stability_margins;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::robot::RobotModel;
 
 /// Slips between 0 and 1 at which the pull is sampled before the smallest sufficient slip is refined.
@@ -145,4 +144,11 @@ fn pulled(
         }
     }
     Ok(Some(sum))
+}
+
+fn of(name: &str, source: grouser_terra::Error) -> Error {
+    Error::Law {
+        of: format!("wheel \"{name}\""),
+        source,
+    }
 }

@@ -3,7 +3,6 @@
 //! The primary type is [`Standing`]; `grouser robot ROBOT.toml --stance` prints it.
 
 mod climb;
-mod gradeability;
 mod loads;
 mod margins;
 mod posture;
@@ -11,7 +10,6 @@ mod stance;
 mod standing;
 
 pub use climb::{ClimbStep, climb};
-pub use gradeability::{Gradeability, gradeability};
 pub use loads::{WheelLoads, wheel_loads};
 pub use margins::{Edge, StabilityMargins, stability_margins};
 pub use posture::{Posture, PostureLimits, adjusted_posture};
