@@ -23,8 +23,10 @@ mod float;
 mod interval;
 mod out_of_range;
 mod real;
+mod wrap;
 
 pub use dual::Dual;
 pub use interval::Interval;
 pub use out_of_range::OutOfRange;
 pub use real::{Real, Scalar};
+pub use wrap::wrap_angle;

@@ -1,6 +1,6 @@
 //! Are left and right encoders exchanged? In a bend the outer wheels run faster; exchanged ones show the other side's bends.
 
-use grouser_real::Real;
+use grouser_real::{Real, wrap_angle};
 use grouser_slip::window::WindowBody;
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
@@ -92,8 +92,7 @@ impl ExchangeWatch {
         match sample.measurement {
             Measurement::Pose { yaw, .. } if yaw.is_finite() => {
                 if let Some(before) = self.reference_yaw.replace(yaw) {
-                    let (sin, cos) = Real::sin_cos(yaw - before);
-                    self.open[2] += Real::atan2(sin, cos);
+                    self.open[2] += wrap_angle(yaw - before);
                 }
             }
             Measurement::Displacement {

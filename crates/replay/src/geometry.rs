@@ -2,7 +2,7 @@
 
 use grouser_files::robot::RobotFile;
 use grouser_log::Log;
-use grouser_real::Real;
+use grouser_real::{Real, wrap_angle};
 use grouser_slip::window::WindowMeans;
 use grouser_slip::{Measurement, Reference};
 
@@ -241,8 +241,7 @@ impl Turns {
             Measurement::Pose { yaw, .. } if reference == Reference::Pose && yaw.is_finite() => {
                 let last = self.yaw.replace((time_s, yaw));
                 if let Some((_, before)) = last.filter(|last| time_s - last.0 < MAX_GAP_S) {
-                    let (sin, cos) = Real::sin_cos(yaw - before);
-                    *self.passed.reference.get_or_insert(0.0) += Real::atan2(sin, cos);
+                    *self.passed.reference.get_or_insert(0.0) += wrap_angle(yaw - before);
                 }
             }
             Measurement::Displacement {

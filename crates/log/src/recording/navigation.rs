@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use grouser_real::Real;
+use grouser_real::{Real, wrap_angle};
 use grouser_slip::Measurement;
 
 use crate::message::NavSatFix;
@@ -238,7 +238,10 @@ impl Track {
             self.heading = Some((forwards, noise));
             return;
         };
-        let (ahead, behind) = (wrapped(forwards - heading), wrapped(backwards - heading));
+        let (ahead, behind) = (
+            wrap_angle(forwards - heading),
+            wrap_angle(backwards - heading),
+        );
         let is_reversing = match to.turn {
             Some(_) => behind.abs() < ahead.abs(),
             None => ahead.abs() > REVERSED_RAD,
@@ -273,12 +276,6 @@ fn between(from: &Placed, to: &Placed) -> (f64, f64) {
 
 fn seconds(from_ns: i64, to_ns: i64) -> f64 {
     to_ns.saturating_sub(from_ns) as f64 * 1e-9
-}
-
-/// An angle in (−π, π].
-fn wrapped(angle: f64) -> f64 {
-    let (sin, cos) = Real::sin_cos(angle);
-    Real::atan2(sin, cos)
 }
 
 #[cfg(test)]

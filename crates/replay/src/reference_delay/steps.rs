@@ -1,6 +1,6 @@
 //! What the reference measured from one stamp to the next.
 
-use grouser_real::Real;
+use grouser_real::{Real, wrap_angle};
 use grouser_slip::{Measurement, Reference};
 
 /// Nothing is known between two readings that are further apart, s.
@@ -78,8 +78,7 @@ impl Steps {
             Measurement::Pose { x, y, yaw } if self.reference == Reference::Pose => {
                 let yaw = yaw - self.yaw_offset;
                 let last = self.pose.replace([x, y, yaw]).unwrap_or([x, y, yaw]);
-                let (sin, cos) = Real::sin_cos(yaw - last[2]);
-                let turn = Real::atan2(sin, cos);
+                let turn = wrap_angle(yaw - last[2]);
                 let (sin, cos) = Real::sin_cos(last[2] + 0.5 * turn);
                 let (dx, dy) = (x - last[0], y - last[1]);
                 self.add(

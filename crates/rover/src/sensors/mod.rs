@@ -10,7 +10,7 @@ pub use settings::SensorSettings;
 
 use std::collections::VecDeque;
 
-use grouser_real::Real;
+use grouser_real::{Real, wrap_angle};
 use grouser_slip::{Measurement, Sample};
 
 use crate::dynamics::Vehicle;
@@ -79,12 +79,6 @@ impl Sensors {
             next_sample: 0.0,
             under_way: VecDeque::with_capacity(256),
         }
-    }
-
-    /// Their settings.
-    #[must_use]
-    pub const fn settings(&self) -> &SensorSettings {
-        &self.settings
     }
 
     /// The fault schedule.
@@ -275,7 +269,7 @@ impl Sensors {
         let measurement = Measurement::Displacement {
             forward: scale * (cos * way.x + sin * way.y) + noise() + jump,
             left: scale * (cos * way.y - sin * way.x) + noise(),
-            turn: Some(scale * angle_between(old, heading) + 2.0 * noise()),
+            turn: Some(scale * wrap_angle(heading - old) + 2.0 * noise()),
         };
         self.send(time + s.camera_latency + delay, stamp, measurement);
     }
@@ -326,12 +320,6 @@ fn send(under_way: &mut VecDeque<(f64, Sample)>, due: f64, sample: Sample) {
     }
     let later = under_way.iter().rev().take_while(|(d, _)| *d > due).count();
     under_way.insert(under_way.len() - later, (due, sample));
-}
-
-/// From `from` to `to`, rad in (−π, π].
-pub(crate) fn angle_between(from: f64, to: f64) -> f64 {
-    let (sin, cos) = Real::sin_cos(to - from);
-    Real::atan2(sin, cos)
 }
 
 #[allow(

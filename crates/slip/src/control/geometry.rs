@@ -1,12 +1,6 @@
 //! Where the wheels stand, and what a motion of the robot means for each of them.
 
-use grouser_real::Real;
-
-/// Angle in (−π, π].
-pub(super) fn wrap_angle(angle: f64) -> f64 {
-    let (sin, cos) = Real::sin_cos(angle);
-    Real::atan2(sin, cos)
-}
+use grouser_real::{Real, wrap_angle};
 
 /// Place, heading and steering of a wheel.
 #[derive(Clone, Copy, Debug)]

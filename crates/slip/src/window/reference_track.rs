@@ -1,6 +1,6 @@
 //! From the sensors of the robot's own motion to that motion over a window.
 
-use grouser_real::Real;
+use grouser_real::{Real, wrap_angle};
 
 use super::settings::WindowSettings;
 use crate::body::Observations;
@@ -179,7 +179,7 @@ impl ReferenceTrack {
         Fault::check_range("pose y", pose[1], -1e8, 1e8, "m")?;
         Fault::check_range("pose yaw", pose[2], -1e6, 1e6, "rad")?;
         let last = self.last_pose.unwrap_or(pose);
-        let turn = wrapped(pose[2] - last[2]);
+        let turn = wrap_angle(pose[2] - last[2]);
         // The robot's frame halfway through the step.
         let (sin, cos) = Real::sin_cos(last[2] + 0.5 * turn);
         let (dx, dy) = (pose[0] - last[0], pose[1] - last[1]);
@@ -270,10 +270,4 @@ impl ReferenceTrack {
         }
         Some(())
     }
-}
-
-/// An angle brought into [−π, π].
-fn wrapped(angle: f64) -> f64 {
-    let (sin, cos) = Real::sin_cos(angle);
-    Real::atan2(sin, cos)
 }

@@ -13,12 +13,11 @@ mod tilt_monitor;
 mod transition;
 mod traverse;
 
-use grouser_real::Real;
+use grouser_real::{Real, wrap_angle};
 
 use super::command::MotionCommand;
 use super::decision::{Ending, Mode, Reason};
 use super::decision_queue::DecisionQueue;
-use super::geometry::wrap_angle;
 use super::observation::RobotObservation;
 use super::settings::{ControlSettings, Decides};
 use back_out::BackOut;

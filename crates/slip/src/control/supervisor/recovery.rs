@@ -1,9 +1,8 @@
 //! Attempts to get past ground that does not carry the robot: how many, and on which side.
 
-use grouser_real::Real;
+use grouser_real::{Real, wrap_angle};
 
 use super::super::decision::{Action, Ending, Reason};
-use super::super::geometry::wrap_angle;
 use super::super::observation::RobotObservation;
 use super::super::settings::ControlSettings;
 use super::slip_monitor::SlipMonitor;

@@ -1,0 +1,17 @@
+//! Angles within one turn.
+
+use crate::real::Real;
+
+/// The same direction as `angle` (rad), in (−π, π].
+///
+/// ```
+/// use std::f64::consts::{PI, TAU};
+///
+/// let turn = grouser_real::wrap_angle(0.3 - TAU);
+/// assert!((turn - 0.3).abs() < 1e-15 && grouser_real::wrap_angle(PI) == PI);
+/// ```
+#[must_use]
+pub fn wrap_angle(angle: f64) -> f64 {
+    let (sin, cos) = Real::sin_cos(angle);
+    Real::atan2(sin, cos)
+}
