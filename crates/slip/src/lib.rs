@@ -52,6 +52,6 @@ pub use measured_slip::{MeasuredSlip, SlipLimits};
 pub use reference::Reference;
 pub use robot::{Encoder, MAX_WHEELS, Robot, Shaft, Wheel, WheelRole};
 pub use sample::{Measurement, Sample};
-pub use speed::{CountWindow, Measured, MixedSpeed, PeriodSpeed};
+pub use speed::{Measured, MixedSpeed, PeriodSpeed};
 pub use state::{Degraded, Health, Invalid, Motion};
 pub use wheel_estimate::WheelEstimate;

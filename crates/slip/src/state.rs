@@ -7,7 +7,7 @@ use core::fmt;
 /// ```
 /// use grouser_slip::Motion;
 ///
-/// assert_eq!(Motion::RollBack.to_string(), "RollBack");
+/// assert_eq!(Motion::RollBack.name(), "RollBack");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
@@ -48,12 +48,6 @@ impl Motion {
             Self::LiftOff => "LiftOff",
             Self::Stall => "Stall",
         }
-    }
-}
-
-impl fmt::Display for Motion {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

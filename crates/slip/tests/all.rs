@@ -11,6 +11,7 @@ mod four_wheels;
 mod noise;
 mod open_loop;
 mod sane;
+mod wild;
 mod world;
 
 mod control;

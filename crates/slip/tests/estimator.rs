@@ -25,6 +25,19 @@ fn drive(
     }
 }
 
+fn update(
+    estimator: &mut WindowEstimator,
+    time_ns: i64,
+    measurement: Measurement,
+) -> Result<(), Fault> {
+    estimator
+        .update(Sample {
+            time_ns,
+            measurement,
+        })
+        .map(|_| ())
+}
+
 fn slip_of(estimator: &WindowEstimator, wheel: usize) -> Option<f64> {
     estimator.latest().unwrap().wheels[wheel]
         .slip
@@ -397,12 +410,7 @@ fn displacement_pose_and_speed_agree() {
                     left: None,
                 },
             };
-            estimator
-                .update(Sample {
-                    time_ns,
-                    measurement,
-                })
-                .unwrap();
+            update(&mut estimator, time_ns, measurement).unwrap();
             for sample in drivers.row(&robot, time_ns, 0) {
                 estimator.update(sample).unwrap();
             }
@@ -465,12 +473,7 @@ fn a_refused_displacement_leaves_no_wrong_slip_and_a_pose_that_jumps_is_followed
                 },
             };
             let time_ns = row * ROW;
-            let refused = estimator
-                .update(Sample {
-                    time_ns,
-                    measurement,
-                })
-                .is_err();
+            let refused = update(&mut estimator, time_ns, measurement).is_err();
             assert_eq!(refused, row == 100, "{reference:?} {bad} {row}");
             for sample in drivers.row(&robot, time_ns, 0) {
                 estimator.update(sample).unwrap();
@@ -513,23 +516,13 @@ fn edges_give_the_slip_that_counts_give() {
                 wheel: 0,
                 forward: true,
             };
-            estimator
-                .update(Sample {
-                    time_ns,
-                    measurement,
-                })
-                .unwrap();
+            update(&mut estimator, time_ns, measurement).unwrap();
         }
         let measurement = Measurement::Speed {
             forward: drivers.speed,
             left: None,
         };
-        estimator
-            .update(Sample {
-                time_ns: row * ROW,
-                measurement,
-            })
-            .unwrap();
+        update(&mut estimator, row * ROW, measurement).unwrap();
     }
     let found = slip_of(&estimator, 0).unwrap();
     // Between whole edges only the clock's 1 ns is left.
@@ -540,12 +533,7 @@ fn edges_give_the_slip_that_counts_give() {
             forward: drivers.speed,
             left: None,
         };
-        estimator
-            .update(Sample {
-                time_ns: row * ROW,
-                measurement,
-            })
-            .unwrap();
+        update(&mut estimator, row * ROW, measurement).unwrap();
     }
     let found = slip_of(&estimator, 0).unwrap();
     assert!(found < -0.99, "{found}");

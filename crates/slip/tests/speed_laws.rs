@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use grouser_slip::{CountWindow, Fault, MixedSpeed, PeriodSpeed};
+use grouser_slip::{Fault, MixedSpeed, PeriodSpeed};
 use proptest::prelude::*;
 
 const N: f64 = 100.0;
@@ -90,36 +90,6 @@ fn period_law_starts_restarts_and_refuses() {
 }
 
 #[test]
-fn the_stated_variances_hold_over_random_phases() {
-    // Counts over a window that begins anywhere between two edges: the error's mean square must be the
-    // variance that the law states. 20 000 phases: 1 % of it, three sigma 3 %.
-    let law = CountWindow::new(N).unwrap();
-    let (omega, window) = (3.7, 0.1);
-    let mut sum = 0.0;
-    let mut count = 0.0;
-    let mut phase: f64 = 0.0;
-    // Two windows' worth of irrational steps fill the phases evenly.
-    for _ in 0..20_000 {
-        phase = (phase + 0.618_033_988_749_894_9).fract();
-        let ticks_of = |angle: f64| (angle / (TAU / N) + phase).floor();
-        #[allow(clippy::cast_possible_truncation, reason = "a few ticks")]
-        let ticks = (ticks_of(omega * window) - ticks_of(0.0)) as i64;
-        let speed = law.speed(ticks, window).unwrap();
-        sum += (speed.value - omega).powi(2) / speed.variance;
-        count += 1.0;
-    }
-    // For one speed the ratio is 6 f (1 − f), f the fraction of a tick in the window; averaged over
-    // all f it is 1. Here f = 0.8887.
-    let f = (omega * window / (TAU / N)).fract();
-    let expected = 6.0 * f * (1.0 - f);
-    assert!(
-        (sum / count - expected).abs() < 0.01,
-        "{} {expected}",
-        sum / count
-    );
-}
-
-#[test]
 fn mixed_law_is_exact_between_edges() {
     let edges = edges(|t| 5.0 * t, 1.0);
     let law = MixedSpeed::new(N, 1e-9).unwrap();
@@ -136,12 +106,7 @@ fn mixed_law_is_exact_between_edges() {
 fn laws_refuse_what_is_no_encoder() {
     for bad in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
         assert!(PeriodSpeed::new(bad, 0.0).is_err());
-        assert!(CountWindow::new(bad).is_err());
         assert!(MixedSpeed::new(bad, 0.0).is_err());
-    }
-    let window = CountWindow::new(N).unwrap();
-    for bad in [f64::NAN, 0.0, -1.0, 1e-300] {
-        assert!(window.speed(1, bad).is_err());
     }
 }
 

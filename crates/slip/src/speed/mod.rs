@@ -2,15 +2,12 @@
 //!
 //! | law | needs | variance of ω | good at |
 //! |---|---|---|---|
-//! | [`CountWindow`] | counts at two times | (2π/N)²/(6 T²) | high speed |
 //! | [`PeriodSpeed`] | the time of each edge | set by the timer and the change of speed | low speed |
 //! | [`MixedSpeed`] | counts, and the times of first and last edge | (2π n/(N T²))² · σ_t² · 2 | all |
 
-mod count;
 mod mixed;
 mod period;
 
-pub use count::CountWindow;
 pub use mixed::MixedSpeed;
 pub use period::PeriodSpeed;
 

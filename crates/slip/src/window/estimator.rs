@@ -84,12 +84,6 @@ impl WindowEstimator {
         self.means.now_ns().map(|now| self.estimate(now))
     }
 
-    /// The settings that it works by.
-    #[must_use]
-    pub const fn settings(&self) -> &WindowSettings {
-        self.means.settings()
-    }
-
     /// Samples refused so far.
     #[must_use]
     pub const fn rejected(&self) -> Rejected {
@@ -101,7 +95,6 @@ impl WindowEstimator {
             time_ns: now,
             wheels: &self.estimates,
             body: self.means.body(),
-            rejected: self.means.rejected(),
         }
     }
 

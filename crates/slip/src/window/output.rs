@@ -3,7 +3,6 @@
 use grouser_terra::Slip;
 
 use crate::body::BodyMotion;
-use crate::fault::Rejected;
 use crate::speed::Measured;
 use crate::state::Motion;
 use crate::wheel_estimate::WheelEstimate;
@@ -18,8 +17,6 @@ pub struct WindowOutput<'a> {
     pub wheels: &'a [WheelEstimate],
     /// The robot as a whole.
     pub body: WindowBody,
-    /// Samples refused so far.
-    pub rejected: Rejected,
 }
 
 /// What is known of the robot as a whole.
