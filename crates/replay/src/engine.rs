@@ -88,7 +88,6 @@ pub struct Engine {
     moment: Moment,
     /// The wheels' rim speeds over the window, m/s.
     rims: Vec<Option<f64>>,
-    angles: Vec<Option<f64>>,
     /// Cosine and sine of each wheel's heading.
     headings: Vec<(f64, f64)>,
 }
@@ -203,7 +202,6 @@ impl Engine {
             reference_delay: None,
             moment: Moment::default(),
             rims: Vec::new(),
-            angles: Vec::new(),
             headings: robot
                 .wheels()
                 .iter()
@@ -394,11 +392,7 @@ impl Engine {
                 }
             }
         }
-        self.angles.clear();
         let (motion, low_speed) = (moment.motion.as_ref(), self.settings.low_speed);
-        let headings = robot.iter().zip(&self.headings);
-        let angles = headings.map(|(wheel, trig)| side_slip_angle(wheel, *trig, motion, low_speed));
-        self.angles.extend(angles);
         for (index, tally) in self.tallies.iter_mut().enumerate() {
             if moment.read >> index & 1 == 0 {
                 continue;
@@ -416,7 +410,12 @@ impl Engine {
                 slip_sigma: wheel.sigma,
                 motion: wheel.motion,
                 health: wheel.health,
-                side_slip_angle: self.angles[index],
+                side_slip_angle: side_slip_angle(
+                    &robot[index],
+                    self.headings[index],
+                    motion,
+                    low_speed,
+                ),
             };
             // A gap in the log is no time in a state.
             tally.add(&row, since.min(self.settings.window));
@@ -429,7 +428,6 @@ impl Engine {
                 time_ns: now,
                 time_s,
                 wheels: &moment.wheels,
-                side_slip_angles: &self.angles,
                 odometry,
                 soil: self.slips.soil(),
             })?;

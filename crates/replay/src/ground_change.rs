@@ -33,7 +33,6 @@ pub struct GroundChange {
     begun_s: f64,
     /// The open block: its number, the sums of its readings and how many there are.
     open: Option<(f64, Vec<f64>, f64)>,
-    max_statistic: f64,
 }
 
 impl Default for GroundChange {
@@ -50,7 +49,6 @@ impl GroundChange {
             blocks: VecDeque::new(),
             begun_s: 0.0,
             open: None,
-            max_statistic: 0.0,
         }
     }
 
@@ -58,12 +56,6 @@ impl GroundChange {
     pub fn begin(&mut self) {
         self.blocks.clear();
         self.open = None;
-    }
-
-    /// The maximum statistic so far.
-    #[must_use]
-    pub const fn max_statistic(&self) -> f64 {
-        self.max_statistic
     }
 
     /// Takes the readings at `time_s` (s), always as many in the same order; is the ground another one now?
@@ -101,9 +93,7 @@ impl GroundChange {
         if before < MIN_BASELINE_BLOCKS {
             return false;
         }
-        let statistic = self.statistic(before, readings.len());
-        self.max_statistic = self.max_statistic.max(statistic);
-        if statistic <= CHANGE_THRESHOLD {
+        if self.statistic(before, readings.len()) <= CHANGE_THRESHOLD {
             return false;
         }
         // What was usual is over.

@@ -38,8 +38,6 @@ pub struct Step<'a> {
     pub time_s: f64,
     /// Each wheel, in the robot's order.
     pub wheels: &'a [WheelEstimate],
-    /// The angle of each wheel's way, as in [`Row::side_slip_angle`].
-    pub side_slip_angles: &'a [Option<f64>],
     /// Where the robot is and how it moves, corrected for slip; `None` where nothing new is known of it.
     pub odometry: Option<Odometry>,
     /// What is learnt of the soil so far, with [`Options::learn_soil`](crate::Options).

@@ -11,7 +11,7 @@ use grouser_replay::{
 };
 
 use crate::shipped;
-use crate::shipped::{data, example};
+use crate::shipped::{ROBOTINO, TWO_SURFACES, data, example};
 
 const ROBOT: &str = "format = 1\nname = \"cart\"\n\
     [[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n\
@@ -165,27 +165,10 @@ fn robotino(folder: &str, names: &[&str]) -> Option<Vec<Log>> {
     Some(names.iter().map(open).collect())
 }
 
-const ONE_SURFACE: [&str; 6] = [
-    "table_surface_exp01",
-    "table_surface_exp26",
-    "table_surface_exp53",
-    "gray_surface_exp01",
-    "gray_surface_exp26",
-    "green_surface_exp01",
-];
-const TWO_SURFACES: [&str; 6] = [
-    "green_table_exp00",
-    "green_table_exp14",
-    "green_table_exp27",
-    "table_gray_exp02",
-    "table_gray_exp17",
-    "table_gray_exp25",
-];
-
 #[test]
 fn intervals_hold_in_runs_that_they_were_not_calibrated_on() {
     let (Some(one), Some(two)) = (
-        robotino("robotino", &ONE_SURFACE),
+        robotino("robotino", &ROBOTINO),
         robotino("robotino-two-surfaces", &TWO_SURFACES),
     ) else {
         return;

@@ -15,7 +15,7 @@ use grouser_replay::{Method, Options, Row, run};
 use grouser_slip::Measurement;
 use grouser_synthetic::Noise;
 
-use crate::shipped::{ROBOTINO, data, example, root};
+use crate::shipped::{ROBOTINO, data, example, median, root};
 
 const POSE_PERIOD_S: f64 = 0.2;
 const POSE_SIGMA_M: f64 = 0.002;
@@ -214,11 +214,6 @@ fn wheel_runs(run_of: &Degraded, robot: &RobotFile) -> Vec<Squares> {
         found.push(sums.map(|sum| f64::sqrt(sum / count)));
     }
     found
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
 }
 
 #[test]

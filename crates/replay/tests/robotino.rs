@@ -5,7 +5,7 @@ use grouser_files::robot::WheelSensor;
 use grouser_replay::{Options, calibrate_radius};
 use grouser_slip::Robot;
 
-use crate::shipped::{data, example};
+use crate::shipped::{CUT, data, example};
 
 /// Slip along the commanded direction as the data page gives it.
 const FIGURES: [(&str, f64); 6] = [
@@ -16,17 +16,6 @@ const FIGURES: [(&str, f64); 6] = [
     ("gray_surface_exp26", 0.307),
     ("green_surface_exp01", 0.739),
 ];
-
-const CUT: Options = Options {
-    method: None,
-    smooth: false,
-    reference: None,
-    wheel_sensor: None,
-    window_s: None,
-    from_s: Some(1.9),
-    to_s: None,
-    learn_soil: None,
-};
 
 #[test]
 fn slip_of_the_whole_way_is_the_camera_pages() {

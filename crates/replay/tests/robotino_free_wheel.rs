@@ -12,18 +12,8 @@ use grouser_log::Log;
 use grouser_replay::{Method, Options, Row, Sink, Step, Summary, run_into};
 use grouser_slip::Measurement;
 
-use crate::shipped::{ROBOTINO, data, example, root};
+use crate::shipped::{CUT, ROBOTINO, data, example, median, root};
 
-const CUT: Options = Options {
-    method: Some(Method::Filter),
-    smooth: false,
-    reference: None,
-    wheel_sensor: None,
-    window_s: None,
-    from_s: Some(1.9),
-    to_s: None,
-    learn_soil: None,
-};
 /// The free wheels: radius (m) and ticks per turn.
 const RADIUS: f64 = 0.05;
 const TICKS: f64 = 500.0;
@@ -123,17 +113,16 @@ impl Sink for Along {
     }
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
-}
-
 fn along(log: &Log, robot: &robot::RobotFile) -> (f64, Summary) {
     let mut along = Along {
         last: None,
         slips: Vec::new(),
     };
-    let summary = run_into(log, robot, &CUT, &mut along).unwrap();
+    let options = Options {
+        method: Some(Method::Filter),
+        ..CUT
+    };
+    let summary = run_into(log, robot, &options, &mut along).unwrap();
     (median(along.slips), summary)
 }
 

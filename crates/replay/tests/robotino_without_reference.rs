@@ -11,16 +11,7 @@ use grouser_replay::{
 };
 use grouser_slip::{Measurement, Reference};
 
-use crate::shipped::{ROBOTINO, data, example, root};
-
-const TWO_SURFACES: [&str; 6] = [
-    "green_table_exp00",
-    "green_table_exp14",
-    "green_table_exp27",
-    "table_gray_exp02",
-    "table_gray_exp17",
-    "table_gray_exp25",
-];
+use crate::shipped::{ROBOTINO, TWO_SURFACES, data, example, root};
 
 /// The shipped columns, without the camera's if the reference is to be hidden.
 fn log(folder: &Path, name: &str, has_camera: bool) -> Log {

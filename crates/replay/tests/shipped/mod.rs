@@ -23,6 +23,28 @@ pub(crate) const ROBOTINO: [&str; 6] = [
     "green_surface_exp01",
 ];
 
+/// Robotino's runs from one surface onto another.
+pub(crate) const TWO_SURFACES: [&str; 6] = [
+    "green_table_exp00",
+    "green_table_exp14",
+    "green_table_exp27",
+    "table_gray_exp02",
+    "table_gray_exp17",
+    "table_gray_exp25",
+];
+
+/// Robotino's runs without their first 60 rows, as its data page has them.
+pub(crate) const CUT: Options = Options {
+    method: None,
+    smooth: false,
+    reference: None,
+    wheel_sensor: None,
+    window_s: None,
+    from_s: Some(1.9),
+    to_s: None,
+    learn_soil: None,
+};
+
 pub(crate) struct Example {
     pub(crate) robot: RobotFile,
     pub(crate) map: Option<columns::ColumnMap>,
@@ -44,4 +66,9 @@ impl Example {
     pub(crate) fn summary(&self, path: PathBuf, options: &Options) -> Summary {
         run(&self.log(path), &self.robot, options, |_| Ok(())).unwrap()
     }
+}
+
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
 }
