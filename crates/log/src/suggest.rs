@@ -5,8 +5,8 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_files::PLACEHOLDER;
 use grouser_files::columns::Meaning;
+use grouser_files::{PLACEHOLDER, TomlText};
 
 use crate::sheet::{Sheet, SheetColumn};
 use crate::survey::{Survey, Topic, Use};
@@ -22,7 +22,7 @@ pub fn suggest_for_survey(survey: &Survey) -> String {
         topics.find(move |topic| topic.messages > 0 && topic.use_for == Some(wanted))
     };
     let mut topics = String::new();
-    let name = |topic: &Topic| text(&topic.channel.topic);
+    let name = |topic: &Topic| TomlText::quoted(&topic.channel.topic);
     let joints = of(Use::Wheels);
     if let Some(topic) = joints {
         let _ = writeln!(topics, "wheels = {}", name(topic));
@@ -113,11 +113,11 @@ pub fn suggest_for_sheets<'a>(sheets: impl IntoIterator<Item = (&'a Sheet, &'a s
 /// The column map of one table.
 fn table(sheet: &Sheet, file_name: &str) -> String {
     let mut table = String::from("[[table]]\n");
-    let _ = writeln!(table, "file = {}", text(file_name));
-    let byte = |byte: u8| text(&char::from(byte).to_string());
+    let _ = writeln!(table, "file = {}", TomlText::quoted(file_name));
+    let byte = |byte: u8| TomlText::quoted(&char::from(byte).to_string());
     if sheet.separator != b',' {
         let separator = if sheet.separator == b'\t' {
-            text("tab")
+            TomlText::quoted("tab")
         } else {
             byte(sheet.separator)
         };
@@ -138,7 +138,7 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
             let _ = writeln!(
                 table,
                 "time = {{ column = {}, unit = \"{}\" }}",
-                text(&sheet.columns[time.column].name),
+                TomlText::quoted(&sheet.columns[time.column].name),
                 time.unit
             );
         }
@@ -150,11 +150,13 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
     for column in &sheet.columns {
         let Some(guess) = &column.guess else { continue };
         let wheel = guess.wheel.as_ref();
-        let wheel = wheel.map_or_else(String::new, |wheel| format!(", wheel = {}", text(wheel)));
+        let wheel = wheel.map_or_else(String::new, |wheel| {
+            format!(", wheel = {}", TomlText::quoted(wheel))
+        });
         let _ = writeln!(
             table,
             "    {{ column = {}, meaning = \"{}\"{wheel}, unit = \"{}\" }},",
-            text(&column.name),
+            TomlText::quoted(&column.name),
             guess.meaning.name(),
             guess.unit
         );
@@ -234,9 +236,9 @@ fn robot(
     }
     for (index, (name, joint)) in wheels.iter().take(WHEELS).enumerate() {
         let (x, y) = place(name, index);
-        let _ = write!(out, "\n[[wheel]]\nname = {}\n", text(name));
+        let _ = write!(out, "\n[[wheel]]\nname = {}\n", TomlText::quoted(name));
         if let Some(joint) = joint.as_ref().filter(|joint| *joint != name) {
-            let _ = writeln!(out, "joint = {}", text(joint));
+            let _ = writeln!(out, "joint = {}", TomlText::quoted(joint));
         }
         let drive = if is_free(name) { "free" } else { "powered" };
         out.push_str(&line(
@@ -302,20 +304,4 @@ fn place(name: &str, index: usize) -> (f64, f64) {
         -0.2
     };
     (x, y)
-}
-
-/// A text of TOML; what would end it is escaped.
-fn text(words: &str) -> String {
-    let mut out = String::from("\"");
-    for letter in words.chars() {
-        match letter {
-            '"' | '\\' => out.extend(['\\', letter]),
-            letter if letter.is_control() => {
-                let _ = write!(out, "\\u{:04X}", u32::from(letter));
-            }
-            letter => out.push(letter),
-        }
-    }
-    out.push('"');
-    out
 }

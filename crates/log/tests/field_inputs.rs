@@ -2,17 +2,16 @@
 //! bag beside a table, clocks that are set.
 
 use std::fmt::Write as _;
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::fs;
 
 use grouser_files::Document;
 use grouser_files::columns::{self, Meaning};
 use grouser_files::robot::{self, RobotFile};
 use grouser_log::message::{Value, build};
-use grouser_log::write::McapWriter;
 use grouser_log::{Error, Log};
 use grouser_slip::{Measurement, Sample};
 
+use crate::recordings::write;
 use crate::scratch::Folder;
 
 const WHEELS: &str =
@@ -26,21 +25,6 @@ type Message = (&'static str, &'static str, i64, Value);
 fn robot(topics: &str) -> RobotFile {
     let text = format!("format = 1\nname = \"cart\"\n{topics}\n{WHEELS}");
     robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap()
-}
-
-fn write(path: &Path, messages: &[Message]) -> PathBuf {
-    let mut writer = McapWriter::new(File::create(path).unwrap(), "ros2").unwrap();
-    let mut topics = Vec::new();
-    for (name, kind, time_ns, value) in messages {
-        let known = topics.iter().position(|(own, _)| own == name);
-        let index = known.unwrap_or_else(|| {
-            topics.push((*name, writer.topic(name, kind).unwrap()));
-            topics.len() - 1
-        });
-        writer.send(&mut topics[index].1, *time_ns, value).unwrap();
-    }
-    writer.finish().unwrap();
-    path.to_owned()
 }
 
 fn log(folder: &Folder, topics: &str, messages: &[Message]) -> Log {

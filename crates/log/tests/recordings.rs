@@ -24,7 +24,7 @@ fn log(folder: &Folder, topics: &str, messages: &[(&str, &str, i64, Value)]) -> 
     Log::find_any(&[path], None, &robot.topics)
 }
 
-fn write(path: &Path, messages: &[(&str, &str, i64, Value)]) -> PathBuf {
+pub(crate) fn write(path: &Path, messages: &[(&str, &str, i64, Value)]) -> PathBuf {
     let mut writer = McapWriter::new(File::create(path).unwrap(), "ros2").unwrap();
     let mut topics = Vec::new();
     for (name, kind, time_ns, value) in messages {

@@ -81,12 +81,6 @@ impl<W: Write> SampleWriter<W> {
         Ok(())
     }
 
-    /// The messages written so far, the last group aside.
-    #[must_use]
-    pub const fn messages(&self) -> u64 {
-        self.messages
-    }
-
     /// Ends the file; gives it with the number of its messages.
     ///
     /// # Errors
