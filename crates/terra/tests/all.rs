@@ -11,6 +11,7 @@ mod derivative_oracles;
 mod effort;
 mod faults;
 mod literature;
+mod loaded;
 mod lug_cases;
 mod number_kinds;
 mod properties;

@@ -8,6 +8,8 @@ use grouser_terra::{
     Settings, ShearLaw, Slip, SlipNorm, SlipSinkage, Soil, SoilParams, StressPosition, WheelOnSoil,
 };
 
+use crate::loaded::{duals, numbers};
+
 struct Case {
     on_soil: WheelOnSoil,
     motion: Kinematics,
@@ -162,30 +164,13 @@ fn derivatives_in_the_lugs_agree_with_differences() {
             Dual::variable(sizes[1], 1),
             Dual::variable(sizes[2], 2),
         );
-        let exact = inputs
-            .under_load(&wheel_on_soil, &motion, Dual::constant(22.0))
-            .unwrap()
-            .unwrap();
-        let exact = [
-            exact.sinkage,
-            exact.forces.drawbar_pull,
-            exact.forces.torque,
-        ];
+        let exact = duals(&inputs, (&wheel_on_soil, &motion), Dual::constant(22.0));
         for column in 0..3 {
             let step = 1e-4 * sizes[column];
             let at = |change: f64| {
                 let mut moved = sizes;
                 moved[column] += change;
-                let point = on(moved)
-                    .under_load(22.0, &motion)
-                    .unwrap()
-                    .point()
-                    .unwrap();
-                [
-                    point.sinkage,
-                    point.forces.drawbar_pull,
-                    point.forces.torque,
-                ]
+                numbers(&on(moved), 22.0, &motion)
             };
             let (high, low) = (at(step), at(-step));
             for (row, dual) in exact.iter().enumerate() {

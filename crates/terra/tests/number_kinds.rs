@@ -6,6 +6,8 @@ use grouser_terra::{
     Slip, Soil, SoilLaws, SoilParams, WheelSize, catalogue, entry_angle,
 };
 
+use crate::loaded::{duals, numbers};
+
 /// r, b, z, s, c, φ, K, k_phi, n
 const POINT: [f64; 9] = [0.125, 0.1, 0.02, 0.3, 1000.0, 0.52, 0.025, 1_528_400.0, 1.1];
 
@@ -118,10 +120,7 @@ fn a_solved_wheels_derivatives_agree_with_differences() {
         inputs.size = WheelSize::smooth(Dual::variable(0.125, 0), Dual::constant(0.1));
         inputs.soil.strength.phi = Dual::variable(params.phi.rad(), 1);
         inputs.soil.exponent.n_0 = Dual::variable(params.n, 2);
-        let solved = inputs
-            .under_load(&wheel_on_soil, &motion, Dual::variable(20.0, 3))
-            .unwrap()
-            .unwrap();
+        let exact = duals(&inputs, (&wheel_on_soil, &motion), Dual::variable(20.0, 3));
         let at = |x: [f64; 4]| {
             let soil = Soil::new(SoilParams {
                 phi: Angle::from_rad(x[1]),
@@ -135,23 +134,9 @@ fn a_solved_wheels_derivatives_agree_with_differences() {
             };
             let wheel = grouser_terra::RigidWheel::new(x[0], 0.1).unwrap();
             let wheel_on_soil = grouser_terra::WheelOnSoil::new(wheel, soil, exact).unwrap();
-            let point = wheel_on_soil
-                .under_load(x[3], &motion)
-                .unwrap()
-                .point()
-                .unwrap();
-            [
-                point.sinkage,
-                point.forces.drawbar_pull,
-                point.forces.torque,
-            ]
+            numbers(&wheel_on_soil, x[3], &motion)
         };
         let here = [0.125, params.phi.rad(), params.n, 20.0];
-        let exact = [
-            solved.sinkage,
-            solved.forces.drawbar_pull,
-            solved.forces.torque,
-        ];
         for i in 0..4 {
             let h = 1e-4 * here[i];
             let moved = |by: f64| {

@@ -6,6 +6,8 @@ use grouser_terra::{
     Settings, ShearLaw, SlipNorm, SlipSinkage, Soil, SoilParams, StressPosition, WheelOnSoil,
 };
 
+use crate::loaded::{duals, numbers};
+
 /// The sand of measured trials, with every law of drift.
 fn sand(bulldozing: Bulldozing) -> SoilParams {
     SoilParams {
@@ -67,17 +69,7 @@ fn derivatives_agree_with_differences() {
         let beta = f64::to_radians(degrees);
         let at = |params: SoilParams, beta: f64| {
             let motion = Kinematics::from_speeds(beta.cos(), beta.sin(), rim).unwrap();
-            let point = on(params, WHEEL)
-                .under_load(load, &motion)
-                .unwrap()
-                .point()
-                .unwrap();
-            [
-                point.sinkage,
-                point.forces.drawbar_pull,
-                point.forces.torque,
-                point.side_force,
-            ]
+            numbers(&on(params, WHEEL), load, &motion)
         };
         let base = on(sand(Bulldozing::Disc), WHEEL);
         let motion = Kinematics::from_speeds(beta.cos(), beta.sin(), rim).unwrap();
@@ -100,16 +92,8 @@ fn derivatives_agree_with_differences() {
                 rim / forward - Dual::constant(1.0)
             };
         }
-        let solved = inputs
-            .under_load(&base, &motion, Dual::constant(load))
-            .unwrap()
-            .unwrap();
-        let exact = [
-            solved.sinkage.gradient,
-            solved.forces.drawbar_pull.gradient,
-            solved.forces.torque.gradient,
-            solved.side_force.gradient,
-        ];
+        let exact = duals(&inputs, (&base, &motion), Dual::constant(load));
+        let exact = exact.map(|number| number.gradient);
         let difference = |k: usize| {
             let apart = |step: f64| {
                 let side = |sign: f64| match changes.get(k) {
@@ -219,15 +203,7 @@ fn up_to_thirty_degrees_it_is_the_chord() {
     for (degrees, tolerance) in [(0.0, 0.0), (15.0, 1e-9), (30.0, 1e-4)] {
         for rim in [0.3, 1.0, 2.0] {
             let motion = drifting(degrees, rim);
-            let of = |law: &WheelOnSoil| {
-                let point = law.under_load(22.0, &motion).unwrap().point().unwrap();
-                [
-                    point.sinkage,
-                    point.forces.drawbar_pull,
-                    point.forces.torque,
-                    point.side_force,
-                ]
-            };
+            let of = |law: &WheelOnSoil| numbers(law, 22.0, &motion);
             for (a, b) in of(&disc).into_iter().zip(of(&chord)) {
                 assert!(
                     (a - b).abs() <= tolerance * b.abs().max(0.1),

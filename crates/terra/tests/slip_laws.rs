@@ -7,6 +7,8 @@ use grouser_terra::{
     SlipNorm, SlipSinkage, Soil, SoilParams, StressPosition, WheelOnSoil,
 };
 
+use crate::loaded::{duals, numbers};
+
 fn sand() -> SoilParams {
     SoilParams {
         n_1: 0.2,
@@ -178,17 +180,7 @@ fn check_derivatives(sand: fn() -> SoilParams, motion: &Kinematics) {
     let at = |change: &dyn Fn(&mut SoilParams)| {
         let mut params = sand();
         change(&mut params);
-        let point = on(params)
-            .under_load(22.0, motion)
-            .unwrap()
-            .point()
-            .unwrap();
-        [
-            point.sinkage,
-            point.forces.drawbar_pull,
-            point.forces.torque,
-            point.side_force,
-        ]
+        numbers(&on(params), 22.0, motion)
     };
     let changes: [Change; 6] = [
         (sand().n_1, |p, x| p.n_1 = x),
@@ -206,16 +198,7 @@ fn check_derivatives(sand: fn() -> SoilParams, motion: &Kinematics) {
     inputs.soil.rear_driving = Dual::variable(changes[3].0, 3);
     inputs.soil.rear_drift = Dual::variable(changes[4].0, 4);
     inputs.soil.transport_layer = Dual::variable(changes[5].0, 5);
-    let exact = inputs
-        .under_load(&wheel_on_soil, motion, Dual::constant(22.0))
-        .unwrap()
-        .unwrap();
-    let exact = [
-        exact.sinkage,
-        exact.forces.drawbar_pull,
-        exact.forces.torque,
-        exact.side_force,
-    ];
+    let exact = duals(&inputs, (&wheel_on_soil, motion), Dual::constant(22.0));
     for (column, (value, set)) in changes.into_iter().enumerate() {
         let step = 1e-4 * value;
         let high = at(&|p| set(p, value + step));
