@@ -331,12 +331,6 @@ impl Design {
         self.starts > 1 || self.task == Task::Pareto || self.sampled
     }
 
-    /// The measure over several worlds.
-    #[must_use]
-    pub fn measure(&self) -> Option<Measure> {
-        (self.worlds.len() > 1).then_some(self.measure)
-    }
-
     /// The numbers of `[wheel]`, `[soil]` and `[state]` by name, as the first world has them.
     #[must_use]
     pub fn fixed(&self) -> Vec<(&'static str, f64)> {

@@ -167,8 +167,6 @@ pub(super) enum AreaShape {
     Polygon(Vec<[f64; 2]>),
     /// From one x to another, as high as the frame.
     Columns([f64; 2]),
-    /// From one y to another, as wide as the frame.
-    Rows([f64; 2]),
 }
 
 impl Area {
@@ -199,12 +197,6 @@ impl Area {
     #[must_use]
     pub fn columns(from: f64, to: f64) -> Self {
         Self::of(AreaShape::Columns([from, to]))
-    }
-
-    /// All that lies between two values of y.
-    #[must_use]
-    pub fn rows(from: f64, to: f64) -> Self {
-        Self::of(AreaShape::Rows([from, to]))
     }
 
     /// In another colour; `opacity` from 0 (nothing to be seen) to 1.

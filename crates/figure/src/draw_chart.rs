@@ -183,13 +183,12 @@ struct Content<'a> {
 
 impl Content<'_> {
     fn area(&mut self, area: &Area) {
-        let [x, y] = [self.scale.x, self.scale.y];
-        let corners =
-            |x: [f64; 2], y: [f64; 2]| vec![[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]];
+        let [low, high] = self.scale.y;
         let outline = match &area.shape {
             AreaShape::Polygon(outline) => outline.clone(),
-            AreaShape::Columns(columns) => corners(*columns, y),
-            AreaShape::Rows(rows) => corners(x, *rows),
+            AreaShape::Columns([from, to]) => {
+                vec![[*from, low], [*to, low], [*to, high], [*from, high]]
+            }
         };
         let path = Path::polygon(self.scale.outline(&outline));
         self.page

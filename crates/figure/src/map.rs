@@ -58,12 +58,6 @@ impl MapFrame {
         [0, 1].map(|axis| (self.high[axis] - self.low[axis]) * self.scale)
     }
 
-    /// The corners of the ground, m.
-    #[must_use]
-    pub const fn corners(&self) -> [[f64; 2]; 2] {
-        [self.low, self.high]
-    }
-
     /// Where a place (m) is on the page.
     #[must_use]
     pub fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {

@@ -108,12 +108,6 @@ impl Table {
         })
     }
 
-    /// The file.
-    #[must_use]
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// How many rows.
     #[must_use]
     pub fn len(&self) -> usize {

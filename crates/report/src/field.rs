@@ -7,7 +7,7 @@ use crate::unit::{factor, unit_of};
 use crate::words::printable;
 
 /// One quantity: its key, its words, its type, and where its value comes from.
-pub struct Field<'a, T> {
+pub(crate) struct Field<'a, T> {
     pub(crate) key: &'static str,
     pub(crate) words: &'static str,
     pub(crate) schema: Value,
@@ -49,21 +49,8 @@ pub(crate) enum Digits {
 }
 
 impl<T> Field<'_, T> {
-    /// The key; it carries the unit.
-    #[must_use]
-    pub fn key(&self) -> &'static str {
-        self.key
-    }
-
-    /// What the quantity is, in words.
-    #[must_use]
-    pub fn words(&self) -> &'static str {
-        self.words
-    }
-
     /// The unit that the key carries; empty for a pure number.
-    #[must_use]
-    pub fn unit(&self) -> &'static str {
+    pub(crate) fn unit(&self) -> &'static str {
         unit_of(self.key)
     }
 

@@ -17,7 +17,6 @@ mod unit;
 mod words;
 
 pub use datum::Datum;
-pub use field::Field;
 pub use fields::Fields;
 pub use table::Table;
 pub use unit::unit_of;

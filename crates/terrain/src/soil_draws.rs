@@ -70,11 +70,6 @@ impl SoilIntervals {
         &self.source
     }
 
-    /// The numbers that vary, by their keys.
-    pub fn keys(&self) -> impl Iterator<Item = &'static str> + '_ {
-        self.numbers.iter().map(|(number, _)| number.key())
-    }
-
     /// `count` soils: each number is normal about the soil's own, with the interval's ends 1.96 standard deviations
     /// away on either side. Numbers are drawn independently of each other, since an interval holds no correlation.
     ///

@@ -159,16 +159,4 @@ impl State {
     pub fn of(code: f32) -> Option<Self> {
         Self::ALL.into_iter().find(|state| state.code() == code)
     }
-
-    /// Its name.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Drives => "drives",
-            Self::Marginal => "marginal",
-            Self::Immobilised => "immobilised",
-            Self::Slides => "slides",
-            Self::Steep => "steep",
-        }
-    }
 }
