@@ -12,7 +12,7 @@
 use std::fmt::Write as _; // writing to a string cannot fail
 use std::path::PathBuf;
 
-use grouser_figure::{Colour, Picture};
+use grouser_figure::{Colour, Picture, escaped};
 use grouser_rover::robot::RobotModel;
 use grouser_terrain::{Band, MapLayout, MapMaker, Quantity};
 
@@ -178,11 +178,4 @@ fn step(value: f64) -> u8 {
     )]
     let step = value.clamp(0.0, 255.0).round() as u8;
     step
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }
