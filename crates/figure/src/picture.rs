@@ -30,12 +30,6 @@ impl Picture {
         }
     }
 
-    /// Columns and rows.
-    #[must_use]
-    pub fn size(&self) -> [u32; 2] {
-        self.size
-    }
-
     /// The picture as PNG.
     ///
     /// # Errors

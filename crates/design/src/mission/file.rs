@@ -1,7 +1,5 @@
 //! Mission files.
 
-use std::path::Path;
-
 use grouser_files::gravity::read_gravity;
 use grouser_files::soil::names_file;
 use grouser_files::{Document, Section};
@@ -94,27 +92,10 @@ impl MissionFile {
     }
 }
 
-impl Choice {
-    /// The choice of this name.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        let known = CHOICES.iter().find(|(known, _)| *known == name);
-        known.map(|(_, choice)| *choice)
-    }
-}
-
-/// Reads a mission file. Soil files that it names lie beside it.
+/// A mission out of a document. Soil files that it names lie beside it.
 ///
 /// # Errors
 /// What cannot be read, an unknown key, a number outside its limits.
-pub fn read(path: &Path) -> Result<MissionFile> {
-    parse(&Document::read(path)?)
-}
-
-/// A mission out of a document.
-///
-/// # Errors
-/// As [`read`].
 pub fn parse(document: &Document) -> Result<MissionFile> {
     let mut file: MissionFile = document.parse_or_format(1, of_section)?;
     for (name, _) in &mut file.soils {

@@ -52,7 +52,7 @@ use stance::Stance;
 use wheel::SIZES;
 
 pub use evaluation::{DesignPoint, StationResult};
-pub use file::{MissionFile, parse, read, shares};
+pub use file::{MissionFile, parse, shares};
 pub use front::{Choice, FrontProgress, FrontSettings, MissionFront};
 pub use profile::{MAX_SLOPE_DEG, SlopeShare, SoilShare};
 pub use stance::Standing;

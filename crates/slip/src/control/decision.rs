@@ -161,19 +161,6 @@ impl Mode {
     }
 }
 
-impl Ending {
-    /// Its name in tables and files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Immobilised => "Immobilised",
-            Self::Tipping => "Tipping",
-            Self::SensorsLost => "SensorsLost",
-            Self::NoWay => "NoWay",
-        }
-    }
-}
-
 impl Action {
     /// Its name in tables and files.
     #[must_use]
