@@ -6,18 +6,14 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
+use crate::repository;
 use crate::repository::{Folder, is_error_alone, root};
 
 const LOG: &str = "examples/five-wheel/log.csv";
 const ROBOT: &str = "examples/five-wheel/robot.toml";
 
 fn grouser(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_grouser"))
-        .current_dir(root())
-        .arg("estimate")
-        .args(arguments)
-        .output()
-        .unwrap()
+    repository::grouser(&[&["estimate"], arguments].concat())
 }
 
 fn json(output: &Output) -> Value {

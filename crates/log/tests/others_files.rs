@@ -21,7 +21,8 @@ const FILES: [&str; 6] = [
 
 type Row = (u64, Vec<u8>);
 
-fn shipped(name: &str) -> PathBuf {
+/// A file that others wrote, as it ships.
+pub(crate) fn shipped(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("tests/interop")
         .join(name)

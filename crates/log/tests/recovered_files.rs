@@ -1,13 +1,14 @@
 //! Whatever is wrong with a file, what is written of it reads without damage and is the same.
 
 use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use grouser_log::container::{Container, Event, Format};
 use grouser_log::write::{copy, verify};
 use proptest::prelude::*;
 
+use crate::others_files::shipped;
 use crate::scratch::Folder;
 
 /// Written by others (`interop/write.py`).
@@ -22,12 +23,6 @@ const FILES: [(&str, Format); 6] = [
 
 /// Each case has a folder of its own.
 static CASE: AtomicUsize = AtomicUsize::new(0);
-
-fn shipped(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("tests/interop")
-        .join(name)
-}
 
 /// Messages and damages of a file.
 fn counts(path: &Path) -> (u64, u64) {

@@ -7,20 +7,9 @@ use std::time::{Duration, Instant};
 use grouser_log::Survey;
 
 use crate::scratch::Folder;
+use crate::written::mcap::{MAGIC, counted, message, record};
 
-const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 const MIB: usize = 1 << 20;
-
-fn counted(out: &mut Vec<u8>, bytes: &[u8]) {
-    out.extend(u32::try_from(bytes.len()).unwrap().to_le_bytes());
-    out.extend(bytes);
-}
-
-fn record(out: &mut Vec<u8>, opcode: u8, content: &[u8]) {
-    out.push(opcode);
-    out.extend((content.len() as u64).to_le_bytes());
-    out.extend(content);
-}
 
 fn schema(out: &mut Vec<u8>, id: u16, language: &str, text: &[u8]) {
     let mut content = id.to_le_bytes().to_vec();
@@ -36,15 +25,6 @@ fn channel(out: &mut Vec<u8>, id: u16, schema: u16, topic: &str, encoding: &str)
     counted(&mut content, encoding.as_bytes());
     content.extend([0; 4]);
     record(out, 4, &content);
-}
-
-fn message(out: &mut Vec<u8>, channel: u16, time_ns: u64, data: &[u8]) {
-    let mut content = channel.to_le_bytes().to_vec();
-    content.extend([0; 4]);
-    content.extend(time_ns.to_le_bytes());
-    content.extend(time_ns.to_le_bytes());
-    content.extend(data);
-    record(out, 5, &content);
 }
 
 /// A file of one chunk, packed by LZ4.

@@ -5,19 +5,10 @@ use grouser_slip::{Degraded, Health, Invalid, Measurement, Motion};
 use grouser_synthetic::{Event, Fault};
 
 use crate::trial;
-use crate::trial::{END_S, FREE, PHASES, Trial};
+use crate::trial::{END_S, FREE, PHASES, Trial, honest};
 
 const fn is_invalid(health: Health) -> bool {
     matches!(health, Health::Invalid(_))
-}
-
-/// No powered wheel lies for longer than this, s.
-fn honest(out: &trial::Outcome, what: &str) {
-    let (lasted, at, wheel) = out.silence();
-    assert!(
-        lasted <= 1.0,
-        "{what}: wheel {wheel} Ok and wrong for {lasted:.2} s until {at:.2} s"
-    );
 }
 
 #[test]

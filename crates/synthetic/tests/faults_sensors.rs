@@ -5,15 +5,7 @@ use grouser_slip::{Degraded, Error, Health, Measurement, Sample};
 use grouser_synthetic::{Event, Fault};
 
 use crate::trial;
-use crate::trial::{END_S, FREE, Outcome, PHASES, Trial, with_camera};
-
-fn honest(out: &Outcome, what: &str) {
-    let (lasted, at, wheel) = out.silence();
-    assert!(
-        lasted <= 1.0,
-        "{what}: wheel {wheel} Ok and wrong for {lasted:.2} s until {at:.2} s"
-    );
-}
+use crate::trial::{END_S, FREE, PHASES, Trial, honest, with_camera};
 
 /// Runs with and without the fault; says and checks what it costs.
 #[allow(

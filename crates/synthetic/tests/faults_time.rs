@@ -7,18 +7,10 @@
 use grouser_slip::{Counter, CounterWidth, Health, Measurement, Sample};
 use grouser_synthetic::{Camera, Fault};
 
-use crate::trial::{END_S, FREE, Outcome, PHASES, Trial};
+use crate::trial::{END_S, FREE, Outcome, PHASES, Trial, honest};
 
 const SECOND: i64 = 1_000_000_000;
 const YEAR: i64 = 31_557_600 * SECOND;
-
-fn honest(out: &Outcome, what: &str) {
-    let (lasted, at, wheel) = out.silence();
-    assert!(
-        lasted <= 1.0,
-        "{what}: wheel {wheel} Ok and wrong for {lasted:.2} s until {at:.2} s"
-    );
-}
 
 fn is_good(out: &Outcome, from: f64, to: f64) -> bool {
     let mut some = false;

@@ -313,3 +313,12 @@ pub(crate) fn with_camera(seed: u64) -> Trial {
     });
     trial
 }
+
+/// No powered wheel lies for longer than a second.
+pub(crate) fn honest(out: &Outcome, what: &str) {
+    let (lasted, at, wheel) = out.silence();
+    assert!(
+        lasted <= 1.0,
+        "{what}: wheel {wheel} Ok and wrong for {lasted:.2} s until {at:.2} s"
+    );
+}
