@@ -95,6 +95,24 @@ fn the_usual_step_errs_by_less_than_a_thousandth() {
     }
 }
 
+/// A step that a scenario gives is refused where the robot would shake.
+#[test]
+fn a_step_that_is_too_long_is_refused() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/scenarios");
+    let mut scenario = read_scenario(&root.join("sandbox.toml")).unwrap();
+    for (step, is_stable) in [(1e-3, true), (3e-3, true), (4e-3, false)] {
+        scenario.step = Some(step);
+        let made = Simulation::new(&scenario, Pilot::OpenLoop, 0.3, 7);
+        assert_eq!(made.is_ok(), is_stable, "{step} s");
+        let Err(error) = made else { continue };
+        assert!(
+            matches!(error, grouser_rover::Error::OutOfRange { .. })
+                && error.to_string().contains("step_s"),
+            "{error}"
+        );
+    }
+}
+
 /// Shipped robots under a gravity (m/s²).
 fn robot(name: &str, gravity: f64) -> RobotModel {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/robots");

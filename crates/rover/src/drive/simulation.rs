@@ -16,7 +16,7 @@ use super::referee::Referee;
 use super::scenario::Scenario;
 use super::score::{Scoring, TrueSlip};
 use crate::dynamics::{Vehicle, fastest_rate};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::ground::Ground;
 use crate::sensors::{FaultKind, Sensors, to_ns};
 use crate::statics::wheel_loads;
@@ -36,9 +36,10 @@ const WORST_SLIP_TIME_S: f64 = 1.0;
 const MAX_STEP_S: f64 = 2.5e-3;
 /// And at least this long, s.
 const MIN_STEP_S: f64 = 1e-5;
-/// Where the scenario gives no step, it is this share of the time in which the robot's fastest part settles. Stepping is
-/// stable up to 1, or 0.9 with the spring of the soil.
+/// Where the scenario gives no step, it is this share of the time in which the robot's fastest part settles.
 const STEP_RATE: f64 = 0.7;
+/// The greatest share that a scenario may give. Stepping is stable up to 1, or 0.9 with the spring of the soil.
+const MAX_STEP_RATE: f64 = 0.9;
 
 /// A sensor of sinkage (m) or entry angle (rad) is never described as better than this: variances must not vanish.
 const MIN_CONTACT_SIGMA: f64 = 1e-6;
@@ -509,13 +510,16 @@ fn periods(length: f64, period: f64) -> u32 {
     (length / period).round().clamp(1.0, 1e5) as u32
 }
 
-/// Steps in a control period: as the scenario gives them, else as few as keep the robot stable on these soils.
+/// Steps in a control period: as the scenario gives them, else few that keep the robot stable on these soils.
 fn steps_per_period(scenario: &Scenario, soils: &[Soil]) -> Result<u32> {
-    if let Some(step) = scenario.step {
-        return Ok(periods(CONTROL_PERIOD_S, step));
-    }
     let strength = scenario.ground.packing.greatest_strength();
     let rate = fastest_rate(&scenario.robot, soils, strength, GAIN_S_PER_RAD)?;
+    if let Some(step) = scenario.step {
+        let stable = (MAX_STEP_RATE / rate).max(MIN_STEP_S);
+        let of = format!("scenario \"{}\"", scenario.name);
+        Error::check(&of, "step_s", step, (MIN_STEP_S, stable), "s")?;
+        return Ok(periods(CONTROL_PERIOD_S, step));
+    }
     let longest = (STEP_RATE / rate).clamp(MIN_STEP_S, MAX_STEP_S);
     Ok(periods((CONTROL_PERIOD_S / longest).ceil(), 1.0))
 }
