@@ -90,6 +90,44 @@ fn a_wheel_with_a_fast_clock_is_not_ok() {
     }
 }
 
+/// The test drive with soft ground of another slip and place for each seed.
+fn on_other_ground(seed: u64) -> Trial {
+    let mut trial = Trial::new(seed);
+    let share = seed as f64 / SEEDS as f64;
+    trial.robot.patch = (2.5 + 2.5 * share, 4.3 + 2.5 * share);
+    trial.robot.drive_slip = (0.02 + 0.1 * share, 0.5 - 0.3 * share);
+    trial
+}
+
+/// Each powered wheel in turn.
+fn wheel_of(seed: u64) -> usize {
+    usize::try_from(seed).unwrap() % FREE
+}
+
+/// A wheel in the air turns the wheels' yaw rate: it takes no gyro's place, and clears none.
+#[test]
+fn a_wheel_in_the_air_is_no_yaw_rate() {
+    let (silent_gyro, wrong_gyro, alone) = (
+        silent("a wheel in the air, no gyro", |seed| {
+            let wheel = wheel_of(seed);
+            on_other_ground(seed)
+                .event(Event::LiftOff { wheel }, 17.1, 22.1)
+                .fault(Fault::ImuSilent, 17.7, 22.7)
+        }),
+        silent("a wheel in the air, a gyro of the wrong sign", |seed| {
+            let wheel = wheel_of(seed);
+            on_other_ground(seed)
+                .event(Event::LiftOff { wheel }, 14.2, 16.2)
+                .fault(Fault::GyroScale(-1.0), 12.8, 17.8)
+        }),
+        silent("a wheel in the air", |seed| {
+            let wheel = wheel_of(seed);
+            on_other_ground(seed).event(Event::LiftOff { wheel }, 18.2, 23.2)
+        }),
+    );
+    assert_eq!((silent_gyro.0, wrong_gyro.0, alone.0), (0, 0, 0));
+}
+
 /// Pulses that all powered wheels miss are not found either: the page lists it. The slips are so noisy that none is more than
 /// four sigma off for a second without a gap, so that their share is measured.
 #[test]

@@ -3,7 +3,7 @@
 use grouser_real::Real;
 
 use super::estimator::Core;
-use super::motion_model::{self, FORWARD, FORWARD_BIAS, own_slip};
+use super::motion_model::{self, COMMON_SLIP, FORWARD, FORWARD_BIAS, own_slip};
 use super::rolling_history::KnownSpeed;
 use super::wheel_update::WheelWindow;
 use super::{READMIT_SPEED_SHARE, REFERENCE_TIMEOUT_S};
@@ -116,7 +116,7 @@ impl Core {
         } else {
             self.end_jump(w);
         }
-        self.accelerometer.learn_noise(w.innovation, w.variance);
+        self.attribute(w, agreed && trusted);
         let skid_known = self.state.sigma(own_slip(w.index)) < MAX_SKID_SIGMA;
         let known = skid_known && !self.is_lost(w.to_ns);
         let wheel = &mut self.wheels.channels[w.index];
@@ -151,6 +151,33 @@ impl Core {
             self.state
                 .inflate(own_slip(w.index), step * step, step * step);
             rolling.jumped_ns = rolling.was_calm.then_some(w.to_ns);
+        }
+    }
+
+    /// Attributes the innovation of a window to the powered wheels' common slip where theirs oppose it, else to the
+    /// accelerometer.
+    fn attribute(&mut self, w: &WheelWindow, is_used: bool) {
+        let mean_weight = self.wheels.mean_weight;
+        let mean = &mut self.wheels.channels[w.index].mean_innovation;
+        if is_used && w.has_slip {
+            *mean += mean_weight * (w.clamped_innovation() - *mean);
+        } else {
+            *mean = 0.0;
+        }
+        if self.wheels.slips_oppose(w.index) {
+            self.doubt_common_slip(w);
+        } else {
+            self.accelerometer.learn_noise(w.innovation, w.variance);
+        }
+    }
+
+    /// The powered wheels' common slip has changed by about as much as this window shows.
+    fn doubt_common_slip(&mut self, w: &WheelWindow) {
+        let settings = &self.settings;
+        let rims = self.wheels.mean_powered_rim(w.to_ns, settings.dropout);
+        if let Some(rims) = rims.filter(|rims| rims.abs() > settings.low_speed) {
+            let step = w.innovation / rims;
+            self.state.inflate(COMMON_SLIP, step * step, 1.0);
         }
     }
 

@@ -59,9 +59,12 @@ impl GyroMonitor {
         if let Some(by_wheels) = wheels.yaw_rate() {
             self.compare((time_ns, rate), by_wheels, settings, state);
         }
+        // wheels that slip unequally may contradict a gyro, but their agreement does not clear it; nor does the end of a bend
         let same_way = !self.agreement.contradicts();
-        self.contradiction
-            .record(time_ns, same_way, settings.failure);
+        if !same_way || agreed && wheels.slip_alike(state, settings) {
+            self.contradiction
+                .record(time_ns, same_way, settings.failure);
+        }
         if !agreed || !trusted || self.contradiction.has_failed() {
             path.yaw_rate = state.mean(YAW);
             return Ok(None);

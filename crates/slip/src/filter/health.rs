@@ -106,9 +106,13 @@ impl Core {
         let measured = MeasuredSlip::from_speeds(forward, rim, &self.limits);
         let slip_row = wheel.slip_row(index);
         let own = Real::sqrt(self.state.variance_of(&slip_row));
+        let doubt = Real::hypot(
+            self.drift_doubt(wheel, rim.value),
+            self.yaw_doubt(wheel, rim.value, now_ns),
+        );
         let kept = SlipPrior {
             mean: self.state.mean_of(&slip_row),
-            sigma: Real::hypot(own, self.drift_doubt(wheel, rim.value)),
+            sigma: Real::hypot(own, doubt),
         };
         let SlipPrior { mean, sigma } = if wheel.free { kept.by_faster() } else { kept };
         let slip = mean.clamp(-1.0, 1.0);
@@ -141,6 +145,16 @@ impl Core {
         let aside = left[0] * wheel.row[0] + left[1] * wheel.row[1];
         let drift = aside.abs() * Real::sqrt(self.state.variance_of(&along(left)));
         (drift / rim.abs().max(self.settings.low_speed)).min(1.0)
+    }
+
+    /// Standard deviation of the slip of a wheel beside the robot's middle by the yaw rate, where no gyro is trusted: the
+    /// wheels measure that rate as well as they slip alike.
+    fn yaw_doubt(&self, wheel: &WheelChannel, rim: f64, now_ns: i64) -> f64 {
+        if self.is_led || self.gyro.is_trusted(now_ns, &self.settings) {
+            return 0.0;
+        }
+        let yaw = self.wheels.yaw_rate_sigma(&self.state);
+        (yaw * wheel.row[2].abs() / rim.abs().max(self.settings.low_speed)).min(1.0)
     }
 
     fn health(&self, index: usize, now_ns: i64, measured: &MeasuredSlip, sigma: f64) -> Health {

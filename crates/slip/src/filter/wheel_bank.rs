@@ -5,6 +5,8 @@ use alloc::boxed::Box;
 use grouser_real::Real;
 
 use super::MAX_FILTER_WHEELS;
+use super::kalman::Kalman;
+use super::motion_model::own_slip;
 use super::settings::FilterSettings;
 use super::wheel_channel::WheelChannel;
 use crate::body::Observations;
@@ -14,10 +16,16 @@ use crate::speed::Measured;
 
 /// Wheels whose headings differ by less than this drive one way: the sine of the angle.
 const PARALLEL_SINE: f64 = 0.02;
+/// Wheels whose squared distances from the robot's middle add up to less show no yaw rate, m².
+const MIN_SQUARED_ARMS_M2: f64 = 1e-6;
+/// A wheel slips unlike the others where its own slip is beyond this many sigma of its prior.
+const UNLIKE_SIGMA: f64 = 3.0;
 /// Weight of one wheel's innovation in its mean, where it is the only powered one.
 const MEAN_INNOVATION_WEIGHT: f64 = 0.2;
 /// The common slip has changed when the median of the wheels' mean innovations is beyond this, in sigma.
 const COMMON_CHANGE_SIGMA: f64 = 0.7;
+/// Mean innovations beyond this are no noise, which gives them a standard deviation of 0.65 with four powered wheels, in sigma.
+const OPPOSED_SIGMA: f64 = 1.3;
 /// Standard deviation of the robot's speed by one rim where slip is not compensated, m/s.
 const RIM_SIGMA_M_PER_S: f64 = 0.01;
 /// How far that robot may drift sideways (m/s) and turn (rad/s) where its wheels do not show it.
@@ -91,22 +99,50 @@ impl WheelBank {
         self.iter().any(WheelChannel::turns)
     }
 
-    /// The yaw rate that the powered wheels would give without slip, where all point one way.
+    /// The yaw rate that the powered wheels would give without slip, where all point one way. A wheel that turns against the
+    /// robot's travel has a wrong encoder.
     pub(super) fn yaw_rate(&self) -> Option<f64> {
         self.lateral?;
-        let count = self.powered().count() as f64;
+        let used = || (self.powered()).filter(|wheel| wheel.against_since_ns.is_none());
+        let count = used().count() as f64;
         let (mut rims, mut arms) = (0.0, 0.0);
-        for wheel in self.powered() {
+        for wheel in used() {
             rims += wheel.rim?.0.value;
             arms += wheel.row[2];
         }
         let (mut product, mut square) = (0.0, 0.0);
-        for wheel in self.powered() {
+        for wheel in used() {
             let arm = wheel.row[2] - arms / count;
             product += arm * (wheel.rim?.0.value - rims / count);
             square += arm * arm;
         }
-        (square > 1e-6).then(|| product / square)
+        (square > MIN_SQUARED_ARMS_M2).then(|| product / square)
+    }
+
+    /// Standard deviation of the yaw rate by the powered wheels, as far as each slips unlike the others, rad/s.
+    pub(super) fn yaw_rate_sigma(&self, state: &Kalman) -> f64 {
+        let (mut sum, mut square) = (0.0, 0.0);
+        for (i, wheel) in self.iter().enumerate().filter(|(_, wheel)| !wheel.free) {
+            let arm = wheel.row[2];
+            let unlike =
+                arm * wheel.rim.map_or(0.0, |(rim, _)| rim.value) * state.mean(own_slip(i));
+            sum += unlike * unlike;
+            square += arm * arm;
+        }
+        if square > MIN_SQUARED_ARMS_M2 {
+            Real::sqrt(sum) / square
+        } else {
+            0.0
+        }
+    }
+
+    /// Do the powered wheels slip alike, as far as their prior has it? A wheel in the air, or one that has broken away, looks
+    /// like a turn of the robot.
+    pub(super) fn slip_alike(&self, state: &Kalman, settings: &FilterSettings) -> bool {
+        let limit = UNLIKE_SIGMA * settings.wheel_slip_sigma;
+        self.iter()
+            .enumerate()
+            .all(|(i, wheel)| wheel.free || state.mean(own_slip(i)).abs() <= limit)
     }
 
     /// The robot's speed forwards if its powered wheels did not slip, m/s: least squares over those that are received.
@@ -167,6 +203,20 @@ impl WheelBank {
             .iter()
             .filter(|mean| **mean * median > 0.5 * COMMON_CHANGE_SIGMA * median.abs());
         median.abs() > COMMON_CHANGE_SIGMA && 2 * same_side.count() > count
+    }
+
+    /// Do the powered wheels' mean innovations oppose that of the free wheel at `free`: half of them by much, or all of them?
+    /// Then the common slip has changed: an error of the robot's speed has one sign in all of them.
+    pub(super) fn slips_oppose(&self, free: usize) -> bool {
+        let mean = self.channels[free].mean_innovation;
+        let opposed = |limit: f64| {
+            let off = |wheel: &&WheelChannel| -mean.signum() * wheel.mean_innovation > limit;
+            self.powered().filter(off).count()
+        };
+        let count = self.powered().count();
+        mean.abs() > OPPOSED_SIGMA
+            && count > 0
+            && (opposed(0.0) == count || 2 * opposed(OPPOSED_SIGMA) >= count)
     }
 
     /// The median of the shares of pulses that the other counters seem to miss: the effect of rough ground or a jittering

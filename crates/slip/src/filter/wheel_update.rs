@@ -41,6 +41,14 @@ pub(super) struct WheelWindow {
     pub(super) has_slip: bool,
 }
 
+impl WheelWindow {
+    /// The innovation in sigma, clamped.
+    pub(super) fn clamped_innovation(&self) -> f64 {
+        let limit = INNOVATION_CLAMP_SIGMA;
+        (self.innovation / Real::sqrt(self.variance)).clamp(-limit, limit)
+    }
+}
+
 /// Readings further apart are sparse, s: at 0.5 m/s² a speed changes by 0.025 m/s.
 const SPARSE_S: f64 = 0.05;
 
@@ -280,8 +288,7 @@ impl Core {
             // a single window beyond the gate may be the play of gears
             return false;
         }
-        let limit = INNOVATION_CLAMP_SIGMA;
-        let r = (w.innovation / Real::sqrt(w.variance)).clamp(-limit, limit);
+        let r = w.clamped_innovation();
         wheel.mean_innovation += mean_weight * (r - wheel.mean_innovation);
         // Innovations larger than their sigma mean that the slip changes faster than configured.
         let learnt = Real::exp(NOISE_SCALE_GAIN * (r * r - 1.0));
