@@ -105,14 +105,12 @@ impl Core {
         };
         let measured = MeasuredSlip::from_speeds(forward, rim, &self.limits);
         let slip_row = wheel.slip_row(index);
-        let own = Real::sqrt(self.state.variance_of(&slip_row));
-        let doubt = Real::hypot(
-            self.drift_doubt(wheel, rim.value),
-            self.yaw_doubt(wheel, rim.value, now_ns),
-        );
+        let drift = self.drift_doubt(wheel, rim.value);
+        let yaw = self.yaw_doubt(wheel, rim.value, now_ns);
+        let variance = self.state.variance_of(&slip_row) + drift * drift + yaw * yaw;
         let kept = SlipPrior {
             mean: self.state.mean_of(&slip_row),
-            sigma: Real::hypot(own, doubt),
+            sigma: Real::sqrt(variance),
         };
         let SlipPrior { mean, sigma } = if wheel.free { kept.by_faster() } else { kept };
         let slip = mean.clamp(-1.0, 1.0);
