@@ -132,26 +132,14 @@ impl DemandSolver {
         const LIMITS_RAD: (f64, f64) = (-1.05, 1.05);
         Error::check("plane", "pitch", pitch, LIMITS_RAD, "rad")?;
         Error::check("plane", "roll", roll, LIMITS_RAD, "rad")?;
-        demand_of(self.posed(pitch, roll)?)
-    }
-
-    /// As [`DemandSolver::demand`] for a robot that drives backwards: where it climbs with its nose up, it now rolls
-    /// downhill, under the same loads.
-    ///
-    /// # Errors
-    /// As [`DemandSolver::demand`].
-    pub fn demand_backwards(&self, pitch: f64, roll: f64) -> Result<Demand> {
-        let mut posed = self.posed(pitch, roll)?;
-        if let Some(posed) = &mut posed {
-            // the laws of a wheel are the same either way; the slope is not
-            posed.needed -= 2.0 * self.weight * pitch.sin();
+        let Some(posed) = self.posed(pitch, roll)? else {
+            return Ok(Demand::Lifts);
+        };
+        match posed.smallest_slip()? {
+            Some(slip) => Ok(Demand::Drives(posed.driving(slip)?)),
+            None if posed.surplus(0.0)?.is_some_and(|surplus| surplus > 0.0) => Ok(Demand::Slides),
+            None => Ok(Demand::Immobilised),
         }
-        demand_of(posed)
-    }
-
-    /// Puts one wheel on the soil of another solver of the same robot.
-    pub(crate) fn put_wheel(&mut self, wheel: usize, on: &Self) {
-        self.contacts[wheel].clone_from(&on.contacts[wheel]);
     }
 
     /// The robot on a plane; `None` where a wheel loses the ground.
@@ -207,17 +195,6 @@ impl DemandSolver {
             needed: self.weight * pitch.sin() - pull,
             free_sinkage,
         }))
-    }
-}
-
-fn demand_of(posed: Option<Posed<'_>>) -> Result<Demand> {
-    let Some(posed) = posed else {
-        return Ok(Demand::Lifts);
-    };
-    match posed.smallest_slip()? {
-        Some(slip) => Ok(Demand::Drives(posed.driving(slip)?)),
-        None if posed.surplus(0.0)?.is_some_and(|surplus| surplus > 0.0) => Ok(Demand::Slides),
-        None => Ok(Demand::Immobilised),
     }
 }
 

@@ -6,6 +6,11 @@
     reason = "small indices"
 )]
 
+mod oracle;
+mod policy;
+mod robot;
+mod world;
+
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -13,12 +18,14 @@ use grouser_rover::ground::{HeightFile, HeightMap, Noise, Place, Shape, read_hei
 use grouser_rover::robot::RobotModel;
 use grouser_terra::catalogue::{self, Completion};
 use grouser_terra::{MARS_GRAVITY_M_PER_S2, ShearLaw, Soil, SoilParams};
-use grouser_terrain::learn::LearnSettings;
-use grouser_terrain::mission::{
-    Ended, Mission, MissionResult, MissionSettings, Navigator, Policy, World, WorldSoil,
-};
+use grouser_terrain::learn::{LearnSettings, StrengthFamily};
+use grouser_terrain::mission::{MissionSettings, Navigator};
 use grouser_terrain::plan::PlanSettings;
-use grouser_terrain::{DemandSolver, Envelope, Headings, SlipTable};
+use grouser_terrain::{Envelope, Headings};
+
+use policy::{Mission, MissionResult, Policy};
+use robot::Ended;
+use world::{World, WorldSoil};
 
 /// Shear modulus and stress position of soils whose source gives none: those of the lunar soil.
 const COMPLETION: Completion = Completion {
@@ -28,7 +35,7 @@ const COMPLETION: Completion = Completion {
     unit_weight: None,
 };
 
-fn robot(name: &str) -> RobotModel {
+fn robot_model(name: &str) -> RobotModel {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots");
     let file = format!("{folder}/{name}.toml");
     let model = RobotModel::read(file.as_ref()).unwrap();
@@ -54,15 +61,13 @@ fn world_soils(
         let mut params = *catalogued(key).params();
         params.laws.shear = Some(law);
         let soil = Soil::new(SoilParams { ..params }).unwrap();
-        let solver = DemandSolver::new(model.clone(), soil).unwrap();
-        // 9 x 17 nodes: the world is its own, whatever its tables' error
-        let table = SlipTable::coarse(&solver, envelope).unwrap();
+        let own = WorldSoil::new(model, &soil, envelope);
         println!(
             "  {key:<16} {:<22} climbs {:5.1}°",
             law.key(),
-            table.steepest().to_degrees()
+            own.table.steepest().to_degrees()
         );
-        WorldSoil { solver, table }
+        own
     };
     keys.iter().map(of).collect()
 }
@@ -188,9 +193,8 @@ fn compare(
     prior: &Soil,
     count: usize,
 ) -> Vec<Tally> {
-    let model = worlds[0][0].solver.model().clone();
-    let family =
-        grouser_terrain::learn::StrengthFamily::new(&model, prior, settings.envelope).unwrap();
+    let model = worlds[0][0].model();
+    let family = StrengthFamily::new(model, prior, settings.envelope).unwrap();
     let (low, high) = course.relief.extent();
     let mut tallies: Vec<Tally> = Policy::ALL.iter().map(|_| Tally::default()).collect();
     // other seeds than those that constants were chosen on: `GROUSER_FIRST_SEED=1001`
@@ -215,23 +219,20 @@ fn compare(
         let world_soils = &worlds[(seed % worlds.len() as u64) as usize];
         let patches = patches(&mut noise, area, [start, goal], 1..world_soils.len());
         let Ok(navigator) =
-            Navigator::with_family(course.relief, area, &model, family.clone(), settings)
+            Navigator::with_family(course.relief, area, model, family.clone(), settings)
         else {
             without += 1;
             continue;
         };
         let mission = Mission {
-            area,
             start,
             goal,
             settings,
             navigator: &navigator,
             seed,
         };
-        let drive = |policy: Policy| -> Option<MissionResult> {
-            let mut world = World::new(course.relief, world_soils, 0, patches.clone());
-            mission.drive(&mut world, policy).ok()
-        };
+        let world = World::new(course.relief, world_soils, 0, patches);
+        let drive = |policy: Policy| mission.drive(&world, policy).ok();
         let Some(oracle) = drive(Policy::Oracle).filter(|oracle| oracle.ended == Ended::Arrived)
         else {
             without += 1;
@@ -248,7 +249,7 @@ fn compare(
             match result.ended {
                 Ended::Arrived => tally.arrived += 1,
                 Ended::Stopped => tally.stopped += 1,
-                _ => tally.immobilised += 1,
+                Ended::Immobilised => tally.immobilised += 1,
             }
             if result.ended == Ended::Arrived {
                 tally.over_oracle.push(result.energy / oracle.energy);
@@ -304,7 +305,7 @@ fn policies_on_the_relief_of_mars() {
         height_step: 0.001,
     })
     .unwrap();
-    let model = robot("rocker-bogie");
+    let model = robot_model("rocker-bogie");
     let envelope = Envelope::within(&model, 0.5, 0.4).unwrap();
     let keys = ["dry-sand", "sandy-loam", "clayey-soil", "snow", "lunar"];
     let laws = [ShearLaw::SlipVelocityRegular, ShearLaw::Independent];
@@ -336,7 +337,7 @@ fn learning_arrives_where_the_prior_plan_is_turned_back() {
         roughness: 0.3,
     };
     let relief = HeightMap::from_shape((60.0, 60.0), 1.0, |x, y| shape.height(5, x, y)).unwrap();
-    let model = robot("skid-steer");
+    let model = robot_model("skid-steer");
     let envelope = Envelope::within(&model, 0.45, 0.35).unwrap();
     let keys = ["dry-sand", "sandy-loam", "clayey-soil"];
     let worlds = [world_soils(&model, &keys, ShearLaw::Independent, envelope)];

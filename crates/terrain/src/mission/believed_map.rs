@@ -37,9 +37,9 @@ pub struct MissionSettings {
 
 /// What the relief and each strength of soil say of every cell and heading, and the plan's map of what is believed.
 #[derive(Clone, Debug)]
-pub struct BelievedMap {
+pub(super) struct BelievedMap {
     /// The map that is planned on.
-    pub plan_map: PlanMap,
+    pub(super) plan_map: PlanMap,
     levels: usize,
     /// By pose and level: slip, NaN where no slip is enough, −∞ where it slides.
     slip: Vec<f32>,
@@ -56,7 +56,7 @@ impl BelievedMap {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a map that is too large.
-    pub fn new(
+    pub(super) fn new(
         relief: &HeightMap,
         (low, high): ((f64, f64), (f64, f64)),
         model: &RobotModel,
@@ -155,18 +155,15 @@ impl BelievedMap {
         }
     }
 
-    /// Takes up the beliefs of tiles that have changed; gives the number of cells.
-    pub fn update(&mut self, changed: &[usize], tiles: &SoilTiles) -> usize {
-        let mut count = 0;
+    /// Takes up the beliefs of tiles that have changed.
+    pub(super) fn update(&mut self, changed: &[usize], tiles: &SoilTiles) {
         for tile in changed {
             let cells = self.cells_of.get(*tile).map(Vec::len).unwrap_or_default();
             for index in 0..cells {
                 let cell = self.cells_of[*tile][index] as usize;
                 self.fill(cell, tiles);
             }
-            count += cells;
         }
-        count
     }
 
     /// What is believed of a cell becomes what is planned with.

@@ -227,9 +227,11 @@ impl Aboard {
 
     /// Takes up the way that was planned.
     fn take_way(&mut self) {
-        let map = self.navigator.plan_map();
-        let route = self.navigator.route();
-        self.way = route.map_or_else(Vec::new, |route| super::policy::places(map, route));
+        let points = self.navigator.route().map(|route| route.waypoints.iter());
+        let places = points.into_iter().flatten().map(|point| (point.x, point.y));
+        self.way = places.collect();
+        // a turn repeats its place
+        self.way.dedup();
         self.way.push(self.goal);
         self.next = 0;
     }

@@ -6,14 +6,7 @@
 mod believed_map;
 mod drive;
 mod navigator;
-mod oracle;
-mod policy;
-mod robot;
-mod world;
 
-pub use believed_map::{BelievedMap, MissionSettings};
+pub use believed_map::MissionSettings;
 pub use drive::{PlannedDrive, drive};
 pub use navigator::{Navigator, Replanning};
-pub use policy::{Mission, MissionResult, Policy};
-pub use robot::Ended;
-pub use world::{World, WorldSoil};

@@ -49,7 +49,7 @@ impl Navigator {
     /// the first to the second corner of `area` (m).
     ///
     /// # Errors
-    /// As [`StrengthFamily::new`], [`SoilTiles::new`] and [`BelievedMap::new`].
+    /// As [`StrengthFamily::new`] and [`SoilTiles::new`]; [`Error::OutOfRange`] for a map that is too large.
     pub fn new(
         relief: &HeightMap,
         area: ((f64, f64), (f64, f64)),

@@ -1,10 +1,10 @@
 //! The map of a planner that knows the soils and the law of the world.
 
-use super::believed_map::MissionSettings;
+use grouser_terrain::mission::MissionSettings;
+use grouser_terrain::plan::PlanMap;
+use grouser_terrain::{Demand, Result};
+
 use super::world::{DIG_SLIP, World};
-use crate::demand::Demand;
-use crate::error::Result;
-use crate::plan::PlanMap;
 
 /// A map with the true demand of every cell and heading: that of the weakest soil under a wheel. `known` has the relief.
 pub(super) fn true_map(
@@ -27,21 +27,17 @@ pub(super) fn true_map(
                 continue;
             }
             let under = world.soils_under(place, angle);
-            let by_strength = |a: &usize, b: &usize| {
-                let of = |soil: usize| world.soils()[soil].table.steepest();
-                of(*a).total_cmp(&of(*b))
-            };
-            let Some(weakest) = under.min_by(by_strength) else {
-                continue;
-            };
-            let soil = &world.soils()[weakest];
+            let soils = under.iter().map(|soil| &world.soils[*soil]);
+            let weakest = soils
+                .min_by(|a, b| a.table.steepest().total_cmp(&b.table.steepest()))
+                .unwrap();
             map.risk[pose] = 0.0;
-            if let Demand::Drives(driving) = soil.table.demand(&soil.solver, at.pitch, at.roll)?
+            if let Demand::Drives(driving) = weakest.demand(at)?
                 && driving.slip <= DIG_SLIP
             {
-                map.energy[pose] = to_f32(driving.energy_per_metre());
-                map.slip[pose] = to_f32(driving.slip);
-                map.slip_high[pose] = to_f32(driving.slip);
+                map.energy[pose] = driving.energy_per_metre() as f32;
+                map.slip[pose] = driving.slip as f32;
+                map.slip_high[pose] = driving.slip as f32;
             }
         }
     }
@@ -66,9 +62,4 @@ pub(super) fn close(map: &mut PlanMap, place: (f64, f64)) {
         let count = map.layout.headings.count();
         map.energy[cell * count..(cell + 1) * count].fill(f32::NAN);
     }
-}
-
-#[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
-fn to_f32(value: f64) -> f32 {
-    value as f32
 }

@@ -1,12 +1,12 @@
 //! Ways to a goal that are compared.
 
-use super::believed_map::MissionSettings;
-use super::navigator::{Navigator, Replanning};
+use grouser_terrain::Result;
+use grouser_terrain::mission::{MissionSettings, Navigator, Replanning};
+use grouser_terrain::plan::{Route, route_within};
+
+use super::oracle::{close, open, true_map};
 use super::robot::{Ended, Moved, Robot};
 use super::world::World;
-use crate::error::Result;
-use crate::learn::TileSummary;
-use crate::plan::{PlanMap, Route, route_within};
 
 /// How far the robot backs out of soft ground, m: as the controller does.
 const BACK_LENGTH_M: f64 = 1.0;
@@ -35,9 +35,8 @@ const READING_WEIGHT: f64 = 0.25;
 const BLOCKED_WEIGHT: f64 = 4.0;
 
 /// How a robot gets to its goal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum Policy {
+#[derive(Clone, Copy)]
+pub(super) enum Policy {
     /// Straight at the goal; stops where it does not come on.
     Straight,
     /// Straight at the goal; backs out of soft ground and drives round it, as the controller does.
@@ -52,7 +51,7 @@ pub enum Policy {
 
 impl Policy {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub(super) const ALL: [Self; 5] = [
         Self::Straight,
         Self::Reactive,
         Self::PlanPrior,
@@ -61,8 +60,7 @@ impl Policy {
     ];
 
     /// Its name in tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
+    pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Straight => "straight",
             Self::Reactive => "reactive detour",
@@ -74,46 +72,35 @@ impl Policy {
 }
 
 /// What came of a drive.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct MissionResult {
+pub(super) struct MissionResult {
     /// How it ended.
-    pub ended: Ended,
+    pub(super) ended: Ended,
     /// At the wheels, J.
-    pub energy: f64,
+    pub(super) energy: f64,
     /// m.
-    pub way: f64,
+    pub(super) way: f64,
     /// How often it did not come on.
-    pub blocked: u32,
+    pub(super) blocked: u32,
     /// How planning went.
-    pub planning: Replanning,
-    /// What was learnt.
-    pub learnt: Vec<TileSummary>,
+    pub(super) planning: Replanning,
 }
 
 /// A drive from a start to a goal.
-#[derive(Clone, Debug)]
-pub struct Mission<'a> {
-    /// The part of the relief that is planned on, m.
-    pub area: ((f64, f64), (f64, f64)),
+pub(super) struct Mission<'a> {
     /// m.
-    pub start: (f64, f64),
+    pub(super) start: (f64, f64),
     /// m.
-    pub goal: (f64, f64),
+    pub(super) goal: (f64, f64),
     /// What is planned with.
-    pub settings: &'a MissionSettings,
+    pub(super) settings: &'a MissionSettings,
     /// A navigator that has learnt nothing yet.
-    pub navigator: &'a Navigator,
+    pub(super) navigator: &'a Navigator,
     /// Seed of the sensors' noise.
-    pub seed: u64,
+    pub(super) seed: u64,
 }
 
 impl Mission<'_> {
-    /// Drives it.
-    ///
-    /// # Errors
-    /// As [`Navigator::set_out`]; [`Error::Law`](crate::Error::Law).
-    pub fn drive(&self, world: &mut World<'_>, policy: Policy) -> Result<MissionResult> {
+    pub(super) fn drive(&self, world: &World<'_>, policy: Policy) -> Result<MissionResult> {
         let to_goal = (self.goal.1 - self.start.1).atan2(self.goal.0 - self.start.0);
         let turn_energy = self.settings.plan.turn_energy;
         let mut robot = Robot::new(self.start, to_goal, turn_energy, self.seed);
@@ -127,9 +114,7 @@ impl Mission<'_> {
             Policy::Reactive => self.reactive(world, &mut robot, &mut blocked)?,
             Policy::PlanPrior => {
                 if navigator.set_out(self.start, to_goal, self.goal)? {
-                    let route = navigator
-                        .route()
-                        .map(|route| places(navigator.plan_map(), route));
+                    let route = navigator.route().map(places);
                     let moved = along(world, &mut robot, &route.unwrap_or_default())?;
                     ended(world, &mut robot, moved, &mut blocked)?
                 } else {
@@ -145,7 +130,6 @@ impl Mission<'_> {
             way: robot.way,
             blocked,
             planning: navigator.planning().clone(),
-            learnt: navigator.tiles().learnt(),
         })
     }
 
@@ -153,12 +137,7 @@ impl Mission<'_> {
         (self.goal.0 - robot.place.0).hypot(self.goal.1 - robot.place.1)
     }
 
-    fn reactive(
-        &self,
-        world: &mut World<'_>,
-        robot: &mut Robot,
-        blocked: &mut u32,
-    ) -> Result<Ended> {
+    fn reactive(&self, world: &World<'_>, robot: &mut Robot, blocked: &mut u32) -> Result<Ended> {
         let (mut attempts, mut side, mut since) = (0, 0.0, self.to_go(robot));
         let max_way = MAX_WAY_FACTOR * self.to_go(robot);
         while robot.way < max_way {
@@ -217,7 +196,7 @@ impl Mission<'_> {
 
     fn learning(
         &self,
-        world: &mut World<'_>,
+        world: &World<'_>,
         robot: &mut Robot,
         navigator: &mut Navigator,
         blocked: &mut u32,
@@ -229,7 +208,7 @@ impl Mission<'_> {
             let Some(route) = navigator.route() else {
                 return Ok(Ended::Stopped);
             };
-            let way = places(navigator.plan_map(), route);
+            let way = places(route);
             let mut is_held = false;
             for place in &way {
                 let moved = robot.drive_to(world, *place, |reading| {
@@ -276,24 +255,24 @@ impl Mission<'_> {
         Ok(Ended::Stopped)
     }
 
-    fn oracle(&self, world: &mut World<'_>, robot: &mut Robot, blocked: &mut u32) -> Result<Ended> {
-        let mut map = super::oracle::true_map(world, self.navigator.plan_map(), self.settings)?;
+    fn oracle(&self, world: &World<'_>, robot: &mut Robot, blocked: &mut u32) -> Result<Ended> {
+        let mut map = true_map(world, self.navigator.plan_map(), self.settings)?;
         let goal = map.cell_at("the goal", self.goal)?;
         for _ in 0..MAX_PLANS {
             let start = map.cell_at("the start", robot.place)?;
             let mut settings = self.settings.plan;
             settings.start_heading = Some(map.layout.headings.nearest(robot.heading));
-            super::oracle::open(&mut map, start);
+            open(&mut map, start);
             let Ok(Some(route)) = route_within(&map, (start, goal), &settings) else {
                 return Ok(Ended::Stopped);
             };
-            match along(world, robot, &places(&map, &route))? {
+            match along(world, robot, &places(&route))? {
                 Moved::There => return Ok(Ended::Arrived),
                 Moved::Lost => return Ok(Ended::Immobilised),
                 Moved::Blocked => {
                     // the cells of its map are coarser than the world
                     *blocked += 1;
-                    super::oracle::close(&mut map, robot.place);
+                    close(&mut map, robot.place);
                     if !robot.back_out(world, BACK_LENGTH_M)? {
                         return Ok(Ended::Immobilised);
                     }
@@ -305,12 +284,7 @@ impl Mission<'_> {
 }
 
 /// The end of a drive that does not go on after it was held.
-fn ended(
-    world: &mut World<'_>,
-    robot: &mut Robot,
-    moved: Moved,
-    blocked: &mut u32,
-) -> Result<Ended> {
+fn ended(world: &World<'_>, robot: &mut Robot, moved: Moved, blocked: &mut u32) -> Result<Ended> {
     Ok(match moved {
         Moved::There => Ended::Arrived,
         Moved::Lost => Ended::Immobilised,
@@ -326,14 +300,15 @@ fn ended(
 }
 
 /// The places of a route where the robot passes, without those at which it only turns.
-pub(super) fn places(map: &PlanMap, route: &Route) -> Vec<(f64, f64)> {
-    let mut cells: Vec<usize> = route.waypoints.iter().map(|point| point.cell).collect();
-    cells.dedup();
-    cells.into_iter().map(|cell| map.place_of(cell)).collect()
+fn places(route: &Route) -> Vec<(f64, f64)> {
+    let points = route.waypoints.iter();
+    let mut places: Vec<_> = points.map(|point| (point.x, point.y)).collect();
+    places.dedup();
+    places
 }
 
 /// Drives along places; the first is where the robot stands.
-fn along(world: &mut World<'_>, robot: &mut Robot, places: &[(f64, f64)]) -> Result<Moved> {
+fn along(world: &World<'_>, robot: &mut Robot, places: &[(f64, f64)]) -> Result<Moved> {
     for place in places {
         match robot.drive_to(world, *place, |_| Ok(()))? {
             Moved::There => {}

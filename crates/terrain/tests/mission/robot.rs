@@ -1,11 +1,10 @@
-//! A robot in a [`World`](super::World): where it is, what it has spent, how it ended.
+//! A robot in a [`World`]: where it is, what it has spent, how it ended.
 
 use grouser_rover::ground::Noise;
+use grouser_terrain::learn::SoilObservation;
+use grouser_terrain::{Demand, Driving, Result, SurfacePose};
 
 use super::world::{STEP_M, World};
-use crate::demand::{Demand, Driving};
-use crate::error::Result;
-use crate::learn::SoilObservation;
 
 /// The slip filter's error on powered wheels in foreign worlds, RMS (the table of pooled drives in RESULTS.md: 0.02 to
 /// 0.04).
@@ -16,9 +15,8 @@ const WORK_SIGMA: f64 = 0.05;
 const ANGLE_SIGMA_RAD: f64 = 0.009;
 
 /// How a drive of a mission ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum Ended {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Ended {
     /// At the goal.
     Arrived,
     /// On ground that it could leave, without a way on.
@@ -28,7 +26,7 @@ pub enum Ended {
 }
 
 /// What became of a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy)]
 pub(super) enum Moved {
     /// It is there.
     There,
@@ -39,7 +37,6 @@ pub(super) enum Moved {
 }
 
 /// The robot.
-#[derive(Clone, Debug)]
 pub(super) struct Robot {
     pub(super) place: (f64, f64),
     pub(super) heading: f64,
@@ -77,7 +74,7 @@ impl Robot {
     /// Drives straight to a place, after turning there, and gives every reading on the way.
     pub(super) fn drive_to(
         &mut self,
-        world: &mut World<'_>,
+        world: &World<'_>,
         to: (f64, f64),
         mut see: impl FnMut(&SoilObservation) -> Result<()>,
     ) -> Result<Moved> {
@@ -127,7 +124,7 @@ impl Robot {
         &mut self,
         place: (f64, f64),
         front: f64,
-        (pose, driving): (crate::pose::SurfacePose, Option<Driving>),
+        (pose, driving): (SurfacePose, Option<Driving>),
     ) -> SoilObservation {
         let (sin, cos) = self.heading.sin_cos();
         let ahead = if driving.is_some() { 0.0 } else { front };
@@ -148,7 +145,7 @@ impl Robot {
     }
 
     /// Drives back along its own way; false where it does not move.
-    pub(super) fn back_out(&mut self, world: &mut World<'_>, length: f64) -> Result<bool> {
+    pub(super) fn back_out(&mut self, world: &World<'_>, length: f64) -> Result<bool> {
         let mut gone = 0.0;
         // from where it was held, too
         while gone < length {
