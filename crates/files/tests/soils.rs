@@ -72,7 +72,11 @@ fn what_is_written_reads_back_to_the_same_bits() {
     use grouser_terra::{Bulldozing, LawChoice, ShearLaw, SlipNorm, SlipSinkage, StressPosition};
     let sand = parse(SAND).unwrap();
     let changed = grouser_terra::OpenSoil {
+        n_1: -0.1 / 3.0,
         n_2: 0.1 + 0.2,
+        k_shear_1: 0.01 / 3.0,
+        k_shear_side: Some(0.02 / 3.0),
+        k_shear_side_1: 0.05 / 3.0,
         cohesion: Some(1000.0 / 3.0),
         phi: Some(grouser_terra::Angle::from_deg(100.0 / 3.1)),
         unit_weight: Some(13.1e3 / 7.0),

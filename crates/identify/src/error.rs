@@ -65,7 +65,4 @@ pub enum Error {
         /// What needs it.
         needed_by: String,
     },
-    /// A job that no file can hold.
-    #[error("a file of tests has no key for {0}")]
-    Unwritable(&'static str),
 }

@@ -122,41 +122,6 @@ pub struct WheelJob {
     pub starts: StartSettings,
 }
 
-impl BagTest {
-    /// A test of a plate, its force in `source` and its depth in `depth`.
-    #[must_use]
-    pub fn new(
-        name: impl Into<String>,
-        plate: Plate,
-        source: BagSource,
-        depth: DepthColumn,
-    ) -> Self {
-        let name = name.into();
-        Self {
-            name,
-            plate,
-            source,
-            depth,
-        }
-    }
-}
-
-impl WheelJob {
-    /// The tests of `table` with `wheel`, and what they are to tell; scatter, loss and starts are the usual ones.
-    #[must_use]
-    pub fn new(table: impl Into<PathBuf>, wheel: RigidWheel, parameters: Vec<Parameter>) -> Self {
-        Self {
-            table: table.into(),
-            wheel,
-            parameters,
-            scatter: Scatter::default(),
-            loss: Loss::default(),
-            profile: false,
-            starts: StartSettings::default(),
-        }
-    }
-}
-
 impl Job {
     /// A job without a test, of a soil of which nothing is known.
     ///
@@ -234,9 +199,8 @@ impl Job {
 
 type Read<T> = std::result::Result<T, grouser_files::Error>;
 
-pub(crate) const LENGTHS: [(&str, f64); 4] =
-    [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("in", 0.0254)];
-pub(crate) const TIMES: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+const LENGTHS: [(&str, f64); 4] = [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("in", 0.0254)];
+const TIMES: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
 const SIZE: (f64, f64) = (1e-3, 100.0);
 /// Fields of a line, counted from 1.
 const FIELDS: (i64, i64) = (1, 1000);

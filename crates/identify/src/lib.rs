@@ -17,7 +17,6 @@ pub mod plate;
 pub mod shear;
 pub mod table;
 pub mod wheel;
-mod write;
 
 pub use error::{Error, Result};
 pub use identification::{
@@ -26,4 +25,3 @@ pub use identification::{
 pub use identified::IdentifiedNumber;
 pub use job::{BagTest, Job, PlateSource, WheelJob};
 pub use parameter::Parameter;
-pub use write::to_toml;

@@ -7,10 +7,10 @@
 )]
 
 mod identification;
+mod jobs;
 mod least_squares;
 mod nist_strd;
 mod plates;
 mod recorded_plates;
 mod wheel_derivatives;
 mod wheel_predictions;
-mod written_jobs;

@@ -44,7 +44,7 @@ use crate::error::{Error, Result};
 use crate::section::Section;
 
 pub use number::SoilNumber;
-pub use write::{to_toml, write_open};
+pub use write::to_toml;
 
 /// Is a soil's name that of a file, not a key of the catalogue: is there a slash or a dot in it?
 ///

@@ -1,6 +1,6 @@
 //! A soil as the text of a soil file.
 
-use grouser_terra::{LawChoice, OpenSoil, Pressure};
+use grouser_terra::{LawChoice, Pressure};
 
 use super::SoilFile;
 use crate::toml_text::TomlText;
@@ -25,43 +25,19 @@ use crate::toml_text::TomlText;
 /// # Errors
 /// [`grouser_terra::Error::Missing`] for Reece's moduli, for which soil files have no keys.
 pub fn to_toml(file: &SoilFile, remarks: &[&str]) -> Result<String, grouser_terra::Error> {
-    let mut out = TomlText::new(remarks);
-    out.optional_text("key", file.key.as_deref());
-    out.text("name", &file.name);
-    for (key, value) in [("source", &file.source), ("note", &file.note)] {
-        out.optional_text(key, (!value.is_empty()).then_some(value));
-    }
-    write_open(&mut out, &file.soil, "[fitted]")?;
-    Ok(out.finish())
-}
-
-/// The keys of a soil of which some numbers may be open, as [`read_open`](super::read_open) reads them; `fitted` is the header
-/// of the table of its tests, which comes last.
-///
-/// ```
-/// use grouser_files::{TomlText, soil};
-/// use grouser_terra::{Angle, OpenSoil};
-///
-/// let mut out = TomlText::new(&[]);
-/// out.header("[soil]");
-/// soil::write_open(&mut out, &OpenSoil::default().phi(Angle::from_deg(29.0)), "[soil.fitted]")?;
-/// assert_eq!(out.finish(), "format = 1\n\n[soil]\nphi_deg = 29.0\n");
-/// # Ok::<(), grouser_terra::Error>(())
-/// ```
-///
-/// # Errors
-/// As [`to_toml`].
-pub fn write_open(
-    out: &mut TomlText,
-    params: &OpenSoil,
-    fitted: &str,
-) -> Result<(), grouser_terra::Error> {
+    let params = &file.soil;
     let Pressure::Bekker(modulus) = params.pressure else {
         return Err(grouser_terra::Error::Missing {
             field: "k_phi",
             needed_by: "a soil file",
         });
     };
+    let mut out = TomlText::new(remarks);
+    out.optional_text("key", file.key.as_deref());
+    out.text("name", &file.name);
+    for (key, value) in [("source", &file.source), ("note", &file.note)] {
+        out.optional_text(key, (!value.is_empty()).then_some(value));
+    }
     out.optional_number("n", params.n);
     for (key, value) in [
         ("k_c_kn_per_m_n1", modulus.k_c),
@@ -98,9 +74,9 @@ pub fn write_open(
     out.optional_number("sideways_support", (support != 1.0).then_some(support));
     out.optional_number("k_shear_side_m", params.k_shear_side);
     out.optional_number("unit_weight_n_per_m3", params.unit_weight);
-    laws(out, params.laws);
+    laws(&mut out, params.laws);
     if let Some(range) = params.fitted {
-        out.header(fitted);
+        out.header("[fitted]");
         out.degrees("slip_angle_min_deg", range.slip_angle.0);
         out.degrees("slip_angle_max_deg", range.slip_angle.1);
         for (key, value) in [
@@ -114,7 +90,7 @@ pub fn write_open(
             out.number(key, value);
         }
     }
-    Ok(())
+    Ok(out.finish())
 }
 
 fn laws(out: &mut TomlText, laws: LawChoice) {
