@@ -31,21 +31,6 @@ const POINTS_PER_CURVE: usize = 1 << 20;
 /// The columns that a batch writes, allocated by the caller: sinkage, vertical force, drawbar pull, torque.
 type Numbers<'py> = [PyReadwriteArray1<'py, f64>; 4];
 
-/// What is computed at each point.
-#[derive(Clone, Copy)]
-enum Given {
-    Load,
-    Sinkage,
-}
-
-/// One job of a batch.
-struct Batch<'py> {
-    columns: [Column<'py>; 5],
-    status: PyReadwriteArray1<'py, u8>,
-    numbers: Numbers<'py>,
-    threads: usize,
-}
-
 fn check_length(found: usize, expected: usize) -> PyResult<()> {
     if found == expected {
         return Ok(());
@@ -60,122 +45,93 @@ pub(crate) fn part<'a>(input: BatchInput<'a>, from: usize, to: usize) -> BatchIn
     }
 }
 
-impl Batch<'_> {
-    fn run(mut self, py: Python<'_>, soil: &Soil, given: Given) -> PyResult<()> {
-        let codes = self.status.as_slice_mut()?;
-        let points = codes.len();
-        let mut inputs = [BatchInput::Constant(0.0); 5];
-        for (input, column) in inputs.iter_mut().zip(&self.columns) {
-            *input = column.input()?;
-            if let BatchInput::Column(values) = input {
-                check_length(values.len(), points)?;
-            }
-        }
-        let [sinkage, vertical_force, drawbar_pull, torque] = &mut self.numbers;
-        let mut rest = [
-            sinkage.as_slice_mut()?,
-            vertical_force.as_slice_mut()?,
-            drawbar_pull.as_slice_mut()?,
-            torque.as_slice_mut()?,
-        ];
-        for column in &rest {
-            check_length(column.len(), points)?;
-        }
-        let kernel = BatchKernel::new(soil.soil);
-        let threads = workers::count(self.threads, points);
-        let block = points.min(POINTS_PER_BLOCK * threads);
-        let mut statuses = vec![SolveStatus::default(); block];
-        let mut from = 0;
-        for codes in codes.chunks_mut(block.max(1)) {
-            let share = codes.len().div_ceil(threads);
-            let block_end = from + codes.len();
-            let mut jobs = Vec::with_capacity(threads);
-            for status in statuses[..codes.len()].chunks_mut(share) {
-                let to = block_end.min(from + share);
-                let [sinkage, vertical_force, drawbar_pull, torque] =
-                    rest.each_mut().map(|column| {
-                        let (mine, others) = std::mem::take(column).split_at_mut(to - from);
-                        *column = others;
-                        mine
-                    });
-                let mut out = BatchColumns {
-                    sinkage,
-                    vertical_force,
-                    drawbar_pull,
-                    torque,
-                    status,
-                };
-                let [radius, width, rebound, slip, value] =
-                    inputs.map(|input| part(input, from, to));
-                let points = BatchPoints {
-                    radius,
-                    width,
-                    rebound,
-                    slip,
-                };
-                let kernel = &kernel;
-                jobs.push(move || match given {
-                    Given::Load => kernel.under_load(&points, value, &mut out),
-                    Given::Sinkage => kernel.forces(&points, value, &mut out),
-                });
-                from = to;
-            }
-            for result in workers::run(py, jobs) {
-                raised(result)?;
-            }
-            write_codes(codes, &statuses);
-            py.check_signals()?;
-        }
-        Ok(())
-    }
-}
-
 pub(crate) fn write_codes(codes: &mut [u8], statuses: &[SolveStatus]) {
     for (code, status) in codes.iter_mut().zip(statuses) {
         *code = status.code();
     }
 }
 
-/// Sinkage and forces under loads. `columns` are radius, width, rebound, slip and load, each a contiguous
-/// array or one number; `status` and `numbers` (sinkage, vertical force, drawbar pull, torque) are written.
+/// Sinkage and forces under loads, or forces at sinkages. `columns` are radius, width, rebound, slip, and load or sinkage,
+/// each a contiguous array or one number; `status` and `numbers` (sinkage, vertical force, drawbar pull, torque) are written.
 #[pyfunction]
-pub(crate) fn solve_under_load<'py>(
+pub(crate) fn solve_points<'py>(
     py: Python<'py>,
     soil: &Soil,
+    is_load: bool,
     columns: [Column<'py>; 5],
-    status: PyReadwriteArray1<'py, u8>,
-    numbers: Numbers<'py>,
+    mut status: PyReadwriteArray1<'py, u8>,
+    mut numbers: Numbers<'py>,
     threads: usize,
 ) -> PyResult<()> {
-    let batch = Batch {
-        columns,
-        status,
-        numbers,
-        threads,
-    };
-    batch.run(py, soil, Given::Load)
+    let codes = status.as_slice_mut()?;
+    let points = codes.len();
+    let mut inputs = [BatchInput::Constant(0.0); 5];
+    for (input, column) in inputs.iter_mut().zip(&columns) {
+        *input = column.input()?;
+        if let BatchInput::Column(values) = input {
+            check_length(values.len(), points)?;
+        }
+    }
+    let [sinkage, vertical_force, drawbar_pull, torque] = &mut numbers;
+    let mut rest = [
+        sinkage.as_slice_mut()?,
+        vertical_force.as_slice_mut()?,
+        drawbar_pull.as_slice_mut()?,
+        torque.as_slice_mut()?,
+    ];
+    for column in &rest {
+        check_length(column.len(), points)?;
+    }
+    let kernel = BatchKernel::new(soil.soil);
+    let threads = workers::count(threads, points);
+    let block = points.min(POINTS_PER_BLOCK * threads);
+    let mut statuses = vec![SolveStatus::default(); block];
+    let mut from = 0;
+    for codes in codes.chunks_mut(block.max(1)) {
+        let share = codes.len().div_ceil(threads);
+        let block_end = from + codes.len();
+        let mut jobs = Vec::with_capacity(threads);
+        for status in statuses[..codes.len()].chunks_mut(share) {
+            let to = block_end.min(from + share);
+            let [sinkage, vertical_force, drawbar_pull, torque] = rest.each_mut().map(|column| {
+                let (mine, others) = std::mem::take(column).split_at_mut(to - from);
+                *column = others;
+                mine
+            });
+            let mut out = BatchColumns {
+                sinkage,
+                vertical_force,
+                drawbar_pull,
+                torque,
+                status,
+            };
+            let [radius, width, rebound, slip, value] = inputs.map(|input| part(input, from, to));
+            let points = BatchPoints {
+                radius,
+                width,
+                rebound,
+                slip,
+            };
+            let kernel = &kernel;
+            jobs.push(move || {
+                if is_load {
+                    kernel.under_load(&points, value, &mut out)
+                } else {
+                    kernel.forces(&points, value, &mut out)
+                }
+            });
+            from = to;
+        }
+        for result in workers::run(py, jobs) {
+            raised(result)?;
+        }
+        write_codes(codes, &statuses);
+        py.check_signals()?;
+    }
+    Ok(())
 }
 
-/// Forces at sinkages; as `solve_under_load` with the sinkage in place of the load.
-#[pyfunction]
-pub(crate) fn solve_at_sinkage<'py>(
-    py: Python<'py>,
-    soil: &Soil,
-    columns: [Column<'py>; 5],
-    status: PyReadwriteArray1<'py, u8>,
-    numbers: Numbers<'py>,
-    threads: usize,
-) -> PyResult<()> {
-    let batch = Batch {
-        columns,
-        status,
-        numbers,
-        threads,
-    };
-    batch.run(py, soil, Given::Sinkage)
-}
-
-/// Sinkage and forces of one wheel under one load at many slips; outputs as in `solve_under_load`.
+/// Sinkage and forces of one wheel under one load at many slips; outputs as in `solve_points`.
 #[pyfunction]
 pub(crate) fn solve_curve<'py>(
     py: Python<'py>,

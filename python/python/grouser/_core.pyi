@@ -28,12 +28,11 @@ __all__ = [
     "run_command",
     "slips_from_speeds",
     "solve",
-    "solve_at_sinkage",
     "solve_curve",
     "solve_file",
     "solve_front",
     "solve_many",
-    "solve_under_load",
+    "solve_points",
 ]
 
 _Floats = npt.NDArray[np.float64]
@@ -214,11 +213,13 @@ def catalogue_keys() -> list[str]: ...
 def instructions(soil: Soil) -> str: ...
 def run_command(arguments: Sequence[str]) -> int: ...
 def slips_from_speeds(forward: _Floats, rim: _Floats) -> _Floats: ...
-def solve_under_load(
-    soil: Soil, columns: Sequence[_Column], status: _Codes, numbers: Sequence[_Floats], threads: int
-) -> None: ...
-def solve_at_sinkage(
-    soil: Soil, columns: Sequence[_Column], status: _Codes, numbers: Sequence[_Floats], threads: int
+def solve_points(
+    soil: Soil,
+    is_load: bool,
+    columns: Sequence[_Column],
+    status: _Codes,
+    numbers: Sequence[_Floats],
+    threads: int,
 ) -> None: ...
 def solve_curve(
     soil: Soil,

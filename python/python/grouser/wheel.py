@@ -211,7 +211,7 @@ def under_load(
         radius_m=radius_m, width_m=width_m, rebound=rebound, slip=slip, load_n=load_n
     )
     status, numbers = _outputs(points)
-    _core.solve_under_load(soil, flat, status, numbers, threads_of(threads))
+    _core.solve_points(soil, True, flat, status, numbers, threads_of(threads))
     return _points(shape, status, numbers)
 
 
@@ -240,7 +240,7 @@ def at_sinkage(
         radius_m=radius_m, width_m=width_m, rebound=rebound, slip=slip, sinkage_m=sinkage_m
     )
     status, numbers = _outputs(points)
-    _core.solve_at_sinkage(soil, flat, status, numbers, threads_of(threads))
+    _core.solve_points(soil, False, flat, status, numbers, threads_of(threads))
     return _points(shape, status, numbers)
 
 
