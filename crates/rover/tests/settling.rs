@@ -106,7 +106,12 @@ fn on_sand(change: impl FnOnce(&mut SoilParams)) -> WheelOnSoil {
 }
 
 fn motion(rim: f64, forward: f64) -> WheelMotionNow {
-    WheelMotionNow::level(0.015, [forward, 0.0], rim)
+    WheelMotionNow {
+        sinkage: 0.015,
+        sinking: 0.0,
+        velocity: [forward, 0.0],
+        rim,
+    }
 }
 
 fn under(settling_way: f64) -> SoilUnder {

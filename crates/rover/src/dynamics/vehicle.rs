@@ -254,12 +254,6 @@ impl Vehicle {
         self.time
     }
 
-    /// Steps since the start.
-    #[must_use]
-    pub const fn steps(&self) -> u64 {
-        self.steps
-    }
-
     /// Kinetic energy of body and wheels, and potential energy, J.
     #[must_use]
     pub fn energy(&self) -> (f64, f64) {

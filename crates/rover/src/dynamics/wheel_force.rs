@@ -83,7 +83,6 @@ pub struct WheelContact {
 
 /// How a wheel stands and moves in its contact plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub struct WheelMotionNow {
     /// Sinkage below the ground in front of it, m; negative in the air.
     pub sinkage: f64,
@@ -96,18 +95,6 @@ pub struct WheelMotionNow {
 }
 
 impl WheelMotionNow {
-    /// A wheel that neither sinks nor rises: sinkage in m, speed of the centre forwards and to the left and speed of the
-    /// rim in m/s.
-    #[must_use]
-    pub const fn level(sinkage: f64, velocity: [f64; 2], rim: f64) -> Self {
-        Self {
-            sinkage,
-            sinking: 0.0,
-            velocity,
-            rim,
-        }
-    }
-
     fn mean(&self, other: &Self) -> Self {
         let mean = |a: f64, b: f64| 0.5 * (a + b);
         Self {
@@ -157,12 +144,6 @@ pub struct WheelLoad {
 }
 
 impl WheelContact {
-    /// Is the wheel on the ground?
-    #[must_use]
-    pub const fn touches(&self) -> bool {
-        self.pressed > 0.0
-    }
-
     /// Slip and drift that slip-sinkage has settled to.
     #[must_use]
     pub const fn dug(&self) -> [f64; 2] {
