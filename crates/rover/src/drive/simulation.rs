@@ -515,7 +515,8 @@ fn steps_per_period(scenario: &Scenario, soils: &[Soil]) -> Result<u32> {
     let strength = scenario.ground.packing.greatest_strength();
     let rate = fastest_rate(&scenario.robot, soils, strength, GAIN_S_PER_RAD)?;
     if let Some(step) = scenario.step {
-        let stable = (MAX_STEP_RATE / rate).max(MIN_STEP_S);
+        // the limit that is named has whole hundredths of a millisecond
+        let stable = (MAX_STEP_RATE / rate * 1e5).floor().max(1.0) / 1e5;
         let of = format!("scenario \"{}\"", scenario.name);
         Error::check(&of, "step_s", step, (MIN_STEP_S, stable), "s")?;
         return Ok(periods(CONTROL_PERIOD_S, step));
