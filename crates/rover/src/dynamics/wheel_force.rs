@@ -120,7 +120,7 @@ impl WheelMotionNow {
     }
 
     /// The speed at which the rim shears the soil, along and across, m/s.
-    fn rubbing(&self) -> [f64; 2] {
+    fn slip_velocity(&self) -> [f64; 2] {
         [self.rim - self.velocity[0], self.velocity[1]]
     }
 }
@@ -176,13 +176,13 @@ impl WheelContact {
         }
         let gained = step / (1.0 + half);
         let limits = [1.0, MAX_DRIFT_RATIO];
-        let (rubbing_amid, rubbing) = (amid.rubbing(), motion.rubbing());
+        let (slipping_amid, slipping) = (amid.slip_velocity(), motion.slip_velocity());
         let forgetting = motion.rolling() * per_length;
         let slips = std::array::from_fn(|i| {
             let most = limits[i] * length;
-            let shear = (self.shear[i] * kept + gained * rubbing_amid[i]).clamp(-most, most);
+            let shear = (self.shear[i] * kept + gained * slipping_amid[i]).clamp(-most, most);
             self.shear[i] = shear;
-            let ahead = shear + SHEAR_LEAD_S * (rubbing[i] - forgetting * shear);
+            let ahead = shear + SHEAR_LEAD_S * (slipping[i] - forgetting * shear);
             (ahead * per_length).clamp(-limits[i], limits[i])
         });
         let per_speed = 2.0 * step * per_length;
