@@ -13,6 +13,7 @@ use super::scenario::{
     GroundShape, GroundSpec, LearnSpec, Leg, PlanSpec, Region, Scenario, SoilChanges, SoilOrigin,
     SoilSpec,
 };
+use crate::dynamics::STEP_LIMITS_S;
 use crate::error::{Error, Result};
 use crate::ground::{Craters, HeightFile, Packing, Place, Rocks, Shape};
 use crate::robot::RobotModel;
@@ -130,7 +131,7 @@ fn read(
         seed: root
             .optional_integer("seed")?
             .map_or(usual.seed, i64::cast_unsigned),
-        step: root.optional_number("step_s", (1e-5, 5e-3))?,
+        step: root.optional_number("step_s", STEP_LIMITS_S)?,
         start,
         legs,
         plan,

@@ -15,7 +15,7 @@ use super::pilot::Pilot;
 use super::referee::Referee;
 use super::scenario::Scenario;
 use super::score::{Scoring, TrueSlip};
-use crate::dynamics::{Vehicle, fastest_rate};
+use crate::dynamics::{STEP_LIMITS_S, Vehicle, fastest_rate};
 use crate::error::{Error, Result};
 use crate::ground::Ground;
 use crate::sensors::{FaultKind, Sensors, to_ns};
@@ -34,8 +34,6 @@ const WORST_SLIP_TIME_S: f64 = 1.0;
 
 /// The step is at most this long, s: up to here the errors of a drive are those of RESULTS.md.
 const MAX_STEP_S: f64 = 2.5e-3;
-/// And at least this long, s.
-const MIN_STEP_S: f64 = 1e-5;
 /// Where the scenario gives no step, it is this share of the time in which the robot's fastest part settles.
 const STEP_RATE: f64 = 0.7;
 /// The greatest share that a scenario may give. Stepping is stable up to 1, or 0.9 with the spring of the soil.
@@ -518,9 +516,9 @@ fn steps_per_period(scenario: &Scenario, soils: &[Soil]) -> Result<u32> {
         // the limit that is named has whole hundredths of a millisecond
         let stable = (MAX_STEP_RATE / rate * 1e5).floor().max(1.0) / 1e5;
         let of = format!("scenario \"{}\"", scenario.name);
-        Error::check(&of, "step_s", step, (MIN_STEP_S, stable), "s")?;
+        Error::check(&of, "step_s", step, (STEP_LIMITS_S.0, stable), "s")?;
         return Ok(periods(CONTROL_PERIOD_S, step));
     }
-    let longest = (STEP_RATE / rate).clamp(MIN_STEP_S, MAX_STEP_S);
+    let longest = (STEP_RATE / rate).clamp(STEP_LIMITS_S.0, MAX_STEP_S);
     Ok(periods((CONTROL_PERIOD_S / longest).ceil(), 1.0))
 }

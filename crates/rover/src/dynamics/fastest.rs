@@ -1,8 +1,8 @@
 //! How fast the fastest part of a robot on its ground settles: what bounds the step.
 
-use grouser_terra::{Accuracy, Kinematics, Settings, Slip, Soil, WheelOnSoil};
+use grouser_terra::{Kinematics, Slip, Soil};
 
-use super::vehicle::BEARING_RATE_RAD_PER_S;
+use super::vehicle::{BEARING_RATE_RAD_PER_S, for_steps};
 use super::wheel_force::{SHEAR_LEAD_S, SINKAGE_LEAD_S, UNLOADING_SLOPE, contact_length};
 use crate::body::{BodyState, MAX_FREEDOMS, MAX_SPEEDS, Speeds};
 use crate::error::{Error, Result};
@@ -57,15 +57,11 @@ struct Contact {
 
 impl Contact {
     fn new(mount: &WheelMount, (soil, strength): (&Soil, f64), load: f64) -> Result<Self> {
-        let settings = Settings {
-            accuracy: Accuracy::Simulation,
-            ..Settings::default()
-        };
+        let pair = for_steps(mount, soil)?;
         let law = |source| Error::Law {
             of: format!("wheel \"{}\"", mount.name),
             source,
         };
-        let pair = WheelOnSoil::new(mount.wheel, *soil, settings).map_err(law)?;
         let motion = |slip| Slip::new(slip).map(Kinematics::straight);
         let still = motion(0.0).map_err(law)?;
         let sunk = pair

@@ -5,5 +5,6 @@ mod vehicle;
 mod wheel_force;
 
 pub use fastest::fastest_rate;
+pub(crate) use vehicle::STEP_LIMITS_S;
 pub use vehicle::{Ledger, Vehicle, WheelNow};
 pub use wheel_force::{SoilUnder, WheelContact, WheelLoad, WheelMotionNow};

@@ -4,13 +4,13 @@
 //! bounds the step.
 
 use grouser_real::Real;
-use grouser_terra::{Accuracy, Settings, WheelOnSoil};
+use grouser_terra::{Accuracy, Settings, Soil, WheelOnSoil};
 
 use super::wheel_force::{SoilUnder, WheelContact, WheelLoad, WheelMotionNow};
 use crate::body::{BodyState, Leapfrog, MAX_SPEEDS, MotorNow, Pose};
 use crate::error::{Error, Result};
 use crate::ground::{Ground, Track};
-use crate::robot::RobotModel;
+use crate::robot::{RobotModel, WheelMount};
 use crate::vector::{Attitude, Axes, Vector};
 
 /// Bearing friction is proportional to the rate below this one, rad/s, so that it does not jump at standstill: 7.5 mm/s at
@@ -23,6 +23,21 @@ const CONTACT_REACH_SHARE: f64 = 0.45;
 const MIN_LEAN_COSINE: f64 = 0.2;
 /// A rut ends this many cells behind the wheel's axle: heights are linear between nodes, so that it fades over one cell.
 const RUT_DISTANCE_CELLS: f64 = 1.05;
+
+/// Steps that are taken, s; chosen: the longest is half of the control period.
+pub(crate) const STEP_LIMITS_S: (f64, f64) = (1e-5, 5e-3);
+
+/// The laws of a wheel on a soil as steps in time take them.
+pub(super) fn for_steps(mount: &WheelMount, soil: &Soil) -> Result<WheelOnSoil> {
+    let settings = Settings {
+        accuracy: Accuracy::Simulation,
+        ..Settings::default()
+    };
+    WheelOnSoil::new(mount.wheel, *soil, settings).map_err(|source| Error::Law {
+        of: format!("wheel \"{}\"", mount.name),
+        source,
+    })
+}
 
 /// What a wheel's motor and steering receive.
 #[derive(Clone, Copy, Debug, Default)]
@@ -138,21 +153,11 @@ impl Vehicle {
         (x, y, heading): (f64, f64, f64),
         step: f64,
     ) -> Result<Self> {
-        Error::check("simulation", "step", step, (1e-5, 5e-3), "s")?;
-        let settings = Settings {
-            accuracy: Accuracy::Simulation,
-            ..Settings::default()
-        };
+        Error::check("simulation", "step", step, STEP_LIMITS_S, "s")?;
         let mut pairs = Vec::new();
         for mount in &model.wheels {
-            let of = |source| Error::Law {
-                of: format!("wheel \"{}\"", mount.name),
-                source,
-            };
-            let row: Result<Vec<_>> = ground
-                .soils()
-                .iter()
-                .map(|soil| WheelOnSoil::new(mount.wheel, *soil, settings).map_err(of))
+            let row: Result<Vec<_>> = (ground.soils().iter())
+                .map(|soil| for_steps(mount, soil))
                 .collect();
             pairs.push(row?);
         }

@@ -121,8 +121,7 @@ const STRONGEST_RUT_PASSES: u32 = 10;
 
 impl Packing {
     /// Stresses of the strongest soil that it makes, over those of the soil as it is described.
-    #[must_use]
-    pub fn greatest_strength(&self) -> f64 {
+    pub(crate) fn greatest_strength(&self) -> f64 {
         let passed = self.multi_pass.map_or(1.0, |law| {
             law.change(1.0, STRONGEST_RUT_PASSES).strength_factor
         });
