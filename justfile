@@ -56,12 +56,13 @@ bench-tables rows="1000000" rounds="9":
     bench/target/venv/bin/pip install --quiet polars
     bench/target/venv/bin/python bench/tables.py {{rows}} {{rounds}}
 
-# `estimate` on a hundred random robots, sensors and courses of a world of its own, beside naive means (bench/random_logs.py)
-random-logs first="0" count="100":
+# `estimate` on a hundred random robots, sensors and courses of a world of its own, beside naive means (bench/random_logs.py);
+# with wheels read `hz` times a second where that is given
+random-logs first="0" count="100" hz="":
     cargo build --release
     test -d bench/target/venv || python3 -m venv bench/target/venv
     bench/target/venv/bin/pip install --quiet numpy
-    bench/target/venv/bin/python bench/random_logs.py {{first}} {{count}}
+    bench/target/venv/bin/python bench/random_logs.py {{first}} {{count}} {{hz}}
 
 # the lanes' tests under the address sanitizer (needs a nightly compiler); minutes
 sanitize:

@@ -1,13 +1,14 @@
 """`grouser estimate` on logs of robots, sensors, courses and slips drawn at random, beside the naive means over one and two
 seconds that anybody would take from the same files.
 
-    cargo build --release && python bench/random_logs.py [FIRST [COUNT]]
+    cargo build --release && python bench/random_logs.py [FIRST [COUNT [HZ]]]
 
 The world is this file: a body on a course, and rims that run faster than the ground under them by their slip. It shares no code
 and no law with the program. What differs from log to log: two, four or six wheels or a car's steering, size and speed, stops,
 reverse and bends, the profile of slip, wheels by counts, angles, rates or speeds with resolution and noise, with or without
 gyro (with a bias that may never be seen at rest) and accelerometer, positions, displacements or speeds as reference with their
-rate, noise, outliers and delay, and whether the robot file states these. Needs numpy.
+rate, noise, outliers and delay, and whether the robot file states these. HZ thins the rows of wheels, gyro and accelerometer.
+Needs numpy.
 """
 
 import csv
@@ -112,10 +113,11 @@ class World:
 class Log:
     """The files of a world as its sensors see it; and what the naive means take from the same readings."""
 
-    def __init__(self, world, random, folder):
+    def __init__(self, world, random, folder, thinned_hz=None):
         self.world, self.folder = world, folder
         self.names = [f"w{i}" for i in range(len(world.places))]
-        hz = int(random.choice([20, 50, 100]))
+        drawn_hz = int(random.choice([20, 50, 100]))
+        hz = thinned_hz or drawn_hz
         self.rows = np.arange(0, len(world.time), round(1 / (hz * STEP_S)))
         self.sensor = str(random.choice(["count", "count", "angle", "rate", "speed"]))
         self.ticks = int(random.choice([360, 1000, 4096]))
@@ -297,12 +299,13 @@ def scores(log):
 
 
 def main():
-    first, count = (int(text) for text in (sys.argv[1:] + ["0", "100"][len(sys.argv) - 1 :])[:2])
+    given = [int(text) for text in sys.argv[1:]]
+    first, count, thinned_hz = given + [0, 100, None][len(given) :]
     ratios, results = [], []
     for seed in range(first, first + count):
         random = np.random.default_rng(seed)
         with tempfile.TemporaryDirectory() as folder:
-            log = Log(World(random), random, pathlib.Path(folder))
+            log = Log(World(random), random, pathlib.Path(folder), thinned_hz)
             result = scores(log)
         what = {key: getattr(log, key) for key in ("sensor", "reference", "rate", "sigma", "delay", "is_told", "has_gyro")}
         what |= {"kind": log.world.kind, "profile": log.world.profile, "top": round(float(log.world.top), 2)}

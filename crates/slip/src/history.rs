@@ -123,6 +123,29 @@ impl<const K: usize> History<K> {
         Some(out)
     }
 
+    /// By how much totals that grow with the acceleration of the last two spaces between entries differ at `time_ns` from those of
+    /// [`History::at`], which are linear in between; 0 where only one space is known.
+    pub(crate) fn bend_at(&self, time_ns: i64) -> [f64; K] {
+        let Some((newest, _)) = self.newest() else {
+            return [0.0; K];
+        };
+        if self.len < 3 || time_ns <= self.entry(0).time_ns || time_ns >= newest {
+            return [0.0; K];
+        }
+        let low = self.before(time_ns).max(1);
+        let [before, from, to] = [low - 1, low, low + 1].map(|index| self.entry(index));
+        let rates = |from: &Entry<K>, to: &Entry<K>, k: usize| {
+            (to.totals[k] - from.totals[k]) / seconds_between(from.time_ns, to.time_ns)
+        };
+        let passed = seconds_between(from.time_ns, time_ns);
+        let left = seconds_between(time_ns, to.time_ns);
+        let spaces = seconds_between(before.time_ns, to.time_ns);
+        core::array::from_fn(|k| {
+            let gained = rates(from, to, k) - rates(before, from, k);
+            -gained * passed * left / spaces
+        })
+    }
+
     /// The last entry at or before `time_ns`, which lies between the oldest entry and the newest.
     ///
     /// Samples come at nearly equal intervals, so the search begins where the entry would be if they were equal, and
@@ -178,6 +201,24 @@ mod tests {
         assert_eq!(history.between(250, 750), Some([3.0]));
         assert_eq!(history.at(-1), None);
         assert_eq!(history.at(1001), None);
+    }
+
+    #[test]
+    fn an_even_acceleration_bends_what_is_linear_between_samples() {
+        let quadratic = |time: i64| (time * time) as f64;
+        let mut history = History::<1>::new(8, 0);
+        for time in [100, 300, 600, 800] {
+            history.push(time, [quadratic(time)]);
+        }
+        for time in [350, 420, 600, 700] {
+            let [linear] = history.at(time).unwrap();
+            let [bend] = history.bend_at(time);
+            assert!((linear + bend - quadratic(time)).abs() < 1e-6, "{time}");
+        }
+        assert_eq!(
+            [100, 800, 900].map(|time| history.bend_at(time)),
+            [[0.0]; 3]
+        );
     }
 
     #[test]

@@ -209,7 +209,6 @@ impl Core {
             | Measurement::Pose { .. }
             | Measurement::Speed { .. } => {
                 self.settle_rims();
-                self.predict_ground_motion(time_ns);
                 self.update_by_reference(time_ns, measurement)
             }
             Measurement::Command { .. }

@@ -4,7 +4,7 @@
 use grouser_real::Real;
 
 use super::estimator::Core;
-use super::ground_track::{Inertial, Outcome};
+use super::ground_track::{Awaiting, Inertial, Outcome};
 use super::motion_model::{COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW};
 use super::multiple_model::TurnError;
 use crate::fault::Fault;
@@ -86,25 +86,52 @@ impl Core {
         state.set_covariance(LEFT, COMMON_SLIP, sin * by_slip);
     }
 
-    /// Updates the models by a reading of the reference that was stamped `stamp_ns`.
+    /// Updates the models by a reading of the reference that was stamped `stamp_ns`: at once, or once the rims have been read again
+    /// where they are read seldom. A robot that brakes in between would be led on at its speed before.
     pub(super) fn update_ground_motion(
         &mut self,
         stamp_ns: i64,
         measurement: &Measurement,
     ) -> Result<(), Fault> {
-        let now_ns = self.now_ns.unwrap_or(stamp_ns).max(stamp_ns);
         let motion = self
             .reference
             .motion(stamp_ns, measurement, &self.settings)?;
         self.reference.speed = motion.and_then(|motion| Some((motion.speed[0]?, stamp_ns)));
-        let has_gyro = self.gyro.is_trusted(now_ns, &self.settings);
+        let now_ns = self.now_ns.unwrap_or(stamp_ns);
+        let waits = self.wheels.measure_ways() && self.is_sparse(now_ns);
         let Some(ground) = &mut self.ground else {
             return Ok(());
         };
+        let has_room = ground.put_off((stamp_ns, *measurement, motion));
+        if !(waits && has_room) {
+            self.predict_ground_motion(now_ns);
+            self.use_awaiting();
+        }
+        Ok(())
+    }
+
+    /// Updates the models by the readings of the reference that waited for the rims.
+    pub(super) fn use_awaiting(&mut self) {
+        let next = |core: &mut Self| {
+            core.ground
+                .as_mut()
+                .and_then(|ground| ground.next_awaiting())
+        };
+        while let Some(reading) = next(self) {
+            self.use_reading(reading);
+        }
+    }
+
+    fn use_reading(&mut self, (stamp_ns, measurement, motion): Awaiting) {
+        let now_ns = self.now_ns.unwrap_or(stamp_ns).max(stamp_ns);
+        let has_gyro = self.gyro.is_trusted(now_ns, &self.settings);
+        let Some(ground) = &mut self.ground else {
+            return;
+        };
         let taken_ns = stamp_ns.saturating_sub(nanoseconds(self.settings.reference_latency));
-        let outcome = ground.update(taken_ns, measurement, (now_ns, has_gyro), &self.settings);
+        let outcome = ground.update(taken_ns, &measurement, (now_ns, has_gyro), &self.settings);
         if outcome == Outcome::Unused {
-            return Ok(());
+            return;
         }
         self.output.reference_readings += 1;
         let accepted = outcome == Outcome::Accepted;
@@ -121,7 +148,6 @@ impl Core {
                 self.learn_gyro_bias(now_ns);
             }
         }
-        Ok(())
     }
 
     /// Takes on what the models have learnt of the gyro's bias, where they know it better.

@@ -11,6 +11,7 @@ use super::mean_rims::{RimStep, TURNING_SPEED_M_PER_S, mean_rims};
 use super::multiple_model::reference_noise::{Errors, ReferenceNoise};
 use super::multiple_model::{ModelMotion, MultipleModel, Rim, TurnError, WheelStep};
 use super::output::RimPath;
+use super::reference_sensor::ReferenceMotion;
 use super::settings::FilterSettings;
 use super::wheel_bank::WheelBank;
 use super::wheel_channel::WheelChannel;
@@ -50,6 +51,8 @@ const MAX_COURSE_PER_WAY: f64 = 1.5;
 /// The rims' change within their lag is at most this multiple of their speed's difference from that of about the lag before, which
 /// shows it late: errors on random logs differ by 1 % between 1.5 and 6.
 const RISE_FACTOR: f64 = 3.0;
+/// Readings of the reference that wait for the rims at most: those at 20 Hz between rims read at 3 Hz.
+const MAX_AWAITING: usize = 6;
 /// Entries of the history at most, and its time, s: the longest delay and a window of the rims.
 const MAX_HISTORY_ENTRIES: usize = 512;
 const HISTORY_S: f64 = MAX_DELAY_S + 0.5;
@@ -72,6 +75,9 @@ pub(super) enum Outcome {
     Accepted,
 }
 
+/// A reading of the reference that waits for the rims: its stamp, itself, and the motion since the one before.
+pub(super) type Awaiting = (i64, Measurement, Option<ReferenceMotion>);
+
 /// Models, rims and the reference's own state.
 #[derive(Clone, Debug)]
 pub(super) struct GroundTrack {
@@ -90,6 +96,8 @@ pub(super) struct GroundTrack {
     /// By how much the middle of the rims' windows lies behind, s, and their speed about as much before, m/s.
     rim_lag: f64,
     slow_rim_speed: f64,
+    /// Readings of the reference that wait for the next reading of the rims, which shows their way until then.
+    awaiting: [Option<Awaiting>; MAX_AWAITING],
     /// A speed that waits until the rims' windows around it have ended: its time, and itself, m/s.
     awaited_speed: Option<(i64, f64)>,
     /// Sum of displacements: place and heading.
@@ -131,6 +139,7 @@ impl GroundTrack {
             speed_noise: ReferenceNoise::new(),
             rim_lag: 0.0,
             slow_rim_speed: 0.0,
+            awaiting: [None; MAX_AWAITING],
             awaited_speed: None,
             summed: [0.0; 3],
             position: [0.0; 2],
@@ -164,7 +173,24 @@ impl GroundTrack {
         self.started_ns = None;
         self.readmitted_ns = None;
         self.refused = 0;
+        self.awaiting = [None; MAX_AWAITING];
         self.awaited_speed = None;
+    }
+
+    /// A reading waits for the rims; `false` where no other can.
+    pub(super) fn put_off(&mut self, reading: Awaiting) -> bool {
+        let mut places = self.awaiting.iter_mut().filter(|place| place.is_none());
+        if let Some(place) = places.next() {
+            *place = Some(reading);
+        }
+        places.next().is_some()
+    }
+
+    /// The first reading that waits.
+    pub(super) fn next_awaiting(&mut self) -> Option<Awaiting> {
+        let first = self.awaiting[0].take();
+        self.awaiting.rotate_left(1);
+        first
     }
 
     /// The motion by the models with its direction, while a reference was accepted not too long ago.
@@ -363,10 +389,12 @@ impl GroundTrack {
             let turned = now[2] - since[2];
             self.heading_sigma((yaw - turned, heading_sigma), errors)
         });
+        // between two rows of the wheels their way is not known better than by its bend
+        let [bend_x, bend_y, ..] = self.history.bend_at(taken_ns);
         let agreement = self.models.update_position(
             place,
             (since, seconds_between(taken_ns, now_ns)),
-            (errors, settings.position_sigma),
+            (errors, settings.position_sigma, Real::hypot(bend_x, bend_y)),
         );
         if let Some(yaw) = yaw.filter(|_| !has_gyro || self.restarts < MAX_HEADING_RESTARTS) {
             self.models.update_heading(yaw, since[2], heading_sigma);

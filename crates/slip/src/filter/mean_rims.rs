@@ -20,6 +20,10 @@ const RIM_CREEP_M_PER_S: f64 = 5e-4;
 /// A robot with wheels that are not steered moves along them: the variance of its sideways speed against that of a rim. Without
 /// this a steered wheel that slips more than the others turned the direction of the motion.
 const SIDEWAYS_VARIANCE_SHARE: f64 = 1e-4;
+/// The rims of wheels that are not parallel show their turn: the variance of the turn by that of the robot (rad²/s²) against that of a
+/// rim (m²/s²). The robot's turn over its share in the rims' speed is many times theirs where it hardly moves, and would turn the
+/// direction round.
+const TURN_VARIANCE: f64 = 100.0;
 /// Two headings of wheels differ by less than this where the wheels are parallel: the sine.
 const PARALLEL_SINE: f64 = 0.02;
 
@@ -124,7 +128,7 @@ pub(super) fn mean_rims(
         gained += gained_since(wheel).unwrap_or(0.0);
         used += 1.0;
         if !parallel {
-            let row = [wheel.row[0], wheel.row[1], 0.0];
+            let row = wheel.row;
             let of = |value| Measured {
                 value,
                 variance: 1.0,
@@ -168,7 +172,7 @@ fn along_one_way(
 ) -> Option<(f64, f64, f64)> {
     let turn = Measured {
         value: 0.0,
-        variance: 1.0,
+        variance: TURN_VARIANCE,
     };
     by_way.add([0.0, 0.0, 1.0], turn);
     by_speed.add([0.0, 0.0, 1.0], turn);

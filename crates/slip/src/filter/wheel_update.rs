@@ -69,6 +69,7 @@ impl Core {
         };
         if !self.is_sparse(now_ns) {
             self.predict_ground_motion(now_ns);
+            self.use_awaiting();
         }
         for index in 0..self.wheels.channels.len() {
             let wheel = &mut self.wheels.channels[index];
