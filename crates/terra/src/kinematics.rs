@@ -23,7 +23,8 @@ use crate::slip::{Slip, WheelMotion};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kinematics {
     slip: Slip,
-    slip_angle: f64,
+    /// `None`: that of slip and q_y, computed where a law asks for it.
+    slip_angle: Option<f64>,
     q_y: f64,
     reversed: bool,
 }
@@ -34,7 +35,7 @@ impl Kinematics {
     pub const fn straight(slip: Slip) -> Self {
         Self {
             slip,
-            slip_angle: 0.0,
+            slip_angle: Some(0.0),
             q_y: 0.0,
             reversed: false,
         }
@@ -57,7 +58,7 @@ impl Kinematics {
         };
         Ok(Self {
             slip,
-            slip_angle: beta.rad(),
+            slip_angle: Some(beta.rad()),
             q_y,
             reversed: false,
         })
@@ -92,7 +93,7 @@ impl Kinematics {
         let q_y = if rim == 0.0 { v_y / forward } else { v_y / rim };
         Ok(Self {
             slip,
-            slip_angle: Real::atan2(v_y, forward),
+            slip_angle: Some(Real::atan2(v_y, forward)),
             q_y,
             reversed,
         })
@@ -115,11 +116,10 @@ impl Kinematics {
     #[inline]
     pub fn with_drift(slip: Slip, drift: f64) -> Result<Self> {
         Error::check_finite("drift", drift, "1")?;
-        let s = slip.value();
-        let (forward, rim) = (1.0 - s.max(0.0), 1.0 + s.min(0.0));
+        let rim = 1.0 + slip.value().min(0.0);
         Ok(Self {
             slip,
-            slip_angle: Real::atan2(drift, forward),
+            slip_angle: None,
             q_y: if rim == 0.0 { drift } else { drift / rim },
             reversed: false,
         })
@@ -135,8 +135,13 @@ impl Kinematics {
     /// Slip angle β, positive when the wheel drifts to its left.
     #[must_use]
     #[inline]
-    pub const fn slip_angle(&self) -> Angle {
-        Angle::from_rad(self.slip_angle)
+    pub fn slip_angle(&self) -> Angle {
+        Angle::from_rad(self.slip_angle.unwrap_or_else(|| {
+            let s = self.slip.value();
+            let (forward, rim) = (1.0 - s.max(0.0), 1.0 + s.min(0.0));
+            let drift = if rim == 0.0 { self.q_y } else { self.q_y * rim };
+            Real::atan2(drift, forward)
+        }))
     }
 
     /// q_y = v_y/(r ω); for a locked wheel v_y/v_x.
@@ -151,5 +156,27 @@ impl Kinematics {
     #[inline]
     pub const fn is_reversed(&self) -> bool {
         self.reversed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slip_and_drift_show_the_slip_angle() {
+        for s in [-1.0, -0.6, 0.0, 0.3, 0.999, 1.0] {
+            for drift in [-3.0, -0.2, 0.0, 1e-9, 0.7] {
+                let motion = Kinematics::with_drift(Slip::new(s).unwrap(), drift).unwrap();
+                let (forward, rim) = if s < 0.0 {
+                    (1.0, 1.0 + s)
+                } else {
+                    (1.0 - s, 1.0)
+                };
+                let speeds = Kinematics::from_speeds(forward, drift, rim).unwrap();
+                let off = motion.slip_angle().rad() - speeds.slip_angle().rad();
+                assert!(off.abs() < 1e-15, "{s} {drift}: {off:e}");
+            }
+        }
     }
 }

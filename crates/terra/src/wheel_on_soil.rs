@@ -3,8 +3,8 @@
 use crate::bulldozing::Bulldozing;
 use crate::caution::{Caution, Cautions};
 use crate::contact::{
-    Contact, ContactAngles, ContactConstants, Dug, ExponentTables, Order, WheelSize, entry_angle,
-    sinkage_from_entry_angle,
+    Contact, ContactAngles, ContactConstants, Dug, ExponentTables, Motion, Order, WheelSize,
+    entry_angle, sinkage_from_entry_angle,
 };
 use crate::error::{Error, Result};
 use crate::forces::Forces;
@@ -45,6 +45,8 @@ pub struct WheelOnSoil {
     size: WheelSize<f64>,
     laws: SoilLaws<f64>,
     constants: ContactConstants,
+    /// Does any law of the contact take the slip angle?
+    takes_slip_angle: bool,
 }
 
 /// Does the soil carry a wheel of this width at all?
@@ -81,8 +83,12 @@ impl WheelOnSoil {
             soil,
             settings,
             size,
-            laws,
             constants,
+            takes_slip_angle: laws.k_shear_1 != 0.0
+                || laws.k_shear_side_1 != 0.0
+                || laws.sideways_support != 1.0
+                || settings.bulldozing == Bulldozing::Disc,
+            laws,
         })
     }
 
@@ -173,8 +179,8 @@ impl WheelOnSoil {
     /// The greatest sinkage over the radius: 1, or with the law for the soil beside the hub [`BURIED_PER_RADIUS`].
     #[inline]
     pub(crate) fn depth_limit(&self, kinematics: &Kinematics) -> f64 {
-        let sideways = kinematics.slip_angle().rad().abs() >= BURIED_FROM_RAD;
-        if sideways && self.settings.bulldozing == Bulldozing::Disc {
+        let is_sideways = || kinematics.slip_angle().rad().abs() >= BURIED_FROM_RAD;
+        if self.settings.bulldozing == Bulldozing::Disc && is_sideways() {
             BURIED_PER_RADIUS
         } else {
             1.0
@@ -183,8 +189,25 @@ impl WheelOnSoil {
 
     #[inline]
     pub(crate) fn check_exponent(&self, kinematics: &Kinematics) -> Result<()> {
-        let n = self.laws.exponent_at(&kinematics.motion());
+        if self.constants.radius_power.is_some() {
+            // the soil's own, which was checked with it
+            return Ok(());
+        }
+        let n = self.laws.exponent_at(&self.motion_of(kinematics));
         Error::check_range("n at this slip", n, EXPONENT.0, EXPONENT.1, "1")
+    }
+
+    /// The motion as the contact's laws take it: steps in time are spared an arc tangent each where none takes the slip angle.
+    #[inline]
+    fn motion_of(&self, kinematics: &Kinematics) -> Motion {
+        if self.takes_slip_angle {
+            return kinematics.motion();
+        }
+        Motion {
+            slip: kinematics.slip().value(),
+            q_y: kinematics.q_y(),
+            slip_angle: 0.0,
+        }
     }
 
     #[inline]
@@ -236,14 +259,14 @@ impl WheelOnSoil {
         history: &SoilHistory,
     ) -> Contact<f64> {
         let dug = Dug {
-            by: &history.dug_by.motion(),
+            by: &self.motion_of(&history.dug_by),
             k_shear_factor: history.k_shear_factor,
         };
         Contact::digging(
             &self.size,
             (&self.laws, &self.constants),
             self.settings.shear,
-            (&kinematics.motion(), &dug),
+            (&self.motion_of(kinematics), &dug),
             theta_1,
         )
     }
@@ -310,7 +333,11 @@ impl WheelOnSoil {
         if beta == 0.0 {
             return 0.0;
         }
-        let kappa: f64 = self.settings.bulldozing.kappa(&kinematics.motion());
+        let motion = Motion {
+            slip_angle: beta.abs(),
+            ..self.motion_of(kinematics)
+        };
+        let kappa: f64 = self.settings.bulldozing.kappa(&motion);
         let gamma = self.soil.params().unit_weight;
         cautions.insert_if(kappa > 0.0 && gamma.is_none(), Caution::NoBulldozing);
         let ploughed = gamma.map_or(0.0, |gamma| {

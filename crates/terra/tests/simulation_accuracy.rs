@@ -1,6 +1,9 @@
 //! Forces for steps in time against reference mode, over random contacts of every motion that a robot meets.
 
-use grouser_terra::{Accuracy, Angle, Forces, Kinematics, RigidWheel, Settings, Soil, WheelOnSoil};
+use grouser_terra::{
+    Accuracy, Angle, Bulldozing, Forces, Kinematics, RigidWheel, Settings, ShearLaw, Slip, Soil,
+    SoilHistory, SoilParams, WheelOnSoil,
+};
 
 /// A stream of numbers in [0, 1) from a seed: SplitMix64.
 struct Random(u64);
@@ -122,4 +125,65 @@ fn forces_for_steps_in_time_are_good_to_1e_6() {
     assert!(worst.0 <= 1e-6, "{worst:?}");
     // the quick kernel has served most of them
     assert!(apart > count / 2, "{apart}");
+}
+
+/// Steps in time compute the slip angle only where a law takes it: they must find what the whole operating point finds.
+#[test]
+fn laws_that_take_the_slip_angle_have_it_in_steps_too() {
+    let plain = Soil::bekker(1e3, 1.5e6, 1.1)
+        .cohesion(300.0)
+        .phi(Angle::from_deg(29.0))
+        .k_shear(0.01)
+        .stress_position(0.3, 0.2)
+        .soil()
+        .unwrap();
+    let plain = SoilParams {
+        unit_weight: Some(1.5e4),
+        ..*plain.params()
+    };
+    let mut disc = plain;
+    disc.laws.bulldozing = Some(Bulldozing::Disc);
+    let mut apart = plain;
+    (apart.k_shear_side, apart.k_shear_side_1) = (Some(0.01), 0.03);
+    apart.laws.shear = Some(ShearLaw::Independent);
+    let mut along = plain;
+    along.k_shear_1 = 0.02;
+    let mut unsupported = plain;
+    unsupported.sideways_support = 0.3;
+    let wheel = RigidWheel::new(0.1, 0.06).unwrap();
+    for accuracy in [Accuracy::Simulation, Accuracy::Standard] {
+        let settings = Settings {
+            accuracy,
+            ..Settings::default()
+        };
+        let numbers = |params: SoilParams, motion: &Kinematics| {
+            let soil = Soil::new(params).unwrap();
+            let on_soil = WheelOnSoil::new(wheel, soil, settings).unwrap();
+            let steady = SoilHistory::steady(*motion);
+            let (step, side) = on_soil
+                .forces_and_side_after(0.02, motion, &steady)
+                .unwrap();
+            let whole = on_soil.at_sinkage(0.02, motion).unwrap();
+            [(step, side), (whole.forces, whole.side_force)]
+                .map(|(f, side)| [f.vertical_force, f.drawbar_pull, f.torque, side])
+        };
+        for (slip, drift) in [(0.3, 1.4), (-0.4, -2.5), (0.95, 0.2)] {
+            let motion = Kinematics::with_drift(Slip::new(slip).unwrap(), drift).unwrap();
+            let [usual, _] = numbers(plain, &motion);
+            for (law, params) in [plain, disc, apart, along, unsupported].iter().enumerate() {
+                let [step, whole] = numbers(*params, &motion);
+                for (a, b) in step.iter().zip(whole) {
+                    assert!(
+                        (a - b).abs() < 1e-9 * whole[0],
+                        "law {law}: {step:?} {whole:?}"
+                    );
+                }
+                let moved = step
+                    .iter()
+                    .zip(usual)
+                    .any(|(a, b)| (a - b).abs() > 0.01 * usual[0]);
+                assert_eq!(moved, law > 0, "law {law}");
+            }
+        }
+    }
 }

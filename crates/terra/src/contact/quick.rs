@@ -137,7 +137,11 @@ impl Contact<f64> {
             MAX_STIFFNESS[0]
         };
         plan.stiff = stiffness > limit;
-        plan.cut(&cuts[..count]);
+        if count == 0 {
+            plan.take_whole();
+        } else {
+            plan.cut(&cuts[..count]);
+        }
         Some(integrate(&plan))
     }
 }
@@ -289,6 +293,17 @@ impl QuickPlan {
         (greatest * TURNING_CLOSE >= MIN_FORCE_SHARE * close).then_some(sum)
     }
 
+    /// Both pieces without a cut.
+    #[inline(always)]
+    fn take_whole(&mut self) {
+        for (is_front, arc) in [(true, self.contact.front), (false, self.contact.rear)] {
+            if arc > 0.0 {
+                self.push(is_front, 0.0, 1.0);
+            }
+        }
+    }
+
+    #[inline(always)]
     fn push(&mut self, is_front: bool, from: f64, to: f64) {
         if to > from {
             self.parts[self.count] = QuickPart { is_front, from, to };
