@@ -138,9 +138,24 @@ impl Kalman {
     pub(crate) fn propagate(&mut self, i: usize, j: usize, coefficient: f64) {
         let before = self.covariance(i, j);
         let (low, high) = if i < j { (i, j) } else { (j, i) };
-        for k in (0..=high).filter(|k| *k != i) {
-            let place = self.place(i, k);
-            self.covariance[place] += coefficient * self.covariance(j, k);
+        // above both, the pairs lie in one row each
+        let mut row = 0;
+        for k in 0..low {
+            self.covariance[row + i] += coefficient * self.covariance[row + j];
+            row += self.n - 1 - k;
+        }
+        let lowest = row;
+        for k in low..=high {
+            let (of_low, of_high) = (lowest + k, row + high);
+            if k != i {
+                let (to, from) = if i < j {
+                    (of_low, of_high)
+                } else {
+                    (of_high, of_low)
+                };
+                self.covariance[to] += coefficient * self.covariance[from];
+            }
+            row += self.n - 1 - k;
         }
         // beyond both, the two rows lie in one piece each
         let count = self.n - 1 - high;
@@ -178,7 +193,10 @@ impl Kalman {
     /// P hᵀ.
     fn set_spread(&mut self, jacobian: &[(usize, f64)]) {
         self.spread.fill(0.0);
-        for &(j, coefficient) in jacobian {
+        for &(j, coefficient) in jacobian
+            .iter()
+            .filter(|(_, coefficient)| *coefficient != 0.0)
+        {
             let (before, after) = self.spread.split_at_mut(j);
             let mut place = j;
             for (k, slot) in before.iter_mut().enumerate() {
