@@ -253,18 +253,20 @@ impl Attitude {
     /// ```
     #[must_use]
     pub fn from_rotation(turn: Vector) -> Self {
-        let angle = turn.length();
-        let (sin, cos) = Real::sin_cos(0.5 * angle);
-        // sin(α/2)/α, by its series where the angle is tiny
-        let scale = if angle > 1e-6 {
-            sin / angle
+        let square = turn.dot(turn);
+        // cos(α/2) and sin(α/2)/α; by their series to the last bit where the angle is small, as in a step in time
+        let (w, scale) = if square < 1e-3 {
+            let y = 0.25 * square;
+            (
+                1.0 - y * (1.0 / 2.0 - y * (1.0 / 24.0 - y * (1.0 / 720.0))),
+                0.5 - y * (1.0 / 12.0 - y * (1.0 / 240.0 - y * (1.0 / 10_080.0))),
+            )
         } else {
-            0.5 - angle * angle / 48.0
+            let angle = square.sqrt();
+            let (sin, cos) = Real::sin_cos(0.5 * angle);
+            (cos, sin / angle)
         };
-        Self {
-            w: cos,
-            v: turn * scale,
-        }
+        Self { w, v: turn * scale }
     }
 
     /// Heading, then slope: yaw about z, then pitch about y, then roll about x (rad).
@@ -389,6 +391,18 @@ mod tests {
         let axes = attitude.axes();
         assert!((axes.to_world(v) - attitude.to_world(v)).length() < 4e-15);
         assert!((axes.to_robot(v) - attitude.to_robot(v)).length() < 4e-15);
+    }
+
+    #[test]
+    fn a_small_turn_is_that_of_sine_and_cosine() {
+        let axis = Vector::new(0.48, -0.6, 0.64);
+        for angle in [1e-12, 1e-7, 1e-3, 0.0316, 0.0317, 0.3] {
+            let Attitude { w, v } = Attitude::from_rotation(axis * angle);
+            let (sin, cos) = (0.5_f64 * angle).sin_cos();
+            assert!((w - cos).abs() < 3e-16, "{angle}");
+            assert!((v.dot(axis) / sin - 1.0).abs() < 1e-15, "{angle}");
+        }
+        assert_eq!(Attitude::from_rotation(Vector::ZERO), Attitude::LEVEL);
     }
 
     #[test]

@@ -341,8 +341,9 @@ impl GroundSpec {
                 let rocks = self.rocks.map_or_else(Vec::new, |rocks| {
                     rocks.strew(seed, (0.0, -half), (size.0, half), 1.5)
                 });
-                HeightMap::from_shape(*size, *cell, |x, y| {
-                    shape.height(seed, x, y) + Rocks::height(&rocks, x, y)
+                HeightMap::from_lines(*size, *cell, |y| {
+                    let (mut height, rocks) = (shape.along(seed, y), &rocks);
+                    move |x| height(x) + Rocks::height(rocks, x, y)
                 })?
             }
             GroundShape::File(file) => read_heights(file)?,

@@ -305,8 +305,9 @@ impl Simulation {
         for _ in 0..self.steps_per_period {
             self.step();
         }
-        let goes_on = self.control();
-        let frame = self.frame();
+        let angles = self.vehicle.state().attitude.angles();
+        let goes_on = self.control(angles.2);
+        let frame = self.frame(angles);
         sink(&frame) && goes_on
     }
 
@@ -355,7 +356,7 @@ impl Simulation {
     }
 
     /// Referee and on-board computer; false at the end.
-    fn control(&mut self) -> bool {
+    fn control(&mut self, yaw: f64) -> bool {
         let time = self.vehicle.time();
         let state = self.vehicle.state();
         let place = state.position;
@@ -378,7 +379,7 @@ impl Simulation {
         let request = self.request();
         let commands = self.on_board.tick(to_ns(time), request);
         self.commands.copy_from_slice(commands);
-        self.compare();
+        self.compare(yaw);
         let mut stopped = None;
         if let Some(decision) = self.on_board.decision() {
             self.decision_count += 1;
@@ -398,9 +399,8 @@ impl Simulation {
     }
 
     /// True against estimated slip.
-    fn compare(&mut self) {
+    fn compare(&mut self, yaw: f64) {
         self.frames.clear();
-        let (_, _, yaw) = self.vehicle.state().attitude.angles();
         let (mut sum, mut weight) = (0.0, 0.0);
         for index in 0..self.truths.len() {
             let truth = self.truths[index].tick(CONTROL_PERIOD_S);
@@ -437,9 +437,8 @@ impl Simulation {
         }
     }
 
-    fn frame(&self) -> Frame<'_> {
+    fn frame(&self, (roll, pitch, yaw): (f64, f64, f64)) -> Frame<'_> {
         let state = self.vehicle.state();
-        let (roll, pitch, yaw) = state.attitude.angles();
         let place = state.position;
         Frame {
             time: self.vehicle.time(),

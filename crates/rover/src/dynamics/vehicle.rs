@@ -362,10 +362,11 @@ impl Vehicle {
         // its length is the cosine of the angle between the wheel's plane and the ground's normal
         let forward = axle.cross(up);
         let cosine = forward.length();
-        let forward = forward * (1.0 / cosine.max(f64::MIN_POSITIVE));
+        let per_cosine = 1.0 / cosine.max(f64::MIN_POSITIVE);
+        let forward = forward * per_cosine;
         let left = up.cross(forward);
         // height of the centre in the wheel's own plane
-        let per_lean = 1.0 / cosine.max(MIN_LEAN_COSINE);
+        let per_lean = per_cosine.min(1.0 / MIN_LEAN_COSINE);
         let height = (place.z - spot.height) * steepness * per_lean;
         let velocity = linkage.velocity(&self.state.speeds, &self.pose, mount.link, at);
         let motion = WheelMotionNow {

@@ -165,7 +165,8 @@ impl WheelContact {
         let per_length = 1.0 / length;
         // what rolling leaves of the past, by the trapezoidal rule
         let half = 0.5 * step * amid.rolling() * per_length;
-        let kept = (1.0 - half) / (1.0 + half);
+        let per_sum = 1.0 / (1.0 + half);
+        let kept = (1.0 - half) * per_sum;
         let forgotten = motion.sinkage + (self.pressed - motion.sinkage) * kept;
         let limit = MAX_SINKAGE_SHARE * radius;
         let buried = motion.sinkage > limit;
@@ -174,7 +175,7 @@ impl WheelContact {
             *self = Self::default();
             return WheelLoad::default();
         }
-        let gained = step / (1.0 + half);
+        let gained = step * per_sum;
         let limits = [1.0, MAX_DRIFT_RATIO];
         let (slipping_amid, slipping) = (amid.slip_velocity(), motion.slip_velocity());
         let forgetting = motion.rolling() * per_length;

@@ -31,6 +31,10 @@ pub struct HeightMap {
     unknown: Vec<bool>,
 }
 
+/// 1.5 · 2⁵², whose neighbours are whole numbers: a sum with it is one, in the low bits. Conversions take longer, as they
+/// allow for what does not fit.
+const WHOLE: f64 = 6_755_399_441_055_744.0;
+
 /// The cell around a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Corner {
@@ -154,6 +158,18 @@ impl HeightMap {
         cell: f64,
         shape: impl Fn(f64, f64) -> f64,
     ) -> Result<Self> {
+        Self::from_lines(size, cell, |y| {
+            let shape = &shape;
+            move |x| shape(x, y)
+        })
+    }
+
+    /// [`HeightMap::from_shape`] by the heights along x of each y.
+    pub(crate) fn from_lines<L: FnMut(f64) -> f64>(
+        size: (f64, f64),
+        cell: f64,
+        along: impl Fn(f64) -> L,
+    ) -> Result<Self> {
         let of = "ground";
         Error::check(of, "cell", cell, CELL_LIMITS_M, "m")?;
         Error::check(of, "size_x", size.0, (2.0 * cell, 1e5 * cell), "m")?;
@@ -168,14 +184,12 @@ impl HeightMap {
         let most = MAX_CELLS as f64;
         Error::check(of, "cells", columns as f64 * rows as f64, (4.0, most), "1")?;
         let origin = (0.0, -0.5 * (rows - 1) as f64 * cell);
-        #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
-        let heights = (0..rows * columns)
-            .map(|index| {
-                let x = (index % columns) as f64 * cell;
-                let y = origin.1 + (index / columns) as f64 * cell;
-                shape(x, y) as f32
-            })
-            .collect();
+        let mut heights = Vec::with_capacity(rows * columns);
+        for row in 0..rows {
+            let mut height = along(origin.1 + row as f64 * cell);
+            #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
+            heights.extend((0..columns).map(|column| height(column as f64 * cell) as f32));
+        }
         Self::new(origin, cell, columns, heights)
     }
 
@@ -197,6 +211,17 @@ impl HeightMap {
         let (x, y) = self.origin;
         let far = |from: f64, count: usize| from + (count - 1) as f64 * self.cell;
         (self.origin, (far(x, self.columns), far(y, self.rows)))
+    }
+
+    /// The y of each row, and the x of each node of a row, m.
+    pub(crate) fn lines(&self) -> (impl Iterator<Item = f64>, impl Iterator<Item = f64> + Clone) {
+        let at = |from: f64, count: usize, cell: f64| {
+            (0..count).map(move |index| from + index as f64 * cell)
+        };
+        (
+            at(self.origin.1, self.rows, self.cell),
+            at(self.origin.0, self.columns, self.cell),
+        )
     }
 
     /// Where a node lies, m.
@@ -241,20 +266,33 @@ impl HeightMap {
     }
 
     /// Height at a place in cells from the first node, m.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn height_in_cells(&self, along: f64, across: f64) -> f64 {
         self.corner_in_cells(along, across).mix(&self.heights)
     }
 
+    /// The cell around a place in cells from the first node. NaN counts as 0.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        clippy::cast_sign_loss,
+        reason = "clamped to the map, which has at most 1e5 nodes a side"
+    )]
     #[inline]
     pub(crate) fn corner_in_cells(&self, along: f64, across: f64) -> Corner {
-        let (column, share_x, in_x) = place(along, self.columns);
-        let (row, share_y, in_y) = place(across, self.rows);
+        let at = [along, across];
+        let last = [self.columns, self.rows].map(|count| f64::from(count as i32 - 1));
+        let inside = at[0] >= 0.0 && at[0] <= last[0] && at[1] >= 0.0 && at[1] <= last[1];
+        let at: [f64; 2] = std::array::from_fn(|i| at[i].max(0.0).min(last[i]));
+        // rounded to even: on a node it is this one or the one before, with the share 1
+        let below: [f64; 2] =
+            std::array::from_fn(|i| ((at[i] - 0.5) + WHOLE).min(last[i] - 1.0 + WHOLE));
+        let [column, row] = below.map(|below| below.to_bits() as u32 as usize);
         Corner {
             index: row * self.columns + column,
             columns: self.columns,
-            share: (share_x, share_y),
-            inside: in_x && in_y,
+            share: (at[0] - (below[0] - WHOLE), at[1] - (below[1] - WHOLE)),
+            inside,
         }
     }
 
@@ -299,24 +337,6 @@ impl HeightMap {
         );
         rows.flat_map(move |row| across.clone().map(move |column| row * columns + column))
     }
-}
-
-/// The node below `at` (in cells), the share towards the next, and whether it lies on the map. NaN counts as 0.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    clippy::cast_sign_loss,
-    reason = "clamped to the map, which has at most 1e5 nodes a side"
-)]
-#[inline]
-fn place(at: f64, count: usize) -> (usize, f64, bool) {
-    // conversions from and to i32 are one instruction each
-    let count = count as i32;
-    let last = f64::from(count - 1);
-    let inside = at >= 0.0 && at <= last;
-    let at = at.max(0.0).min(last);
-    let below = (at as i32).min(count - 2);
-    (below as usize, at - f64::from(below), inside)
 }
 
 #[allow(
@@ -372,6 +392,34 @@ mod tests {
         assert!((surface.slope[0] - 0.25).abs() < 1e-6 && (surface.slope[1] + 0.5).abs() < 1e-6);
         assert!(map.known(0.61, -0.13) && !map.known(-0.1, 0.0));
         assert_eq!(map.extent(), ((0.0, -0.5), (2.0, 0.5)));
+    }
+
+    #[test]
+    fn nodes_have_their_heights_and_the_edge_goes_on() {
+        let heights: Vec<f32> = (0..15_u8).map(|i| 0.37 * f32::from(i * i)).collect();
+        let map = HeightMap::new((-1.0, 2.0), 0.5, 5, heights.clone()).unwrap();
+        for (index, height) in heights.iter().enumerate() {
+            let (x, y) = map.centre_of(index);
+            assert_eq!(map.height(x, y), f64::from(*height), "{index}");
+            assert!(map.known(x, y));
+            for (d_x, d_y) in [(1e-9, 0.0), (-1e-9, 0.0), (0.0, 1e-9), (0.0, -1e-9)] {
+                let off = (map.height(x + d_x, y + d_y) - f64::from(*height)).abs();
+                assert!(off < 1e-6, "{index}");
+            }
+        }
+        // between nodes, beyond the edges, and nowhere
+        let between = |from: usize, to: usize, share: f64| {
+            f64::from(heights[from]) + share * f64::from(heights[to] - heights[from])
+        };
+        for share in [0.2, 0.8] {
+            let (x, y) = (-0.5 + 0.5 * share, 2.0 + 0.5 * share);
+            assert!((map.height(x, 2.5) - between(6, 7, share)).abs() < 1e-6);
+            assert!((map.height(0.0, y) - between(2, 7, share)).abs() < 1e-6);
+        }
+        for ((x, y), index) in [((-9.0, -9.0), 0), ((9.0, 9.0), 14), ((f64::NAN, 9.0), 10)] {
+            assert_eq!(map.height(x, y), f64::from(heights[index]));
+            assert!(!map.known(x, y));
+        }
     }
 
     #[test]

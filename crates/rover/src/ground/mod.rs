@@ -271,15 +271,16 @@ impl Ground {
             .map(|law| Passes::new(law, self.map.cells()));
         if packing.scatter > 0.0 {
             let noise = shape::Lattice::new(seed);
-            self.scatter = (0..self.map.cells())
-                .map(|index| {
-                    let (x, y) = self.map.centre_of(index);
-                    let value = noise.normal(x / length, y / length);
+            self.scatter = Vec::with_capacity(self.map.cells());
+            let (rows, columns) = self.map.lines();
+            for y in rows {
+                let mut line = noise.along(y / length);
+                self.scatter.extend(columns.clone().map(|x| {
                     #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
-                    let factor = Real::exp(packing.scatter * value) as f32;
+                    let factor = Real::exp(packing.scatter * line.normal(x / length)) as f32;
                     factor
-                })
-                .collect();
+                }));
+            }
         }
         Ok(())
     }

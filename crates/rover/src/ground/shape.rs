@@ -88,58 +88,113 @@ impl Lattice {
 
     /// Smooth noise of mean 0 and standard deviation about 1 at (x, y) in units of the lattice.
     pub(crate) fn normal(self, x: f64, y: f64) -> f64 {
-        let (column, row) = (x.floor(), y.floor());
-        let ease = |t: f64| t * t * t * (t * (6.0 * t - 15.0) + 10.0);
-        let (u, v) = (ease(x - column), ease(y - row));
-        #[allow(clippy::cast_possible_truncation, reason = "maps end at 1e8 cells")]
-        let (column, row) = (column as i64, row as i64);
-        let at = |i: i64, j: i64| self.node(column + i, row + j);
-        let low = at(0, 0) + u * (at(1, 0) - at(0, 0));
-        let high = at(0, 1) + u * (at(1, 1) - at(0, 1));
-        // a node's variance is 1/12; between the nodes it falls to (181/231)² = 0.614 of that on average
-        (low + v * (high - low) - 0.5) * 4.42
+        self.along(y).normal(x)
     }
+
+    /// The noise along x at one `y`.
+    pub(crate) fn along(self, y: f64) -> LatticeLine {
+        let row = y.floor();
+        #[allow(clippy::cast_possible_truncation, reason = "maps end at 1e8 cells")]
+        LatticeLine {
+            lattice: self,
+            row: row as i64,
+            share: ease(y - row),
+            column: f64::NAN,
+            nodes: [[0.0; 2]; 2],
+        }
+    }
+}
+
+/// The noise of a [`Lattice`] along a line: nodes serve until the line leaves them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LatticeLine {
+    lattice: Lattice,
+    row: i64,
+    /// Of the row above.
+    share: f64,
+    column: f64,
+    /// Those of the column and of the next, in this row and in the one above.
+    nodes: [[f64; 2]; 2],
+}
+
+impl LatticeLine {
+    /// [`Lattice::normal`] at `x`.
+    pub(crate) fn normal(&mut self, x: f64) -> f64 {
+        let column = x.floor();
+        if column != self.column {
+            self.column = column;
+            #[allow(clippy::cast_possible_truncation, reason = "maps end at 1e8 cells")]
+            let column = column as i64;
+            let node = |i: i64, j: i64| self.lattice.node(column + i, self.row + j);
+            self.nodes = [[node(0, 0), node(1, 0)], [node(0, 1), node(1, 1)]];
+        }
+        let u = ease(x - column);
+        let [low, high] = self.nodes.map(|[left, right]| left + u * (right - left));
+        // a node's variance is 1/12; between the nodes it falls to (181/231)² = 0.614 of that on average
+        (low + self.share * (high - low) - 0.5) * 4.42
+    }
+}
+
+/// From 0 to 1 without a bend at either end.
+fn ease(t: f64) -> f64 {
+    t * t * t * (t * (6.0 * t - 15.0) + 10.0)
 }
 
 impl Shape {
     /// Height at (x, y), m.
     #[must_use]
     pub fn height(&self, seed: u64, x: f64, y: f64) -> f64 {
+        self.along(seed, y)(x)
+    }
+
+    /// The heights along x at one `y`: what only depends on that is computed once.
+    pub(crate) fn along(self, seed: u64, y: f64) -> Box<dyn FnMut(f64) -> f64> {
         let lattice = Lattice::new(seed);
-        match *self {
-            Self::Flat => 0.0,
-            Self::Slope { angle, from } => Real::tan(angle) * (x - from).max(0.0),
+        match self {
+            Self::Flat => Box::new(|_| 0.0),
+            Self::Slope { angle, from } => {
+                let rise = Real::tan(angle);
+                Box::new(move |x| rise * (x - from).max(0.0))
+            }
             Self::Dunes { height, length } => {
                 let wander = 0.25 * length * lattice.normal(y / (2.0 * length), 0.5);
-                let phase = (x + wander) / length;
-                let ridge = phase.floor();
-                // the crest stands at 0.7 of the way: gentle before, steep behind
-                let t = phase - ridge;
-                let rise = if t < 0.7 { t / 0.7 } else { (1.0 - t) / 0.3 };
-                let smooth = rise * rise * (3.0 - 2.0 * rise);
-                let uneven = 1.0
-                    + 0.2
-                        * lattice
-                            .normal(ridge + 0.5, y / (3.0 * length))
-                            .clamp(-2.0, 2.0);
-                // dunes begin after a level stretch
-                let begin = (x / length).clamp(0.0, 1.0);
-                height * uneven * smooth * begin * begin * (3.0 - 2.0 * begin)
+                let (mut ridge, mut uneven) = (f64::NAN, 0.0);
+                Box::new(move |x| {
+                    let phase = (x + wander) / length;
+                    if phase.floor() != ridge {
+                        ridge = phase.floor();
+                        let z = lattice.normal(ridge + 0.5, y / (3.0 * length));
+                        uneven = 1.0 + 0.2 * z.clamp(-2.0, 2.0);
+                    }
+                    // the crest stands at 0.7 of the way: gentle before, steep behind
+                    let t = phase - ridge;
+                    let rise = if t < 0.7 { t / 0.7 } else { (1.0 - t) / 0.3 };
+                    let smooth = rise * rise * (3.0 - 2.0 * rise);
+                    // dunes begin after a level stretch
+                    let begin = (x / length).clamp(0.0, 1.0);
+                    height * uneven * smooth * begin * begin * (3.0 - 2.0 * begin)
+                })
             }
-            Self::Craters(craters) => craters.height(seed, x, y),
+            Self::Craters(craters) => Box::new(move |x| craters.height(seed, x, y)),
             Self::Fractal {
                 height,
                 length,
                 roughness,
             } => {
-                let (mut sum, mut high, mut long) = (0.0, height, length);
-                for octave in 0..6 {
+                let (mut high, mut long) = (height, length);
+                let mut octaves = [0, 1, 2, 3, 4, 5].map(|octave| {
                     let lattice = Lattice::new(seed.wrapping_add(octave));
-                    sum += high * lattice.normal(x / long, y / long);
+                    let line = (high, long, lattice.along(y / long));
                     high *= roughness;
                     long *= 0.5;
-                }
-                sum
+                    line
+                });
+                Box::new(move |x| {
+                    let heights = octaves.iter_mut();
+                    heights.fold(0.0, |sum, (high, long, line)| {
+                        sum + *high * line.normal(x / *long)
+                    })
+                })
             }
         }
     }
@@ -205,6 +260,35 @@ mod tests {
         assert!((sum / count).abs() < 0.03, "{}", sum / count);
         assert!((square / count - 1.0).abs() < 0.1, "{}", square / count);
         assert_ne!(lattice.normal(0.3, 0.2), Lattice::new(6).normal(0.3, 0.2));
+    }
+
+    #[test]
+    fn heights_along_a_line_are_those_of_its_points() {
+        let (height, length) = (0.6, 1.7);
+        let shapes = [
+            Shape::Slope {
+                angle: 0.2,
+                from: 1.0,
+            },
+            Shape::Dunes { height, length },
+            Shape::Fractal {
+                height,
+                length,
+                roughness: 0.5,
+            },
+        ];
+        for shape in shapes {
+            let mut line = shape.along(3, -0.83);
+            // forwards over many nodes, and back and forth
+            let mut different = 0;
+            for step in 0..900_i32 {
+                let x = 0.031 * f64::from(step - 300 * (step / 400) * (step % 3));
+                let alone = shape.height(3, x, -0.83);
+                assert_eq!(line(x).to_bits(), alone.to_bits(), "{shape:?} {x}");
+                different += i32::from(alone != shape.height(3, x, 2.4));
+            }
+            assert!(matches!(shape, Shape::Slope { .. }) || different > 500);
+        }
     }
 
     #[test]

@@ -318,8 +318,10 @@ fn send(under_way: &mut VecDeque<(f64, Sample)>, due: f64, sample: Sample) {
     if under_way.len() >= MAX_UNDER_WAY {
         return;
     }
-    let later = under_way.iter().rev().take_while(|(d, _)| *d > due).count();
-    under_way.insert(under_way.len() - later, (due, sample));
+    match under_way.iter().rev().take_while(|(d, _)| *d > due).count() {
+        0 => under_way.push_back((due, sample)),
+        later => under_way.insert(under_way.len() - later, (due, sample)),
+    }
 }
 
 #[allow(
