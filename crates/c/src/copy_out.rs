@@ -34,7 +34,7 @@ pub unsafe extern "C" fn grouser_wheel(
         let index = wheel as usize;
         let output = object.on_board.estimate();
         let estimate = output.wheels.get(index).ok_or(GROUSER_ERROR_WHEEL)?;
-        let side_slip_angle = output.side_slip_angles.get(index).copied().flatten();
+        let side_slip_angle = output.side_slip_angle(index);
         let motion = object.on_board.detector().motion(index, estimate.motion);
         let mut known = 0;
         let mut number = |bit: u32, value: Option<f64>| {

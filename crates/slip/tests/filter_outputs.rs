@@ -166,13 +166,14 @@ fn side_slip_angles_are_those_of_the_motion() {
             let known = filter.latest();
             if time < 1.0 {
                 // at rest there is none
-                assert!(known.side_slip_angles.iter().all(Option::is_none));
+                assert!((0..known.wheels.len()).all(|i| known.side_slip_angle(i).is_none()));
             }
             if time < 4.0 {
                 return;
             }
-            for (wheel, angle) in known.side_slip_angles.iter().enumerate() {
-                let angle = angle.unwrap();
+            assert!(known.side_slip_angle(known.wheels.len()).is_none());
+            for wheel in 0..known.wheels.len() {
+                let angle = known.side_slip_angle(wheel).unwrap();
                 let off = angle.value - run.side_slip(wheel);
                 squares += off * off;
                 scaled += off * off / angle.variance;

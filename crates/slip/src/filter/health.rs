@@ -58,14 +58,13 @@ impl Core {
                 last_good_age: last_good_ns.map(|then| seconds_between(then, now_ns)),
                 ..estimate
             };
-            self.output.side_slip_angles[index] = self.side_slip_angle(index);
         }
     }
 
     /// β = atan2(across, along) of the wheel's centre over the ground; `None` where the robot is too slow for one, or it is
     /// not known.
-    fn side_slip_angle(&self, index: usize) -> Option<Measured> {
-        let wheel = &self.wheels.channels[index];
+    pub(super) fn side_slip_angle(&self, index: usize) -> Option<Measured> {
+        let wheel = self.wheels.channels.get(index)?;
         let (ahead, sideways) = (wheel.row, wheel.steering.across());
         let speed = self.state.mean_of(&along(ahead));
         let drift = self.state.mean_of(&along(sideways));

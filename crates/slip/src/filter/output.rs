@@ -91,9 +91,6 @@ pub struct FilterOutput<'a> {
     pub time_slip: f64,
     /// Each wheel, in the robot's order.
     pub wheels: &'a [WheelEstimate],
-    /// Each wheel's side slip angle β = atan2(v_across, v_along) of its centre over the ground, rad, positive to the left of
-    /// its heading; `None` below `low_speed`, and where it is not known to half a radian.
-    pub side_slip_angles: &'a [Option<Measured>],
     /// The checks of each wheel's sensor and description.
     pub checks: &'a [WheelCheck],
     /// The robot as a whole.
@@ -110,13 +107,22 @@ pub struct FilterOutput<'a> {
     pub reference_readings: u64,
     /// Those of them that were refused: outliers, or contradicted by the other sensors.
     pub reference_refused: u64,
+    pub(super) core: &'a Core,
+}
+
+impl FilterOutput<'_> {
+    /// A wheel's side slip angle β = atan2(v_across, v_along) of its centre over the ground, rad, positive to the left of its
+    /// heading; `None` below `low_speed`, where it is not known to half a radian, and for a wheel that the robot does not have.
+    #[must_use]
+    pub fn side_slip_angle(&self, wheel: usize) -> Option<Measured> {
+        self.core.side_slip_angle(wheel)
+    }
 }
 
 /// What the filter keeps for its output.
 #[derive(Clone, Debug)]
 pub(super) struct Outputs {
     pub(super) estimates: Box<[WheelEstimate]>,
-    pub(super) side_slip_angles: Box<[Option<Measured>]>,
     pub(super) checks: Box<[WheelCheck]>,
     pub(super) checked_ns: Option<i64>,
     /// Travel forwards by the state, and by the wheels without compensation of slip, m.
@@ -131,7 +137,6 @@ impl Outputs {
     pub(super) fn new(wheels: usize) -> Self {
         Self {
             estimates: vec![WheelEstimate::NOTHING; wheels].into_boxed_slice(),
-            side_slip_angles: vec![None; wheels].into_boxed_slice(),
             checks: vec![WheelCheck::default(); wheels].into_boxed_slice(),
             checked_ns: None,
             distance: 0.0,
@@ -159,7 +164,6 @@ impl Core {
                 _ => 0.0,
             },
             wheels: &self.output.estimates,
-            side_slip_angles: &self.output.side_slip_angles,
             checks: &self.output.checks,
             body: BodyEstimate {
                 forward: known(FORWARD),
@@ -186,6 +190,7 @@ impl Core {
             reference_age: self
                 .speed_known_ns
                 .map(|then| seconds_between(then, time_ns)),
+            core: self,
         }
     }
 }

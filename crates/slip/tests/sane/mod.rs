@@ -19,7 +19,7 @@ pub(crate) fn is_sane(filter: &SlipFilter) -> Result<(), TestCaseError> {
             prop_assert!(wheel.slip.is_none() || wheel.sigma.is_some());
         }
     }
-    for angle in known.side_slip_angles.iter().flatten() {
+    for angle in (0..known.wheels.len()).filter_map(|i| known.side_slip_angle(i)) {
         prop_assert!(angle.value.is_finite() && angle.variance >= 0.0);
     }
     let body = known.body;
