@@ -19,7 +19,7 @@ const WHEELS: usize = 16;
 pub fn suggest_for_survey(survey: &Survey) -> String {
     let of = |wanted: Use| {
         let mut topics = survey.topics.iter();
-        topics.find(move |topic| topic.messages > 0 && topic.use_for == Some(wanted))
+        topics.find(move |topic| topic.use_for == Some(wanted))
     };
     let mut topics = String::new();
     let name = |topic: &Topic| TomlText::quoted(&topic.channel.topic);
@@ -192,9 +192,7 @@ fn wheel_joints(joints: &[String]) -> Vec<(String, Option<String>)> {
     };
     let names: Vec<String> = wheels.iter().map(name).collect();
     // A short name that is another joint's, or another's short name, would be two wheels of one name.
-    let unique = |own: &String| {
-        names.iter().filter(|other| *other == own).count() == 1 && !wheels.contains(&own)
-    };
+    let unique = |own: &String| names.iter().filter(|other| *other == own).count() == 1;
     wheels
         .iter()
         .zip(&names)

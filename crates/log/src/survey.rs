@@ -239,7 +239,7 @@ impl Survey {
     pub fn has(&self, wanted: Use) -> bool {
         self.topics
             .iter()
-            .any(|topic| topic.messages > 0 && topic.use_for == Some(wanted))
+            .any(|topic| topic.use_for == Some(wanted))
     }
 }
 

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use grouser_files::{Document, Error, robot};
-use grouser_log::message::build;
+use grouser_log::message::{Value, build};
 use grouser_log::write::McapWriter;
 use grouser_log::{Log, Sheet, Survey, suggest_for_sheets, suggest_for_survey};
 use proptest::prelude::*;
@@ -91,4 +91,258 @@ proptest! {
             }
         }
     }
+}
+
+/// What is proposed for messages (topic, type, fields).
+fn for_messages(messages: &[(&str, &str, Value)]) -> String {
+    let mut writer = McapWriter::new(Vec::new(), "ros2").unwrap();
+    for (name, type_name, value) in messages {
+        let mut topic = writer.topic(name, type_name).unwrap();
+        writer.send(&mut topic, 5, value).unwrap();
+    }
+    let folder = folder();
+    let path = folder.file("log.mcap", &writer.finish().unwrap());
+    let text = suggest_for_survey(&Survey::read(&path, |_| ()).unwrap());
+    read(&text).unwrap();
+    text
+}
+
+fn for_joints(joints: &[&str]) -> String {
+    let header = build::header(5, "");
+    let angles = vec![0.5; joints.len()];
+    let value = build::joint_state(header, joints, [&angles, &[], &[]]);
+    for_messages(&[("/joint_states", "sensor_msgs/JointState", value)])
+}
+
+/// What is proposed for a table.
+fn for_table(name: &str, text: &str) -> String {
+    let folder = folder();
+    let path = folder.file("log.csv", text.as_bytes());
+    let sheet = Sheet::read(&path, |_| ()).unwrap();
+    let text = suggest_for_sheets([(&sheet, name)]);
+    read(&text).unwrap();
+    text
+}
+
+/// The values of a key in the order in which they stand.
+fn values<'a>(text: &'a str, key: &str) -> Vec<&'a str> {
+    let start = format!("{key} = ");
+    let entries = text.lines().filter_map(|line| line.strip_prefix(&start));
+    entries
+        .map(|rest| rest.split('#').next().unwrap().trim())
+        .collect()
+}
+
+const HEAD: &str = "# Proposed by `grouser log info --suggest-robot`: replace \"measure\" by numbers and check the others.\n\
+    format = 1\nname = \"robot\"\n\n[estimator]\nwindow_s = 0.5\n";
+const REFERENCE: &str = "# reference = \"speed\"  # or pose, displacement, free-wheel: nothing that surely measures the ground was \
+    found, so slip counts from the wheel that grips best\n";
+
+/// The lines of a wheel; `joint` and `counter` are further ones.
+fn wheel([name, joint, x, y, drive, counter]: [&str; 6]) -> String {
+    format!(
+        "\n[[wheel]]\nname = \"{name}\"\n{joint}x_m = {x:<16} # forwards of the robot's origin: measure\n\
+         y_m = {y:<16} # to the left of it: measure\nradius_m = \"measure\"   # on which it rolls\ndrive = \"{drive}\"\n{counter}"
+    )
+}
+
+#[test]
+fn the_whole_file_for_topics() {
+    let header = || build::header(5, "");
+    let twist = build::twist([0.0; 3], [0.0; 3]);
+    let covariance = || build::numbers(&[0.0; 36]);
+    let pose = build::message([
+        ("pose", build::pose(0.0, 0.0, 0.0)),
+        ("covariance", covariance()),
+    ]);
+    let motion = build::message([("twist", twist.clone()), ("covariance", covariance())]);
+    let odometry = build::message([
+        ("header", header()),
+        ("child_frame_id", Value::Text("base".into())),
+        ("pose", pose),
+        ("twist", motion),
+    ]);
+    let placed = build::message([("header", header()), ("pose", build::pose(0.0, 0.0, 0.0))]);
+    let names = ["left_wheel_joint", "right_wheel_joint"];
+    let all = [
+        ("/odom", "nav_msgs/Odometry", odometry),
+        ("/pose", "geometry_msgs/PoseStamped", placed),
+        (
+            "/wheel_ticks",
+            "grouser_msgs/WheelTicks",
+            build::wheel_ticks(header(), &names, &[1, 2]),
+        ),
+        (
+            "/imu",
+            "sensor_msgs/Imu",
+            build::planar_imu(header(), Some(0.1), None),
+        ),
+        ("/cmd_vel", "geometry_msgs/Twist", twist),
+    ];
+    let suspect = |name: &str| {
+        format!(
+            "# pose = \"{name}\"  # if it measures the ground (camera, GNSS, lidar); not if it was made of the wheels\n"
+        )
+    };
+    let counter = "ticks_per_turn = \"measure\" # of the wheel: look it up\n\
+                   counter_bits = 64      # look it up, or wheels whose counter wraps jump\n";
+    let expected = [
+        HEAD,
+        REFERENCE,
+        "\n[topics]\nwheels = \"/wheel_ticks\"\nyaw_rate = \"/imu\"\ncommand = \"/cmd_vel\"\n",
+        &suspect("/odom"),
+        &suspect("/pose"),
+        &wheel([
+            "left",
+            "joint = \"left_wheel_joint\"\n",
+            "0.0",
+            "0.2",
+            "powered",
+            counter,
+        ]),
+        &wheel([
+            "right",
+            "joint = \"right_wheel_joint\"\n",
+            "0.0",
+            "-0.2",
+            "powered",
+            counter,
+        ]),
+    ];
+    assert_eq!(for_messages(&all), expected.concat());
+    // without joints the odometry stands for the wheels
+    let expected = [
+        HEAD,
+        REFERENCE,
+        "\n[topics]\nwheel_odometry = \"/odom\"\nwheel_odometry_track_m = 0.4  # the distance of left and right wheels in \
+         the driver that made it: look it up\n",
+        &suspect("/pose"),
+        &wheel(["left", "", "0.0", "0.2", "powered", ""]),
+        &wheel(["right", "", "0.0", "-0.2", "powered", ""]),
+    ];
+    assert_eq!(for_messages(&all[..2]), expected.concat());
+}
+
+#[test]
+fn the_whole_file_for_a_table() {
+    let text = "a title\nt;front_left_ticks;caster_wheel_angle_deg;yaw_rate\n0,0;65530;0,5;0,1\n0,1;2;0,6;0,1\n";
+    let counter = "ticks_per_turn = \"measure\" # of the wheel: look it up\n\
+                   counter_bits = 16      # the counters wrap in this log\n";
+    let expected = [
+        HEAD,
+        &wheel(["front_left", "", "0.2", "0.2", "powered", counter]),
+        &wheel(["caster", "", "-0.2", "0.0", "free", counter]),
+        "\n[[table]]\nfile = \"run*.csv\"\nseparator = \";\"\ndecimal = \",\"\nheader_lines = 2\nnames_line = 2\n\
+         time = { column = \"t\", unit = \"s\" }\ncolumns = [\n",
+        "    { column = \"front_left_ticks\", meaning = \"wheel_count\", wheel = \"front_left\", unit = \"tick\" },\n",
+        "    { column = \"caster_wheel_angle_deg\", meaning = \"wheel_angle\", wheel = \"caster\", unit = \"deg\" },\n",
+        "    { column = \"yaw_rate\", meaning = \"yaw_rate\", unit = \"rad/s\" },\n]\n",
+    ];
+    assert_eq!(for_table("run*.csv", text), expected.concat());
+    // what is usual is not said; counters that do not wrap are asked for
+    let text = for_table("a", "t\tleft_ticks\n0\t1\n1\t2\n");
+    assert_eq!(values(&text, "separator"), ["\"tab\""]);
+    assert_eq!(values(&text, "counter_bits"), ["64"]);
+    assert!(!text.contains("decimal") && !text.contains("header_lines"));
+    let text = for_table("a", "t,left_angle\n0,1\n1,2\n");
+    assert!(!text.contains("separator") && !text.contains("counter_bits"));
+    assert!(text.contains(REFERENCE));
+    // a pose measures the ground
+    let text = for_table(
+        "a",
+        "t,left_angle,odom_x,odom_y,odom_yaw\n0,1,2,3,4\n1,2,3,4,5\n",
+    );
+    assert!(!text.contains("reference"));
+    // names on the first of two lines
+    let text = for_table("a", "t,left_angle,right_angle\ns,rad,rad\n0,1,2\n1,2,3\n");
+    assert_eq!(
+        [values(&text, "header_lines"), values(&text, "names_line")],
+        [["2"], ["1"]]
+    );
+    // nothing was recognised
+    let text = for_table("a", "who,what\nx,1\ny,2\n");
+    let pattern = "\n# [[table]]\n# file = \"a\"\n# time = { column = \"time\", unit = \"s\" }  # not found: name it\n\
+                   # columns = [\n# ]\n";
+    assert!(text.ends_with(pattern), "{text}");
+}
+
+#[test]
+fn several_tables_are_one_robot() {
+    let folder = folder();
+    let sheet =
+        |name: &str, text: &str| Sheet::read(&folder.file(name, text.as_bytes()), |_| ()).unwrap();
+    let first = sheet("a", "t,left_ticks,right_ticks\n0,250,0\n1,3,1\n");
+    let second = sheet("b", "t,left_angle,dx,dy\n0,1,2,3\n1,1,2,3\n");
+    let text = suggest_for_sheets([(&first, "a"), (&second, "b")]);
+    assert_eq!(
+        values(&text, "name"),
+        ["\"robot\"", "\"left\"", "\"right\""]
+    );
+    assert_eq!(values(&text, "file"), ["\"a\"", "\"b\""]);
+    assert_eq!(values(&text, "counter_bits"), ["8", "8"]);
+    assert!(!text.contains("reference") && text.contains("]\n\n[[table]]\nfile = \"b\""));
+}
+
+#[test]
+fn wheels_are_placed_by_their_names() {
+    let placed = |joints: &[&str]| {
+        let text = for_joints(joints);
+        let [x, y] = ["x_m", "y_m"].map(|key| values(&text, key).join(" "));
+        (values(&text, "name")[1..].join(" "), x, y)
+    };
+    let of = |names: &str, x: &str, y: &str| (names.to_owned(), x.to_owned(), y.to_owned());
+    for (joints, expected) in [
+        (
+            &[
+                "front_left_wheel",
+                "front_right_wheel",
+                "rear_left_wheel",
+                "rear_right_wheel",
+            ][..],
+            of(
+                "\"front_left\" \"front_right\" \"rear_left\" \"rear_right\"",
+                "0.2 0.2 -0.2 -0.2",
+                "0.2 -0.2 0.2 -0.2",
+            ),
+        ),
+        (
+            &["bl", "br", "fl", "fr"],
+            of(
+                "\"bl\" \"br\" \"fl\" \"fr\"",
+                "-0.2 -0.2 0.2 0.2",
+                "0.2 -0.2 0.2 -0.2",
+            ),
+        ),
+        (
+            &["a", "b", "caster"],
+            of("\"a\" \"b\" \"caster\"", "0.0 0.0 -0.2", "0.2 -0.2 0.0"),
+        ),
+        (
+            &["middle_l", "middle_r"],
+            of("\"middle_l\" \"middle_r\"", "0.0 0.0", "0.2 -0.2"),
+        ),
+        // those that say so are wheels; each once, in order
+        (
+            &["left_wheel", "arm", "", "left_wheel"],
+            of("\"left\"", "0.0", "0.2"),
+        ),
+        (&["wheel_joint"], of("\"wheel_joint\"", "0.0", "0.2")),
+        // two of one short name
+        (
+            &["b_joint", "b_link"],
+            of("\"b_joint\" \"b_link\"", "0.0 0.0", "0.2 -0.2"),
+        ),
+    ] {
+        assert_eq!(placed(joints), expected);
+    }
+    let many: Vec<String> = (10..30).map(|number| format!("m{number}")).collect();
+    let many: Vec<&str> = many.iter().map(String::as_str).collect();
+    assert_eq!(values(&for_joints(&many), "x_m").len(), 16);
+    // a joint of the wheel's name is not repeated
+    assert!(!for_joints(&["left"]).contains("joint ="));
+    assert!(!for_joints(&["left", "free"]).contains("reference"));
+    assert_eq!(
+        values(&for_joints(&["left", "free"]), "drive"),
+        ["\"free\"", "\"powered\""]
+    );
 }

@@ -5,8 +5,7 @@ use std::io;
 use super::scan::Scan;
 use super::unpack::Packing;
 use super::{
-    CHUNK_LIMIT, Channel, Chunk, Container, DECLARED_LIMIT, Encoding, Fields, Found, SWALLOWED,
-    name_of, room_for,
+    CHUNK_LIMIT, Channel, Chunk, Container, Encoding, Fields, Found, SWALLOWED, name_of, room_for,
 };
 
 pub(super) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
@@ -56,7 +55,8 @@ impl Container {
         while self.scan.is_growing() {
             self.scan.wait(4)?;
             let length = u64::from(Fields(self.scan.peek(4)?).u32().unwrap_or(0));
-            if length > HEADER_LIMIT || self.scan.stands(&MAGIC[..4])? {
+            // no record, or another bag: its magic bytes are a great number
+            if length > HEADER_LIMIT {
                 return Ok(());
             }
             self.scan.wait(length + 8)?;
@@ -98,7 +98,7 @@ impl Container {
             self.bag_end(offset);
             return Ok(None);
         }
-        if offset > 0 && self.scan.stands(MAGIC)? {
+        if self.scan.stands(MAGIC)? {
             // A second bag behind the first.
             self.bag_end(offset);
             self.begin_file(offset);
@@ -406,13 +406,11 @@ pub(super) fn record(
     let mut length = Vec::new();
     for part in [header, data] {
         scan.read(4, &mut length)?;
-        match Fields(&length).u32().map(u64::from) {
-            Some(length) if length <= DECLARED_LIMIT as u64 => {
-                if !scan.read(length, part)? {
-                    return Ok(false);
-                }
-            }
-            _ => return Ok(false),
+        let Some(length) = Fields(&length).u32() else {
+            return Ok(false);
+        };
+        if !scan.read(length.into(), part)? {
+            return Ok(false);
         }
     }
     Ok(true)
@@ -446,4 +444,43 @@ fn is_chunk(bytes: &[u8], left: u64) -> bool {
         )
     })();
     check == Some(true)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{HEADER_LIMIT, is_chunk, is_record};
+
+    #[test]
+    fn a_record_begins_with_a_field_that_has_a_name() {
+        let begins = |length: u32, first: &[u8]| {
+            let count = u32::try_from(first.len()).unwrap().to_le_bytes();
+            is_record(&[&length.to_le_bytes(), &count[..], first].concat())
+        };
+        let limit = u32::try_from(HEADER_LIMIT).unwrap();
+        assert!(begins(10, b"op=\x02") && begins(limit, b"op=\x02") && begins(5, b"op=\x02"));
+        assert!(!begins(limit + 1, b"op=\x02"));
+        assert!(!begins(4, b"op=\x02") && !begins(3, b"op=\x02"));
+        assert!(!begins(10, b"op:\x02") && !begins(10, b""));
+        assert!(!is_record(&[10, 0, 0, 0, 40, 0, 0, 0, b'=']) && !is_record(b""));
+    }
+    #[test]
+    fn a_chunk_has_its_packing_its_size_and_room() {
+        let begins = |fields: &[&[u8]], data: u32, left: u64| {
+            let mut header = Vec::new();
+            for field in fields {
+                header.extend(u32::try_from(field.len()).unwrap().to_le_bytes());
+                header.extend(*field);
+            }
+            let length = u32::try_from(header.len()).unwrap().to_le_bytes();
+            is_chunk(&[&length[..], &header, &data.to_le_bytes()].concat(), left)
+        };
+        let (op, packing, size) = (&b"op=\x05"[..], &b"compression=lz4"[..], &b"size=1234"[..]);
+        assert!(begins(&[op, packing, size], 99, 100));
+        assert!(!begins(&[op, packing, size], 100, 100));
+        assert!(!begins(&[b"op=\x04", packing, size], 99, 100));
+        assert!(!begins(&[op, b"compression=zip", size], 99, 100));
+        assert!(!begins(&[op, packing, b"size=123"], 99, 100));
+        assert!(!begins(&[op, packing, size, &[b'='; 60]], 99, 200));
+        assert!(!begins(&[op], 99, 100));
+    }
 }

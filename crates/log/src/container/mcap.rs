@@ -343,7 +343,7 @@ impl Container {
         // A writer that was ended within the chunk, and one that began behind it.
         if wrong.is_some()
             && !truncated
-            && let Some(begin) = self.scan.beside(offset + 1).find(
+            && let Some(begin) = self.scan.beside(offset).find(
                 offset + 1..offset + HEAD + length,
                 64,
                 is_chunk_or_file,
@@ -386,14 +386,11 @@ impl Container {
         let rest = self.chunk.content.get(self.chunk.at..)?;
         let mut fields = Fields(rest);
         let head = (|| Some((*fields.bytes(1)?.first()?, fields.u64()?)))();
-        let Some((opcode, length)) = head else {
+        let whole = head.filter(|(_, length)| *length <= fields.0.len() as u64);
+        let Some((opcode, length)) = whole else {
             self.lose_chunk("a record reaches past the end of its chunk");
             return None;
         };
-        if length > fields.0.len() as u64 {
-            self.lose_chunk("a record reaches past the end of its chunk");
-            return None;
-        }
         let length = usize::try_from(length).unwrap_or(0);
         let start = self.chunk.at + 9;
         self.chunk.at = start + length;

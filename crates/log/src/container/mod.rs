@@ -34,13 +34,8 @@ pub(crate) const DECLARED_LIMIT: usize = 4 << 20;
 /// must not unfold far. Beside it stand the packed chunk and what a message is decoded to, and all is to
 /// stay below 64 MiB and twice the file.
 #[must_use]
-pub const fn unpacked_limit(file_bytes: u64) -> u64 {
-    let limit = (32 << 20) + file_bytes / 2;
-    if limit < CHUNK_LIMIT {
-        limit
-    } else {
-        CHUNK_LIMIT
-    }
+pub fn unpacked_limit(file_bytes: u64) -> u64 {
+    ((32 << 20) + file_bytes / 2).min(CHUNK_LIMIT)
 }
 
 /// How many bytes chunks may unfold to in all for each byte of the file read so far, beyond the first

@@ -79,7 +79,77 @@ const fn days(year: i64, month: i64, date: i64) -> i64 {
 
 #[cfg(test)]
 mod tests {
-    use super::nanoseconds;
+    use super::{days, nanoseconds};
+
+    /// What every day of seven centuries is by counting them.
+    #[test]
+    fn days_are_counted_by_the_calendar() {
+        let is_leap = |year: i64| year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+        let mut day = days(1970, 1, 1);
+        assert_eq!(day, 0);
+        for year in (1970..2420).chain(1600..1970) {
+            if year == 1600 {
+                // 370 years with 90 leap years
+                day = -(370 * 365 + 90);
+            }
+            let february = if is_leap(year) { 29 } else { 28 };
+            let lengths = [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+            for (month, length) in (1..).zip(lengths) {
+                for date in 1..=length {
+                    assert_eq!(days(year, month, date), day, "{year}-{month}-{date}");
+                    day += 1;
+                }
+            }
+        }
+        assert_eq!(day, 0);
+    }
+
+    #[test]
+    fn zones_fractions_and_limits() {
+        for (text, expected_ms) in [
+            ("1970-01-02t01:02:03z", 90_123_000),
+            ("1970-01-02 01:02:03", 90_123_000),
+            ("1970-01-02T01:02", 90_120_000),
+            ("1970-01-02T01:02Z", 90_120_000),
+            ("1970-01-02T01:02:03+05:30", 70_323_000),
+            ("1970-01-02T01:02:03+0530", 70_323_000),
+            ("1970-01-02T01:02:03-08", 118_923_000),
+            ("1970-01-02T01:02:03.25", 90_123_250),
+            ("1970-01-02T01:02:03,25-01:00", 93_723_250),
+            ("1970-01-01T23:59:60Z", 86_400_000),
+            ("1970-12-31T00:00:00Z", 31_449_600_000),
+        ] {
+            assert_eq!(nanoseconds(text), Some(expected_ms * 1_000_000), "{text}");
+        }
+        // what is below a nanosecond is left out
+        let long = nanoseconds("1970-01-01T00:00:01.1234567899");
+        assert_eq!(long, Some(1_123_456_789));
+        let last = nanoseconds("2262-04-11T23:47:16.854775807Z");
+        assert_eq!(last, Some(i64::MAX));
+        for bad in [
+            "2262-04-11T23:47:16.854775808Z",
+            "9999-12-31T23:59:59Z",
+            "2024-00-01T00:00:00Z",
+            "2024-01-00T00:00:00Z",
+            "2024-01-32T00:00:00Z",
+            "2024-01-01T24:00:00Z",
+            "2024-01-01T00:60:00Z",
+            "2024-01-01T00:00:61Z",
+            "2024-01-01T00:00:00:00Z",
+            "2024-01-01T00:00:00.Z",
+            "2024-01-01T00:00:00.5xZ",
+            "2024-01-01T00:00:0.5Z",
+            "2024-01-01T00:00:00ZZ",
+            "2024-01-01T00:00:00+",
+            "2024-01-01T00:00:00+01000",
+            "2024-01-01T00:00:00+0x",
+            "2024-+1-01T00:00:00Z",
+            "02024-1-1T00:00:00Z",
+            "2024-01-01_00:00:00Z",
+        ] {
+            assert_eq!(nanoseconds(bad), None, "{bad}");
+        }
+    }
 
     #[test]
     fn dates_are_exact_to_the_nanosecond() {

@@ -262,4 +262,139 @@ mod tests {
             assert_eq!(of(nothing, false), None, "{nothing}");
         }
     }
+    #[test]
+    fn names_fall_apart_into_words() {
+        for (name, expected) in [
+            ("field.header.stamp", "field header stamp"),
+            ("leftEncoder", "left encoder"),
+            ("gyro_z_rad_per_s", "gyro z rad per s"),
+            ("GPSx", "gpsx"),
+            ("a1B", "a1b"),
+            ("m1pos", "m1 pos"),
+            ("m1enc", "m1 enc"),
+            ("mvel", "m vel"),
+            ("m12pos", "m12pos"),
+            ("pos", "pos"),
+            ("posm1", "posm1"),
+            ("..", ""),
+        ] {
+            assert_eq!(words(name).join(" "), expected, "{name}");
+        }
+        let numbered = ["m1", "w23"].map(is_numbered);
+        let others = ["m", "1", "m1a", "mm1", "x1", ""].map(is_numbered);
+        assert_eq!((numbered, others), ([true; 2], [false; 6]));
+    }
+
+    #[test]
+    fn every_meaning_has_its_names() {
+        use Meaning as M;
+        for (name, unit, whole, meaning, own) in [
+            ("left_ticks", None, true, M::WheelCount, "tick"),
+            ("left", Some("ticks"), true, M::WheelCount, "tick"),
+            ("m1enc", None, true, M::WheelCount, "tick"),
+            ("right_motor_speed", None, false, M::WheelRate, "rad/s"),
+            ("left_rate_deg", None, false, M::WheelRate, "deg/s"),
+            ("w2_omega", None, true, M::WheelRate, "rad/s"),
+            ("m1pos", None, false, M::WheelAngle, "rad"),
+            ("left_angle", None, true, M::WheelAngle, "rad"),
+            ("left_angle", Some(""), false, M::WheelAngle, "rad"),
+            ("left_angle", Some("turn"), false, M::WheelAngle, "turn"),
+            ("gyro_z_dps", None, false, M::YawRate, "deg/s"),
+            ("imu.z", None, false, M::YawRate, "rad/s"),
+            ("angular_rate_z", None, false, M::YawRate, "rad/s"),
+            ("yaw_velocity", None, false, M::YawRate, "rad/s"),
+            ("yawrate", None, false, M::YawRate, "rad/s"),
+            ("cmd_x", None, false, M::CommandForward, "m/s"),
+            ("target_speed", None, false, M::CommandForward, "m/s"),
+            ("dx", None, false, M::DisplacementForward, "m"),
+            ("dy", None, false, M::DisplacementLeft, "m"),
+            ("dang", None, false, M::DisplacementTurn, "rad"),
+            ("dyaw", None, false, M::DisplacementTurn, "rad"),
+            ("pose_heading_deg", None, false, M::PoseYaw, "deg"),
+            ("odom_x", None, false, M::PoseX, "m"),
+            ("gps.y", None, false, M::PoseY, "m"),
+        ] {
+            let found = guess(name, unit, whole).map(|guess| (guess.meaning, guess.unit));
+            assert_eq!(found, Some((meaning, own)), "{name}");
+        }
+        for (name, unit, whole) in [
+            ("left_ticks", None, false),
+            ("left", Some("ticks"), false),
+            ("left", None, true),
+            ("wheel_ticks", None, true),
+            ("yaw_rate", Some("m"), false),
+            ("gyro_x", None, false),
+            ("angular_z", None, false),
+            ("velocity_z", None, false),
+            ("yaw", None, false),
+            ("rate", None, false),
+            ("speed", None, false),
+            ("left_speed_m", None, false),
+            ("left_temperature", None, false),
+            ("cmd", None, false),
+            ("cmd_speed_left", None, false),
+            ("cmd_angular_x", None, false),
+            ("cmd_wheel_speed", None, false),
+            ("cmd_v_m1", None, false),
+            ("dz", None, false),
+            ("x_dx", None, false),
+            ("x", None, false),
+            ("pose_z", None, false),
+            ("pose_x_covariance", None, false),
+        ] {
+            assert_eq!(guess(name, unit, whole), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn times_are_known_by_name_size_and_rhythm() {
+        for (name, rank) in [
+            ("header.stamp", Some(0)),
+            ("stamp.secs", None),
+            ("time_ms", Some(1)),
+            ("timestamp", Some(1)),
+            ("delta_time", None),
+            ("t", Some(2)),
+            ("ms", Some(2)),
+            ("t_left", None),
+            ("x", None),
+        ] {
+            assert_eq!(time_rank(name), rank, "{name}");
+        }
+        let unit = |name: &str, max: f64, median: Option<f64>| {
+            let mut column = SheetColumn::new(name);
+            column.max = max;
+            time_unit(&column, median)
+        };
+        for (name, expected) in [
+            ("time_ns", "ns"),
+            ("time_usec", "us"),
+            ("time_ms", "ms"),
+            ("time_s", "s"),
+            // a first word is no unit
+            ("ms", "s"),
+        ] {
+            assert_eq!(unit(name, 1e10, None), expected, "{name}");
+        }
+        for (max, expected) in [
+            (1.1e17, "ns"),
+            (1e17, "us"),
+            (1.1e14, "us"),
+            (1e14, "ms"),
+            (1.1e11, "ms"),
+            (1e11, "s"),
+        ] {
+            assert_eq!(unit("time", max, None), expected, "{max}");
+        }
+        for (median, expected) in [
+            (1e5, "ns"),
+            (99_999.0, "us"),
+            (500.0, "us"),
+            (499.0, "ms"),
+            (1.0, "ms"),
+            (0.99, "s"),
+        ] {
+            assert_eq!(unit("time", 10.0, Some(median)), expected, "{median}");
+        }
+    }
 }

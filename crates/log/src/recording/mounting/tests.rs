@@ -1,0 +1,189 @@
+use super::*;
+
+fn transform<'a>(frame: &'a str, child: &'a str, rotation: [f64; 4]) -> Transform<'a> {
+    Transform {
+        frame,
+        child_frame: child,
+        translation: [0.0; 3],
+        rotation,
+    }
+}
+
+#[test]
+fn up_goes_through_a_chain_of_frames() {
+    let half = 0.5_f64.sqrt();
+    let mut tree = Tree::new();
+    // Turned about x by 90 degrees: the child's y axis is the parent's z axis.
+    enter(
+        &mut tree,
+        &transform("/base_link", "mast", [half, 0.0, 0.0, half]),
+    );
+    let [forward, _, up] = axes_by_transforms(&tree, "mast").unwrap();
+    assert!((forward[0] - 1.0).abs() < 1e-15, "{forward:?}");
+    assert!(
+        up[0].abs() < 1e-15 && (up[1] - 1.0).abs() < 1e-15 && up[2].abs() < 1e-15,
+        "{up:?}"
+    );
+    // And then about z by 90 degrees: the child's x axis is the mast's y axis.
+    enter(&mut tree, &transform("mast", "imu", [0.0, 0.0, half, half]));
+    let [forward, left, up] = axes_by_transforms(&tree, "/imu").unwrap();
+    assert!((up[0] - 1.0).abs() < 1e-15, "{up:?}");
+    assert!((forward[1] + 1.0).abs() < 1e-15, "{forward:?}");
+    assert!((left[2] + 1.0).abs() < 1e-15, "{left:?}");
+    assert_eq!(axes_by_transforms(&tree, "camera"), None);
+    enter(&mut tree, &transform("b", "a", [0.0, 0.0, 0.0, 1.0]));
+    enter(&mut tree, &transform("a", "b", [0.0, 0.0, 0.0, 1.0]));
+    assert_eq!(axes_by_transforms(&tree, "a"), None);
+}
+
+#[test]
+fn gravity_tells_up_and_free_fall_does_not() {
+    let mut mean = Accelerations::default();
+    assert_eq!(mean.up(), None);
+    mean.add([0.3, 9.7, -0.4]);
+    assert_eq!(mean.up(), Some([0.0, 1.0, 0.0]));
+    let mut fall = Accelerations::default();
+    fall.add([0.0, 0.1, 0.2]);
+    assert_eq!(fall.up(), None);
+}
+
+#[test]
+fn yaw_is_the_turn_about_z() {
+    let (sin, cos) = (1.0_f64).sin_cos();
+    assert!((yaw([0.0, 0.0, sin, cos]).unwrap() - 2.0).abs() < 1e-15);
+    assert!((yaw([0.0, 0.0, 3.0 * sin, 3.0 * cos]).unwrap() - 2.0).abs() < 1e-15);
+    assert_eq!(yaw([0.0; 4]), None);
+}
+
+/// The matrix of a rotation by its four parts, row by row.
+fn matrix([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
+    [
+        [
+            1.0 - 2.0 * (y * y + z * z),
+            2.0 * (x * y - w * z),
+            2.0 * (x * z + w * y),
+        ],
+        [
+            2.0 * (x * y + w * z),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z - w * x),
+        ],
+        [
+            2.0 * (x * z - w * y),
+            2.0 * (y * z + w * x),
+            1.0 - 2.0 * (x * x + y * y),
+        ],
+    ]
+}
+
+#[test]
+fn axes_are_the_rows_of_the_rotations_matrix() {
+    let size = (1.0_f64 + 4.0 + 9.0 + 16.0).sqrt();
+    let q = [1.0, -2.0, 3.0, 4.0].map(|part| part / size);
+    let mut tree = Tree::new();
+    enter(&mut tree, &transform("robot/base_link", "imu", q));
+    // whatever the length of the four
+    enter(
+        &mut tree,
+        &transform("base", "other", q.map(|part| 3.0 * part)),
+    );
+    for frame in ["imu", "/other"] {
+        let found = axes_by_transforms(&tree, frame).unwrap();
+        for (axis, row) in found.iter().zip(matrix(q)) {
+            assert!(
+                axis.iter().zip(row).all(|(a, b)| (a - b).abs() < 1e-15),
+                "{found:?}"
+            );
+        }
+    }
+    // the first of two transforms is kept; none, too short, too long
+    enter(&mut tree, &transform("base", "imu", [0.0, 0.0, 0.0, 1.0]));
+    assert_eq!(tree["imu"].1, q);
+    for (number, part) in [0.0, 9e-4, 1.1e-3, 1e200].into_iter().enumerate() {
+        let frame = format!("frame{number}");
+        enter(&mut tree, &transform("base", &frame, [0.0, 0.0, 0.0, part]));
+        assert_eq!(
+            axes_by_transforms(&tree, &frame).is_some(),
+            number == 2,
+            "{part}"
+        );
+        assert_eq!(yaw([0.0, 0.0, 0.0, part]).is_some(), number == 2, "{part}");
+    }
+    assert_eq!(
+        axes_by_transforms(&tree, "base_footprint"),
+        Some(matrix([0.0, 0.0, 0.0, 1.0]))
+    );
+    assert!(has_frame(&tree, "/imu") && has_frame(&tree, "x/base") && !has_frame(&tree, "xbase"));
+}
+
+#[test]
+fn chains_and_trees_end() {
+    let none = [0.0, 0.0, 0.0, 1.0];
+    let mut tree = Tree::new();
+    enter(&mut tree, &transform("base", "0", none));
+    for number in 1..70 {
+        enter(
+            &mut tree,
+            &transform(&(number - 1).to_string(), &number.to_string(), none),
+        );
+    }
+    assert!(axes_by_transforms(&tree, "63").is_some() && axes_by_transforms(&tree, "64").is_none());
+    for number in 70..5000 {
+        enter(&mut tree, &transform("base", &number.to_string(), none));
+    }
+    assert_eq!(tree.len(), 4096);
+}
+
+#[test]
+fn axes_of_the_robot_file_are_square() {
+    let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+    assert_eq!(axes_by_file(x, z), Some([x, y, z]));
+    assert_eq!(axes_by_file(z, y), Some([z, x, y]));
+    assert_eq!(axes_by_file(y, x), Some([y, z, x]));
+    assert_eq!(axes_by_file([1.0, 0.0, -0.16], z).unwrap()[2], z);
+    assert_eq!(axes_by_file([1.0, 0.0, -0.17], z), None);
+    assert!(
+        agree(z, [0.49, 0.0, 0.88]) && !agree(z, [0.0, 0.51, 0.86]) && !agree(z, [0.0, 0.0, -1.0])
+    );
+}
+
+#[test]
+fn gravity_is_a_mean_of_its_size() {
+    let mean = |all: &[[f64; 3]]| {
+        let mut mean = Accelerations::default();
+        for one in all {
+            mean.add(*one);
+        }
+        mean
+    };
+    let two = mean(&[[5.0, 0.0, 6.0], [f64::NAN, 0.0, 9.8], [7.0, 0.0, 10.0]]);
+    assert_eq!(two.count(), 2.0);
+    // (6, 0, 8): a direction of its own
+    let up = two.up().unwrap();
+    assert!(
+        up.iter()
+            .zip([0.6, 0.0, 0.8])
+            .all(|(a, b)| (a - b).abs() < 1e-15),
+        "{up:?}"
+    );
+    // near to an axis it is that axis, on either side
+    assert_eq!(mean(&[[3.2, 0.0, -9.2]]).up(), Some([0.0, 0.0, -1.0]));
+    assert_ne!(mean(&[[3.7, 0.0, -9.2]]).up(), Some([0.0, 0.0, -1.0]));
+    for (size, is_gravity) in [(8.3, false), (8.4, true), (11.2, true), (11.3, false)] {
+        assert_eq!(
+            mean(&[[0.0, size, 0.0]]).up().is_some(),
+            is_gravity,
+            "{size}"
+        );
+    }
+}
+
+#[test]
+fn yaw_is_that_of_the_x_axis_whatever_tilts() {
+    for q in [[0.1, -0.3, 0.5, 0.8], [0.6, 0.2, -0.3, 0.1]] {
+        let size = q.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let rotation = matrix(q.map(|part| part / size));
+        let expected = rotation[1][0].atan2(rotation[0][0]);
+        assert!((yaw(q).unwrap() - expected).abs() < 1e-15);
+    }
+}

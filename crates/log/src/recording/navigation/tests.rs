@@ -1,0 +1,513 @@
+use super::*;
+
+/// One second of arc of the meridian at 45°, m.
+const SECOND_M: f64 = 30.87;
+
+fn fix(latitude_deg: f64, longitude_deg: f64) -> NavSatFix {
+    NavSatFix {
+        latitude_deg,
+        longitude_deg,
+        altitude: 100.0,
+        is_fixed: true,
+        status: 2,
+        variance: None,
+    }
+}
+
+/// A fix at a place near 45° north, 9° east, m.
+fn at(east: f64, north: f64) -> NavSatFix {
+    let scale = 45.0_f64.to_radians().cos() * 1.001_68;
+    fix(
+        45.0 + north / SECOND_M / 3600.0,
+        9.0 + east / (SECOND_M * scale) / 3600.0,
+    )
+}
+
+#[test]
+fn a_drive_to_the_north_and_back_is_forwards_and_backwards() {
+    let step = 0.1 / SECOND_M / 3600.0;
+    let mut track = Track::default();
+    let mut ways = Vec::new();
+    for (time, k) in (0..50).chain((0..49).rev()).enumerate() {
+        let time_ns = 200_000_000 * i64::try_from(time).unwrap();
+        if let Some(Measurement::Displacement { forward, left, .. }) =
+            track.displacement(time_ns, &fix(45.0 + step * f64::from(k), 9.0))
+        {
+            ways.push(forward);
+            assert!(left.abs() < 1e-6, "{left}");
+        }
+    }
+    assert!((ways[0] - 0.1).abs() < 1e-4, "{}", ways[0]);
+    assert!((ways.last().unwrap() + 0.1).abs() < 1e-4);
+    let sum: f64 = ways.iter().sum();
+    assert!(sum.abs() < 0.3, "{sum}");
+}
+
+/// A drive at 0.5 m/s, straight, then in circles at 0.4 rad/s, then on the spot; fixes at 5 Hz, the antenna at
+/// (`forward`, `left`). Returns the way forwards in the circles and on the spot, and the greatest displacement to the
+/// left, m.
+fn circles(forward: f64, left: f64, described: [f64; 2], has_gyro: bool) -> (f64, f64, f64) {
+    let mut track = Track::new(described);
+    let (mut x, mut y, mut yaw) = (0.0, 0.0, 0.7_f64);
+    let (mut way, mut spot, mut aside): (f64, f64, f64) = (0.0, 0.0, 0.0);
+    for step in 0..6000_i64 {
+        let time_ns = step * 10_000_000;
+        let (speed, rate) = match step {
+            ..1000 => (0.5, 0.0),
+            1000..5000 => (0.5, 0.4),
+            _ => (0.0, 0.4),
+        };
+        if has_gyro {
+            track.turn(time_ns, rate);
+        }
+        let (sin, cos) = yaw.sin_cos();
+        if step % 20 == 0 {
+            let place = at(
+                x + cos * forward - sin * left,
+                y + sin * forward + cos * left,
+            );
+            let found = track.displacement(time_ns, &place);
+            if let Some(Measurement::Displacement { forward, left, .. }) = found {
+                // the fixes at a change of the motion are of both
+                match step {
+                    1020..=4980 => way += forward,
+                    5020.. => spot += forward,
+                    _ => continue,
+                }
+                aside = aside.max(left.abs());
+            }
+        }
+        (x, y, yaw) = (
+            x + 0.01 * speed * cos,
+            y + 0.01 * speed * sin,
+            yaw + 0.01 * rate,
+        );
+    }
+    (way, spot, aside)
+}
+
+#[test]
+fn the_turn_of_an_antenna_about_the_robots_origin_is_no_motion() {
+    // 199 fixes of 0.1 m
+    let (way, spot, aside) = circles(0.4, 0.3, [0.4, 0.3], true);
+    assert!((way - 19.9).abs() < 0.05, "{way}");
+    assert!(spot.abs() < 0.05 && aside < 0.01, "{spot} {aside}");
+    // Described at the origin, the same antenna shows its own circle.
+    let (way, spot, _) = circles(0.4, 0.3, [0.0, 0.0], true);
+    assert!(way < 18.0 && spot < -0.5, "{way} {spot}");
+    // Above the origin a gyro is not needed, but without one the course lags in a bend.
+    let (way, _, _) = circles(0.0, 0.0, [0.0, 0.0], false);
+    assert!((way - 19.9).abs() < 0.3, "{way}");
+}
+
+#[test]
+fn another_kind_of_solution_and_an_outage_are_no_motion() {
+    let mut track = Track::default();
+    let mut step = |time_s: i64, north: f64, variance: f64| {
+        let fix = NavSatFix {
+            variance: Some(variance),
+            ..at(0.0, north)
+        };
+        let found = track.displacement(time_s * 1_000_000_000, &fix)?;
+        let Measurement::Displacement { forward, .. } = found else {
+            return None;
+        };
+        Some(forward)
+    };
+    for second in 0..10 {
+        step(second, second as f64, 4e-4);
+    }
+    assert!((step(10, 10.0, 4e-4).unwrap() - 1.0).abs() < 0.01);
+    // From fixed to float the position jumps by half a metre; then it goes on.
+    assert_eq!(step(11, 11.5, 0.09), None);
+    assert!((step(12, 12.5, 0.09).unwrap() - 1.0).abs() < 0.01);
+    // An outage of eight seconds.
+    assert_eq!(step(20, 20.5, 0.09), None);
+    assert!((step(21, 21.5, 0.09).unwrap() - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn bad_fixes_are_named() {
+    assert_eq!(fix(45.0, 9.0).fault(), None);
+    assert!(fix(91.0, 9.0).fault().is_some());
+    // an altitude alone
+    assert!(fix(f64::NAN, f64::NAN).fault().is_some());
+    let none = NavSatFix {
+        is_fixed: false,
+        ..fix(45.0, 9.0)
+    };
+    assert!(none.fault().is_some());
+    let wide = NavSatFix {
+        variance: Some(100.0),
+        ..fix(45.0, 9.0)
+    };
+    assert!(wide.fault().is_some());
+    // an unknown covariance is not exact
+    let unknown = NavSatFix {
+        status: 0,
+        ..fix(45.0, 9.0)
+    };
+    assert!(unknown.fault().is_some() && unknown.sigma() > 1.0);
+}
+
+const S: i64 = 1_000_000_000;
+
+#[test]
+fn places_are_on_the_ellipsoid() {
+    // NIMA TR8350.2: the semi-minor axis, m
+    let (a, b) = (SEMI_MAJOR_M, 6_356_752.314_245);
+    let place = |latitude: f64, longitude: f64, altitude: f64| {
+        NavSatFix {
+            altitude,
+            ..fix(latitude, longitude)
+        }
+        .place()
+    };
+    let close = |found: [f64; 3], expected: [f64; 3]| {
+        let far = found
+            .iter()
+            .zip(expected)
+            .any(|(a, b)| (a - b).abs() > 1e-6);
+        assert!(!far, "{found:?} {expected:?}");
+    };
+    close(place(0.0, 0.0, 0.0), [a, 0.0, 0.0]);
+    close(place(0.0, 90.0, 50.0), [0.0, a + 50.0, 0.0]);
+    close(place(-90.0, 7.0, 20.0), [0.0, 0.0, -b - 20.0]);
+    close(place(0.0, 180.0, f64::NAN), [-a, 0.0, 0.0]);
+    for (latitude, longitude) in [(45.0, 9.0), (-33.0, -70.0), (12.0, 130.0)] {
+        let low = place(latitude, longitude, 0.0);
+        let [x, y, z] = low;
+        assert!(((x * x + y * y) / (a * a) + z * z / (b * b) - 1.0).abs() < 1e-13);
+        // the latitude is that of the normal, along which the altitude counts
+        let normal = [x / (a * a), y / (a * a), z / (b * b)];
+        let size = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+        assert!(((normal[2] / size).asin() - latitude.to_radians()).abs() < 1e-12);
+        assert!((y.atan2(x) - longitude.to_radians()).abs() < 1e-12);
+        let up: [f64; 3] = std::array::from_fn(|i| low[i] + 100.0 * normal[i] / size);
+        close(place(latitude, longitude, 100.0), up);
+    }
+}
+
+#[test]
+fn the_plane_touches_the_first_fix() {
+    let e2 = ECCENTRICITY_2;
+    for (latitude, longitude) in [(45.0_f64, 9.0), (-33.0, -70.0)] {
+        // radii of curvature along the meridian and across it, m
+        let root = (1.0 - e2 * latitude.to_radians().sin().powi(2)).sqrt();
+        let across = SEMI_MAJOR_M / root + 100.0;
+        let along = SEMI_MAJOR_M * (1.0 - e2) / root.powi(3) + 100.0;
+        let mut track = Track::default();
+        assert_eq!(track.on_plane(&fix(latitude, longitude)), [0.0, 0.0]);
+        let turn = 1e-5_f64.to_radians();
+        let [east, north] = track.on_plane(&fix(latitude + 1e-5, longitude));
+        assert!(east.abs() < 1e-6 && (north - along * turn).abs() < 1e-6);
+        let [east, north] = track.on_plane(&fix(latitude, longitude - 1e-5));
+        let expected = -across * latitude.to_radians().cos() * turn;
+        assert!((east - expected).abs() < 1e-6 && north.abs() < 1e-6);
+    }
+}
+
+#[test]
+fn faults_begin_behind_their_limits() {
+    let with = |status, variance| NavSatFix {
+        status,
+        variance,
+        ..fix(-90.0, 180.0)
+    };
+    assert_eq!(
+        [2, 1, 0].map(|status| with(status, None).sigma()),
+        [0.02, 1.0, 2.5]
+    );
+    assert_eq!(with(0, Some(0.0625)).sigma(), 0.25);
+    assert_eq!(with(2, Some(0.25)).fault(), None);
+    assert!(
+        with(2, Some(0.26))
+            .fault()
+            .unwrap()
+            .contains("standard deviation")
+    );
+    assert!(with(2, Some(f64::NAN)).fault().is_some());
+    for (latitude, longitude) in [(90.1, 0.0), (0.0, -180.1), (0.0, f64::NAN)] {
+        let fault = fix(latitude, longitude).fault().unwrap();
+        assert!(fault.contains("out of range"), "{fault}");
+    }
+    let none = NavSatFix {
+        is_fixed: false,
+        ..with(2, None)
+    };
+    assert!(none.fault().unwrap().contains("without a position"));
+}
+
+#[test]
+fn turns_are_summed_and_read_between() {
+    let mut track = Track::default();
+    assert_eq!(track.turn_at(5), None);
+    let close = |found: Option<f64>, expected: f64| {
+        assert!(
+            (found.unwrap() - expected).abs() < 1e-12,
+            "{found:?} {expected}"
+        );
+    };
+    track.turn(S, 0.2);
+    track.turn(S + S / 10, f64::NAN);
+    track.turn(S + S / 5, 0.6);
+    // the mean of both rates for 0.2 s
+    close(track.turn_at(S + S / 5), 0.08);
+    close(track.turn_at(S), 0.0);
+    close(track.turn_at(S + S / 20), 0.02);
+    // beside the readings the last rate holds, for less than half a second
+    close(track.turn_at(S + S / 5 + S / 4), 0.08 + 0.6 * 0.25);
+    close(track.turn_at(S - S / 4), -0.6 * 0.25);
+    assert_eq!(track.turn_at(S + S / 5 + S / 2), None);
+    assert_eq!(track.turn_at(S - S / 2), None);
+    // what is not later is left out, but its rate is the newest
+    track.turn(S + S / 5, 0.4);
+    close(track.turn_at(S + S / 5), 0.08);
+    track.turn(S + 2 * (S / 5), 0.4);
+    close(track.turn_at(S + 2 * (S / 5)), 0.16);
+    // after half a second of silence nothing is known
+    let now = Placed {
+        time_ns: S,
+        place: [1.0, 2.0],
+        turn: Some(0.1),
+        sigma: 0.02,
+    };
+    (track.heading, track.anchor, track.last) = (Some((0.5, 0.1)), Some(now), Some(now));
+    track.turn(S + 2 * (S / 5) + S / 2 - 1, 0.4);
+    assert!(track.heading.is_some());
+    track.turn(2 * S + 2 * (S / 5) - 1, 0.4);
+    assert!(track.heading.is_none() && track.anchor.is_none() && track.last.is_none());
+    close(track.turn_at(2 * S + 2 * (S / 5) - 1), 0.0);
+    assert_eq!(track.turns.len(), 1);
+    for step in 0..3000 {
+        track.turn(3 * S + step * 1_000_000, 0.1);
+    }
+    assert_eq!(track.turns.len(), MAX_TURNS);
+}
+
+/// The ends of an arc of the robot's origin of this length and turn, as the antenna shows it on the plane, with the
+/// gyro's turns; the robot's heading is 0.8 rad before the gyro's turn.
+fn arc(antenna: [f64; 2], length: f64, turns: [f64; 2]) -> [Placed; 2] {
+    let headings = turns.map(|turn| 0.8 + turn);
+    let turned = headings[1] - headings[0];
+    let middle = headings[0] + 0.5 * turned;
+    // the chord of the arc
+    let chord = if turned == 0.0 {
+        length
+    } else {
+        length * (0.5 * turned).sin() / (0.5 * turned)
+    };
+    let origins = [
+        [3.0, -2.0],
+        [3.0 + chord * middle.cos(), -2.0 + chord * middle.sin()],
+    ];
+    std::array::from_fn(|end| {
+        let (sin, cos) = headings[end].sin_cos();
+        let [x, y] = origins[end];
+        let [forward, left] = antenna;
+        Placed {
+            time_ns: 0,
+            place: [
+                x + cos * forward - sin * left,
+                y + sin * forward + cos * left,
+            ],
+            turn: Some(turns[end]),
+            sigma: 0.02,
+        }
+    })
+}
+
+/// Corrects a heading by an arc.
+fn corrected(
+    antenna: f64,
+    heading: Option<(f64, f64)>,
+    [from, to]: [Placed; 2],
+) -> Option<(f64, f64)> {
+    let mut track = Track {
+        heading,
+        ..Track::new([antenna, 0.0])
+    };
+    let way = [to.place[0] - from.place[0], to.place[1] - from.place[1]];
+    track.correct_heading(&from, &to, way, way[0].hypot(way[1]));
+    track.heading
+}
+
+#[test]
+fn an_arc_shows_the_heading() {
+    for (antenna, length, turns) in [
+        (0.0, 0.5, [0.0, 0.0]),
+        (0.4, 0.5, [0.3, 0.3]),
+        (0.4, 0.5, [0.3, 0.9]),
+        (-0.3, 0.5, [0.3, 0.9]),
+        (0.4, 0.5, [2.0, 1.5]),
+    ] {
+        let ends = arc([antenna, 0.0], length, turns);
+        let way = [0, 1].map(|i| ends[1].place[i] - ends[0].place[i]);
+        let noise = 2.0 * 0.02 * 0.02 / (way[0] * way[0] + way[1] * way[1]) + 0.035 * 0.035;
+        let (heading, variance) = corrected(antenna, None, ends).unwrap();
+        assert!(
+            wrap_angle(heading - 0.8).abs() < 1e-12,
+            "{antenna} {turns:?}: {heading}"
+        );
+        assert!((variance - noise).abs() < 1e-12, "{variance} {noise}");
+        // of two estimates the mean, weighted by their variances, and the variance of that
+        let (heading, variance) = corrected(antenna, Some((0.9, 3.0 * noise)), ends).unwrap();
+        assert!((heading - 0.825).abs() < 1e-12, "{heading}");
+        assert!((variance - 0.75 * noise).abs() < 1e-12);
+        // backwards the heading is the same
+        let ends = arc([antenna, 0.0], -length, turns);
+        let (heading, _) = corrected(antenna, Some((0.9, 3.0 * noise)), ends).unwrap();
+        assert!(
+            (heading - 0.825).abs() < 0.01,
+            "{antenna} {turns:?}: {heading}"
+        );
+        let far = corrected(antenna, Some((0.8, 1e9)), ends).unwrap().0;
+        assert!((far - 0.8).abs() < 1e-9, "{antenna} {turns:?}: {far}");
+    }
+    // with a gyro whatever lies behind is reversing, without one what lies 120° aside
+    for (heading, has_gyro, expected) in [
+        (0.8 - 1.5, true, 0.8),
+        (0.8 - 1.6, true, 0.8 - std::f64::consts::PI),
+        (0.8 - 2.0, false, 0.8),
+        (0.8 - 2.2, false, 0.8 - std::f64::consts::PI),
+        (0.8 + 2.2, false, 0.8 + std::f64::consts::PI),
+    ] {
+        let mut ends = arc([0.0; 2], 0.5, [0.0; 2]);
+        if !has_gyro {
+            ends = ends.map(|end| Placed { turn: None, ..end });
+        }
+        let (found, _) = corrected(0.0, Some((heading, 1e12)), ends).unwrap();
+        assert!(
+            (found - expected).abs() < 1e-9,
+            "{heading} {has_gyro}: {found}"
+        );
+    }
+    // a way that is mostly the antenna's own turn shows nothing
+    let turned = 2.0 * 0.2_f64.asin();
+    let aside = 0.4 * 0.4;
+    for (share, shows) in [(0.71, false), (0.69, true)] {
+        let size: f64 = aside / share;
+        let chord = (size * size - aside * aside).sqrt();
+        let length = chord * (0.5 * turned) / (0.5 * turned).sin();
+        for turned in [turned, -turned] {
+            let ends = arc([0.4, 0.0], length, [0.0, turned]);
+            assert_eq!(corrected(0.4, None, ends).is_some(), shows, "{share}");
+        }
+    }
+}
+
+/// A track with a known heading that was at the middle of its plane a second ago.
+fn known(antenna: [f64; 2], heading: f64, turn: Option<f64>) -> Track {
+    let mut track = Track::new(antenna);
+    track.on_plane(&at(0.0, 0.0));
+    let last = Placed {
+        time_ns: 0,
+        place: [0.0; 2],
+        turn,
+        sigma: 0.02,
+    };
+    (track.last, track.anchor) = (Some(last), Some(last));
+    track.heading = Some((heading, 1e-3));
+    track
+}
+
+#[test]
+fn a_way_is_turned_into_the_robots_frame() {
+    let displaced = |track: &mut Track, time_ns, fix: &NavSatFix| {
+        let found = track.displacement(time_ns, fix)?;
+        let Measurement::Displacement {
+            forward,
+            left,
+            turn,
+        } = found
+        else {
+            panic!("{found:?}")
+        };
+        assert_eq!(turn, None);
+        Some((forward, left))
+    };
+    // less than a course
+    let mut track = known([0.0; 2], 0.6, None);
+    let (forward, left) = displaced(&mut track, S, &at(0.1, 0.05)).unwrap();
+    let (sin, cos) = 0.6_f64.sin_cos();
+    let [east, north] = track.on_plane(&at(0.1, 0.05));
+    assert!(
+        (forward - (east * cos + north * sin)).abs() < 1e-15,
+        "{forward}"
+    );
+    assert!((left - (north * cos - east * sin)).abs() < 1e-15, "{left}");
+    // the variance grows by 0.5² rad² a second without a gyro, by 0.005² with one
+    assert!((track.heading.unwrap().1 - 1e-3 - 0.25).abs() < 1e-12);
+    assert_eq!(track.anchor.unwrap().place, [0.0; 2]);
+    let mut track = known([0.0; 2], 0.6, Some(0.0));
+    track.turn(0, 0.0);
+    displaced(&mut track, S / 4, &at(0.1, 0.05)).unwrap();
+    assert!((track.heading.unwrap().1 - 1e-3 - 0.25 * 2.5e-5).abs() < 1e-15);
+    // on the spot the antenna moves and the robot does not
+    for antenna in [[0.4, 0.3], [-0.2, 0.1]] {
+        let mut track = known(antenna, 0.6, Some(0.1));
+        let [from, to] = [0.1, 0.5].map(|turn: f64| {
+            let (sin, cos) = (0.6 + turn).sin_cos();
+            [
+                cos * antenna[0] - sin * antenna[1],
+                sin * antenna[0] + cos * antenna[1],
+            ]
+        });
+        track.turns = [(0, 0.1), (S, 0.5)].into();
+        let fix = at(to[0] - from[0], to[1] - from[1]);
+        let place = track.on_plane(&fix);
+        track.last.as_mut().unwrap().place = [0, 1].map(|i| place[i] - (to[i] - from[i]));
+        // the course of this way is not taken
+        track.anchor = Some(Placed {
+            time_ns: S,
+            place,
+            turn: Some(0.5),
+            sigma: 0.02,
+        });
+        let (forward, left) = displaced(&mut track, S, &fix).unwrap();
+        assert!(
+            forward.abs() < 1e-15 && left.abs() < 1e-15,
+            "{forward} {left}"
+        );
+    }
+    // a course is taken over 0.2 m or four standard deviations, and corrects the heading before it is used
+    for (way, deviation, is_taken) in [
+        (0.199, 0.02, false),
+        (0.201, 0.02, true),
+        (0.239, 0.06, false),
+        (0.241, 0.06, true),
+    ] {
+        let mut track = known([0.0; 2], 0.3, None);
+        let fix = NavSatFix {
+            variance: Some(deviation * deviation),
+            ..at(way, 0.0)
+        };
+        displaced(&mut track, S, &fix).unwrap();
+        let (heading, _) = track.heading.unwrap();
+        assert_eq!(heading < 0.2, is_taken, "{way}: {heading}");
+        assert_eq!(track.anchor.unwrap().place != [0.0; 2], is_taken);
+    }
+    // what goes on
+    let goes_on = |time_ns: i64, deviation: f64, turns: &[(i64, f64)]| {
+        let mut track = known([0.0; 2], 0.3, None);
+        track.last.as_mut().unwrap().sigma = 0.25;
+        track.turns = turns.iter().copied().collect();
+        let fix = NavSatFix {
+            variance: Some(deviation * deviation),
+            ..at(0.1, 0.0)
+        };
+        let found = displaced(&mut track, time_ns, &fix).is_some();
+        assert_eq!(
+            track.anchor.unwrap().time_ns == time_ns,
+            !found || time_ns == 0
+        );
+        assert_eq!(track.last.unwrap().time_ns, time_ns);
+        found
+    };
+    assert!(goes_on(S, 0.75, &[]) && goes_on(S, 0.0834, &[]));
+    assert!(!goes_on(S, 0.76, &[]) && !goes_on(S, 0.083, &[]));
+    assert!(goes_on(5 * S - 1, 0.25, &[]) && !goes_on(5 * S, 0.25, &[]));
+    assert!(goes_on(1, 0.25, &[]) && !goes_on(0, 0.25, &[]) && !goes_on(-1, 0.25, &[]));
+    // a gyro that is there from now on
+    assert!(!goes_on(S, 0.25, &[(S, 0.0)]));
+}
