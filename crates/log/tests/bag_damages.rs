@@ -370,3 +370,28 @@ fn what_a_connection_says_besides_is_short() {
         assert_eq!(said.get("callerid"), is_kept.then_some(&caller));
     }
 }
+
+#[test]
+fn an_index_declares_what_is_missing() {
+    let limit = 4 << 20;
+    for (more, is_declared) in [(0, true), (1, false)] {
+        // 4 MiB are held
+        let mut needed = Vec::new();
+        connection(&mut needed, 1, b"/t", b"a/B");
+        let mut other = Vec::new();
+        let fields: [(&str, &[u8]); 2] = [("op", &[7]), ("conn", &[0; 4])];
+        record(&mut other, &fields, &[]);
+        let padding = vec![0; limit - (other.len() - 8) - (needed.len() - 8) + more];
+        other.clear();
+        record(&mut other, &fields, &padding);
+        let mut messages = Vec::new();
+        message(&mut messages, 1, 1, b"one");
+        let index_at = begin(0, 0).len() + messages.len();
+        let mut file = begin(index_at as u64, 0);
+        file.extend(&messages);
+        file.extend(&other);
+        file.extend(&needed);
+        let (times, _) = found(&file);
+        assert_eq!(times.len(), usize::from(is_declared));
+    }
+}

@@ -3,7 +3,7 @@
 
 use std::io::Write;
 
-use grouser_log::csv::LINE_LIMIT;
+use grouser_log::csv::{LINE_LIMIT, Lines, finite};
 use grouser_log::{Cell, Error};
 use grouser_slip::Measurement;
 
@@ -240,4 +240,64 @@ fn every_truncation_is_an_error_or_the_rows_that_are_whole() {
             assert_eq!(records[..sure], whole[..sure], "{length}");
         }
     }
+}
+
+#[test]
+fn lines_have_their_number_their_bytes_and_a_limit() {
+    let longest = "a".repeat(LINE_LIMIT);
+    for (end, more, is_read) in [
+        ("\n", "", true),
+        ("\r\n", "", true),
+        ("", "", true),
+        ("\n", "b", false),
+    ] {
+        let text = format!("first\r\n{longest}{more}{end}");
+        let mut lines = Lines::over(text.as_bytes(), "lines");
+        assert!(lines.advance().unwrap());
+        assert_eq!(
+            (lines.number(), lines.bytes(), lines.text().unwrap()),
+            (1, 7, "first")
+        );
+        let done = lines.advance();
+        assert_eq!(done.is_ok(), is_read, "{done:?}");
+        assert_eq!((lines.number(), lines.bytes()), (2, text.len() as u64));
+        if is_read {
+            assert!(lines.text().unwrap() == longest);
+        } else {
+            assert!(matches!(
+                done,
+                Err(Error::LongLine {
+                    limit: LINE_LIMIT,
+                    ..
+                })
+            ));
+        }
+    }
+}
+
+#[test]
+fn why_a_line_is_no_text() {
+    let why = |bytes: &[u8]| {
+        let mut lines = Lines::over(bytes, "lines");
+        while lines.advance().unwrap() {
+            if let Err(Error::Malformed { at, what }) = lines.text() {
+                return (at.line, what);
+            }
+        }
+        panic!("{bytes:?} is text")
+    };
+    for (bytes, line, what) in [
+        (&b"\xff\xfea\0"[..], 1, "is UTF-16, but must be UTF-8"),
+        (b"\xfe\xff\0a", 1, "is UTF-16, but must be UTF-8"),
+        (b"a\n\xff\xfe\n", 2, "is not UTF-8 text"),
+        (b"a\0b", 1, "holds a NUL byte"),
+        (b"a\rb", 1, "holds a carriage return that does not end it"),
+    ] {
+        assert_eq!(why(bytes), (line, what));
+    }
+    let hint = |text, decimal| finite(text, decimal).unwrap_err().hint.unwrap_or_default();
+    assert!(hint("1,5", b'.').contains("decimal comma"));
+    assert!(hint("1.5", b',').contains("the column map says"));
+    assert!(hint("nan", b'.').contains("missing"));
+    assert_eq!(hint("fast", b'.'), "");
 }

@@ -615,3 +615,215 @@ fn a_head_is_a_chunks_where_its_content_has_room() {
         assert_eq!(found(&file), (vec![], expected), "{packing} {more}");
     }
 }
+
+#[test]
+fn channels_have_a_limit() {
+    let what = "there are more channels than the limit of 8192";
+    let declared = |channels: &[(u16, &str)], file: &mut Vec<u8>| {
+        for (id, topic) in channels {
+            channel(file, *id, 0, topic.as_bytes(), b"json");
+        }
+    };
+    let topics: Vec<String> = (0..8193).map(|number| format!("/{number}")).collect();
+    let named: Vec<(u16, &str)> = (0..).zip(topics.iter().map(String::as_str)).collect();
+    let same: Vec<(u16, &str)> = (0..8193).map(|id| (id, "/t")).collect();
+    for all in [&named, &same] {
+        let mut file = MAGIC.to_vec();
+        declared(&all[..8192], &mut file);
+        let place = file.len();
+        declared(&all[8192..], &mut file);
+        let bytes = file.len() - place;
+        message(&mut file, 8191, 5, b"");
+        finish(&mut file);
+        assert_eq!(found(&file), (vec![5], vec![lost(place, bytes, what)]));
+    }
+    // in all files that stand behind each other
+    for (number, is_read) in [(8191, true), (8192, false)] {
+        let mut file = MAGIC.to_vec();
+        declared(&named[..number], &mut file);
+        finish(&mut file);
+        file.extend(MAGIC);
+        declared(&named[8192..], &mut file);
+        declared(&named[..1], &mut file);
+        finish(&mut file);
+        assert_eq!(found(&file).1.len(), usize::from(!is_read), "{number}");
+    }
+}
+
+#[test]
+fn names_are_counted_with_their_metadata() {
+    let mut pairs = Vec::new();
+    for number in 0..64 {
+        counted(&mut pairs, format!("key{number:02}").as_bytes());
+        counted(&mut pairs, &[b'a'; 1 << 16]);
+    }
+    let mut content = [1, 0, 1, 0].to_vec();
+    counted(&mut content, b"/topic");
+    counted(&mut content, b"json");
+    counted(&mut content, &pairs);
+    let mut file = MAGIC.to_vec();
+    schema(&mut file, 1, b"a/Type", b"definition");
+    record(&mut file, 4, &content);
+    finish(&mut file);
+    let names = "/topic".len() + "json".len() + "a/Type".len() + "ros1msg".len();
+    let sum = names + "definition".len() + 64 * ((1 << 16) + 5);
+    let what = format!("definitions and names have {sum} bytes, more than the limit of 4194304");
+    assert_eq!(found(&file).1[0].3, what);
+}
+
+#[test]
+fn chunks_unfold_to_so_much_and_no_more() {
+    // a chunk may unfold to 32 MiB and half the file
+    let mut file = begin();
+    let place = file.len();
+    chunk(&mut file, Packing::Zstd, &content(&[1], b"one"));
+    let bytes = file.len() - place;
+    finish(&mut file);
+    let limit = (32 << 20) + file.len() / 2;
+    for (declared, what) in [
+        (
+            limit,
+            format!("the chunk holds 34 bytes, but declares {limit}"),
+        ),
+        (
+            limit + 1,
+            format!(
+                "the chunk declares {} bytes, more than the limit of {limit}",
+                limit + 1
+            ),
+        ),
+    ] {
+        file[place + 9 + 16..place + 9 + 24].copy_from_slice(&(declared as u64).to_le_bytes());
+        assert_eq!(found(&file), (vec![], vec![lost(place, bytes, &what)]));
+    }
+}
+
+#[test]
+fn all_chunks_unfold_to_so_much_and_no_more() {
+    // 64 MiB, and 256 times what was read
+    let mut zeros = Vec::new();
+    message(&mut zeros, 1, 7, &vec![0; (32 << 20) - 31]);
+    let mut packed = Vec::new();
+    chunk(&mut packed, Packing::Bz2, &zeros);
+    let mut great = Vec::new();
+    chunk(&mut great, Packing::Bz2, b"");
+    let mut file = begin();
+    // one that is refused does not count
+    great[9 + 16..9 + 24].copy_from_slice(&(40_u64 << 20).to_le_bytes());
+    file.extend(&great);
+    file.extend(packed.repeat(2));
+    let place = file.len();
+    great[9 + 16..9 + 24].copy_from_slice(&(2_u64 << 20).to_le_bytes());
+    file.extend(&great);
+    let end = file.len();
+    finish(&mut file);
+    let (times, damages) = found(&file);
+    assert_eq!((times, damages.len()), (vec![7, 7], 2));
+    let what = format!(
+        "the chunk declares 2097152 bytes, more than the limit of {}",
+        256 * end
+    );
+    assert_eq!(damages[1], lost(place, end - place, &what));
+}
+
+#[test]
+fn names_and_definitions_are_short() {
+    for (more, is_read) in [(0, true), (1, false), (2, false)] {
+        let mut file = MAGIC.to_vec();
+        let place = file.len();
+        channel(&mut file, 1, 0, &vec![b'a'; 1024 + more], b"json");
+        let bytes = file.len() - place;
+        finish(&mut file);
+        let what = format!(
+            "a topic has {} bytes, more than the limit of 1024 for a name",
+            1024 + more
+        );
+        let expected = if is_read {
+            vec![]
+        } else {
+            vec![lost(place, bytes, &what)]
+        };
+        assert_eq!(found(&file), (vec![], expected));
+        // 4 MiB of definitions and names
+        let mut file = MAGIC.to_vec();
+        let place = file.len();
+        let text = vec![b' '; (4 << 20) + more];
+        schema(&mut file, 1, b"a/A", &text);
+        let bytes = file.len() - place;
+        finish(&mut file);
+        let what = format!(
+            "definitions and names have {} bytes, more than the limit of 4194304",
+            text.len()
+        );
+        let expected = if is_read {
+            vec![]
+        } else {
+            vec![lost(place, bytes, &what)]
+        };
+        assert_eq!(found(&file), (vec![], expected));
+    }
+}
+
+/// Reads a message of channel 1, which only the summary declares, if the summary is believed.
+fn is_believed(summary: &[u8], start: Option<usize>, crc: impl Fn(u32) -> u32) -> bool {
+    let mut file = MAGIC.to_vec();
+    message(&mut file, 1, 1, b"one");
+    let start = start.unwrap_or(file.len());
+    file.extend(summary);
+    file.push(2);
+    file.extend(20_u64.to_le_bytes());
+    file.extend((start as u64).to_le_bytes());
+    file.extend([0; 8]);
+    let stored = crc(crc32fast::hash(file.get(start..).unwrap_or_default()));
+    file.extend(stored.to_le_bytes());
+    file.extend(MAGIC);
+    let (times, damages) = found(&file);
+    let orphan = "1 messages belong to channel 1, which is not there";
+    let reported = damages.iter().any(|damage| damage.3 == orphan);
+    assert_eq!(times.is_empty(), reported, "{damages:?}");
+    !reported
+}
+
+#[test]
+fn a_summary_is_believed_where_it_is_whole() {
+    let mut declared = Vec::new();
+    channel(&mut declared, 1, 0, b"/t", b"json");
+    let same = |crc| crc;
+    assert!(is_believed(&declared, None, same));
+    assert!(is_believed(&declared, None, |_| 0));
+    assert!(!is_believed(&declared, None, |crc| crc ^ 1));
+    // from somewhere else
+    for start in [0, 3, 1 << 20] {
+        assert!(!is_believed(&declared, Some(start), |_| 0), "{start}");
+    }
+    // other records stand in it, but no chunk, none that is unknown and none that is longer than all
+    for (opcode, is_known) in [
+        (3, true),
+        (11, true),
+        (15, true),
+        (1, false),
+        (6, false),
+        (0x50, false),
+    ] {
+        let mut summary = Vec::new();
+        record(
+            &mut summary,
+            opcode,
+            &[9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0],
+        );
+        summary.extend(&declared);
+        assert_eq!(is_believed(&summary, None, same), is_known, "{opcode}");
+        assert_eq!(is_believed(&summary, None, |_| 0), is_known, "{opcode}");
+    }
+    let mut cut_short = declared.clone();
+    cut(&mut cut_short, 11);
+    assert!(!is_believed(&cut_short, None, |_| 0));
+    // 4 MiB are held
+    for more in [0, 1] {
+        let mut summary = Vec::new();
+        let padding = vec![0; (4 << 20) - (declared.len() - 9) - 2 + more];
+        record(&mut summary, 3, &[&[9, 0][..], &padding].concat());
+        summary.extend(&declared);
+        assert_eq!(is_believed(&summary, None, same), more == 0);
+    }
+}

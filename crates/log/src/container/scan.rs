@@ -266,3 +266,131 @@ impl Scan {
         Ok(None)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Cursor, Read, Seek, SeekFrom};
+
+    use super::*;
+    use crate::source::Source;
+
+    /// Gives no more than this at once.
+    const PIECE: usize = 50_000;
+
+    struct Slow(Cursor<Vec<u8>>);
+
+    impl Read for Slow {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            let most = buffer.len().min(PIECE);
+            self.0.read(&mut buffer[..most])
+        }
+    }
+
+    impl Seek for Slow {
+        fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+            self.0.seek(to)
+        }
+    }
+
+    fn bytes(count: u32) -> Vec<u8> {
+        let drawn = |i: u32| i.wrapping_mul(2_654_435_761).to_be_bytes()[0];
+        (0..count).map(drawn).collect()
+    }
+
+    fn scan(bytes: &[u8]) -> Scan {
+        Scan::over(Shared::new(Slow(Cursor::new(bytes.to_vec())))).unwrap()
+    }
+
+    #[test]
+    fn what_is_read_is_the_file() {
+        let all = bytes(500_000);
+        let mut scan = scan(&all);
+        assert_eq!((scan.length(), scan.crc()), (500_000, None));
+        scan.begin_crc(b"start");
+        let (mut at, mut buffer) = (0, Vec::new());
+        for count in [10, 65_526, 65_536, 70_000, 5, 65_535, 131_072, 1, 65_537] {
+            assert!(scan.read(count as u64, &mut buffer).unwrap());
+            assert!(buffer == all[at..at + count], "{count} bytes at {at}");
+            at += count;
+            assert_eq!(
+                (scan.offset(), scan.left()),
+                (at as u64, 500_000 - at as u64)
+            );
+        }
+        assert!(scan.skip(20_000).unwrap());
+        at += 20_000;
+        let crc = crc32fast::hash(&[b"start", &all[..at]].concat());
+        assert_eq!(scan.crc(), Some(crc));
+        // as many as there are
+        assert!(!scan.read(100_000, &mut buffer).unwrap());
+        assert!(buffer == all[at..] && scan.left() == 0);
+        assert!(scan.read(0, &mut buffer).unwrap() && !scan.skip(1).unwrap());
+        scan.go_to(499_990);
+        assert!(scan.crc().is_none() && !scan.skip(11).unwrap());
+        scan.go_to(499_990);
+        assert!(scan.skip(10).unwrap());
+    }
+
+    #[test]
+    fn what_stands_here_is_seen_without_reading_it() {
+        let all = bytes(100_000);
+        let mut scan = scan(&all);
+        // 50 000 bytes come at once
+        for at in [0, 49_990, 49_999, 50_000, 30, 99_995, 100_000] {
+            scan.go_to(at as u64);
+            let end = all.len().min(at + 20);
+            assert_eq!(scan.peek(20).unwrap(), &all[at..end], "{at}");
+            assert!(scan.stands(&all[at..end]).unwrap());
+            assert!(at > 99_999 || !scan.stands(b"something else").unwrap());
+            assert_eq!(scan.offset(), at as u64);
+        }
+        let mut beside = scan.beside(7);
+        let mut buffer = Vec::new();
+        beside.read(13, &mut buffer).unwrap();
+        assert_eq!(
+            (beside.crc(), scan.offset()),
+            (Some(crc32fast::hash(&all[7..20])), 100_000)
+        );
+    }
+
+    #[test]
+    fn the_first_place_that_fits_is_found() {
+        const WHAT: &[u8] = b"here it is";
+        let plain = vec![0; 200_000];
+        for place in [0, 1, 70, 65_530, 65_536, 131_071, 199_990] {
+            let mut all = plain.clone();
+            all[place..place + WHAT.len()].copy_from_slice(WHAT);
+            let fits = |bytes: &[u8], left: u64| {
+                let at = all.len() - usize::try_from(left).unwrap();
+                let reach = bytes.len().min(WHAT.len());
+                assert!(reach == WHAT.len() || reach == all.len() - at, "{at}");
+                bytes[..reach] == all[at..at + reach] && bytes.starts_with(WHAT)
+            };
+            let mut scan = scan(&all);
+            let place = place as u64;
+            for (places, found) in [
+                (0..u64::MAX, true),
+                (place..place + 1, true),
+                (0..place, false),
+                (place + 1..u64::MAX, false),
+            ] {
+                let end = places.end.min(200_000);
+                let given = scan.find(places, WHAT.len(), fits).unwrap();
+                assert_eq!(given, found.then_some(place));
+                assert_eq!(scan.offset(), if found { place } else { end });
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_there_is_not_waited_for() {
+        let wait = || panic!("nothing more comes");
+        let source = Source::growing("growing".as_ref(), Cursor::new(bytes(100)), wait);
+        let mut scan = Scan::over(source.open().unwrap()).unwrap();
+        scan.wait(100).unwrap();
+        scan.go_to(60);
+        scan.wait(40).unwrap();
+        assert!(!scan.wait_for_record(40, 8, |_, _| true).unwrap());
+        assert!(scan.is_growing());
+    }
+}

@@ -41,12 +41,8 @@ impl Container {
         let (Some((FOOTER, 20, start)), Some(stored)) = (head, fields.u32()) else {
             return Ok(None);
         };
-        let start = self.base.saturating_add(start);
-        if start <= self.base || start > footer {
-            return Ok(None);
-        }
         let (mut spare, mut held) = (Spare::new(), 0_u64);
-        let mut scan = self.scan.beside(start);
+        let mut scan = self.scan.beside(self.base.saturating_add(start));
         while scan.offset() < footer {
             scan.read(HEAD, &mut record)?;
             let mut fields = Fields(&record);
@@ -92,7 +88,7 @@ impl Container {
 
     fn bag_connections(&self) -> io::Result<Spare> {
         let (mut spare, mut held) = (Spare::new(), 0_u64);
-        let Some(at) = self.index_at.filter(|at| *at > 0) else {
+        let Some(at) = self.index_at else {
             return Ok(spare);
         };
         let mut scan = self.scan.beside(self.base.saturating_add(at));

@@ -86,9 +86,8 @@ fn unquoted(text: &str) -> Cow<'_, str> {
 /// The text without the blanks around it: most fields have none, and a look at both ends shows that.
 #[inline]
 fn trimmed(text: &str) -> &str {
-    match text.as_bytes() {
-        [only] if only.is_ascii_graphic() => text,
-        [first, .., last] if first.is_ascii_graphic() && last.is_ascii_graphic() => text,
+    match (text.as_bytes().first(), text.as_bytes().last()) {
+        (Some(first), Some(last)) if first.is_ascii_graphic() && last.is_ascii_graphic() => text,
         _ => text.trim(),
     }
 }
@@ -255,6 +254,13 @@ mod tests {
             "\n\na,b,c,d,e,f,g",
         ] {
             assert!(lines(text).eq(text.lines()), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn outer_blanks_are_left_out() {
+        for text in ["", " ", "a", " a", "a ", "ab", "\u{a0}a b\t", "µ", " µ"] {
+            assert_eq!(trimmed(text), text.trim(), "{text:?}");
         }
     }
 

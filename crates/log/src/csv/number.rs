@@ -121,7 +121,7 @@ fn exact(text: &str, decimal: u8, unit: i64) -> Option<i128> {
     let mark = char::from(decimal);
     let (whole, fraction) = digits.split_once(mark).unwrap_or((digits, ""));
     let plain = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
-    if whole.is_empty() || !plain(whole) || !plain(fraction) || whole.len() > 24 {
+    if !plain(whole) || !plain(fraction) || whole.len() > 24 {
         return None;
     }
     let mut time = whole.parse::<i128>().ok()?.checked_mul(i128::from(unit))?;
@@ -151,6 +151,13 @@ mod tests {
         assert_eq!(ns("9223372036854775807", 1), i64::MAX);
         assert!(nanoseconds("9223372036854775808", b'.', 1).is_err());
         assert!(nanoseconds("1e300", b'.', 1).is_err());
+        // 2^63 by way of a float
+        assert!(nanoseconds("9223372036854775808e0", b'.', 1).is_err());
+        assert_eq!(ns("-.5", 1_000_000_000), -500_000_000);
+        assert_eq!(ns("+2", 1000), 2000);
+        for bad in ["--5", "+-5", "-", "", "1.5.5"] {
+            assert!(nanoseconds(bad, b'.', 1).is_err(), "{bad}");
+        }
         assert_eq!(nanoseconds("0,25", b',', 1000).unwrap(), 250);
     }
 
