@@ -132,3 +132,87 @@ impl<T> Ordered<T> {
         self.given_ns = None;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(ordered: &mut Ordered<u32>, time_ns: i64, records: &[u32]) {
+        ordered.begin_row(time_ns).unwrap();
+        records.iter().for_each(|record| ordered.push(*record));
+    }
+
+    fn all(ordered: &mut Ordered<u32>) -> Vec<u32> {
+        std::iter::from_fn(|| ordered.pop()).collect()
+    }
+
+    #[test]
+    fn records_come_by_time_and_those_of_one_time_in_their_order() {
+        let mut ordered = Ordered::new(10);
+        for (time, records) in [
+            (30, &[1, 2][..]),
+            (10, &[3]),
+            (30, &[4]),
+            (20, &[5, 6]),
+            (10, &[7]),
+            (40, &[]),
+        ] {
+            row(&mut ordered, time, records);
+        }
+        assert!(!ordered.is_ripe());
+        assert_eq!(all(&mut ordered), [3, 7, 5, 6, 1, 2, 4]);
+        assert_eq!(ordered.pop(), None);
+        // what is as old as the last one given is taken, what is older is not
+        row(&mut ordered, 30, &[8]);
+        assert_eq!(ordered.begin_row(29), Err(1e-9));
+        // nor does it become the open row
+        ordered.push(9);
+        assert_eq!(all(&mut ordered), [8, 9]);
+        ordered.forget_time();
+        row(&mut ordered, 5, &[10]);
+        ordered.clear();
+        assert_eq!(ordered.pop(), None);
+        assert!(!ordered.is_ripe());
+    }
+
+    #[test]
+    fn a_row_is_held_until_so_many_later_ones_are_there() {
+        let mut ordered = Ordered::new(2);
+        for (time, is_ripe) in [(1, false), (2, false), (3, true)] {
+            row(&mut ordered, time, &[7]);
+            assert_eq!(ordered.is_ripe(), is_ripe, "{time}");
+        }
+        assert_eq!(ordered.pop(), Some(7));
+        assert!(!ordered.is_ripe());
+        // rows without a record are not held
+        let mut ordered: Ordered<u32> = Ordered::new(2);
+        for time in 0..10 {
+            row(&mut ordered, time, &[]);
+            assert!(ordered.rows.len() <= 2 && !ordered.is_ripe());
+        }
+        assert_eq!(ordered.rows.len(), 2);
+        row(&mut ordered, 10, &[1]);
+        row(&mut ordered, 11, &[]);
+        row(&mut ordered, 12, &[]);
+        assert!(ordered.is_ripe() && ordered.rows.len() == 4);
+        assert_eq!(ordered.pop(), Some(1));
+        // nor is their memory given back: two before the record, and its own
+        assert_eq!((ordered.rows.len(), ordered.spare.len()), (2, 2));
+    }
+
+    #[test]
+    fn a_row_is_held_until_the_newest_is_later_by_so_much() {
+        let mut ordered = Ordered::with_limit(Limit::Time(100));
+        assert!(!ordered.is_ripe());
+        for (time, is_ripe) in [(1000, false), (1099, false), (1100, true)] {
+            row(&mut ordered, time, &[7]);
+            assert_eq!(ordered.is_ripe(), is_ripe, "{time}");
+        }
+        let mut ordered: Ordered<u32> = Ordered::with_limit(Limit::Time(100));
+        for time in 0..40 {
+            row(&mut ordered, 1000 * time, &[]);
+            assert!(!ordered.is_ripe());
+        }
+        assert_eq!(ordered.rows.len(), MAX_EMPTY_ROWS);
+    }
+}

@@ -13,6 +13,7 @@ mod written;
 
 mod any_bytes;
 mod bag_damages;
+mod built_messages;
 mod container_faults;
 mod csv_faults;
 mod decode_again;
@@ -21,6 +22,7 @@ mod flipped_bits;
 mod growing;
 mod interop;
 mod killed_loggers;
+mod logs;
 mod long_definitions;
 mod mcap_damages;
 mod measured_bags;

@@ -301,3 +301,16 @@ fn why_a_line_is_no_text() {
     assert!(hint("nan", b'.').contains("missing"));
     assert_eq!(hint("fast", b'.'), "");
 }
+
+#[test]
+fn a_bad_field_is_named_by_its_column() {
+    let error = read("named", "", b"t,n,,g\n0,1,,x\n")
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("line 2, column 4 `g`"), "{error}");
+    // a mark that is open in a column without a name
+    let error = read("nameless", "", b"t,n,,g\n0,1,\",1\n")
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("line 2, column 3: "), "{error}");
+}

@@ -14,6 +14,8 @@ use grouser_log::container::{Channel, Encoding, Format};
 use grouser_log::write::{Times, Writer};
 use grouser_slip::Sample;
 
+use crate::written;
+
 /// Messages at 50 Hz, ns.
 const PERIOD_NS: u64 = 20_000_000;
 const BEGIN_NS: u64 = 1_700_000_000_000_000_000;
@@ -213,7 +215,7 @@ fn a_writer_that_is_killed_begins_again() {
             before == &cut_short[..before.len()],
             "and what the first has"
         );
-        assert!(damages > 0, "the loss is reported");
+        assert_eq!(damages, 1, "the loss is reported");
     }
 }
 
@@ -243,6 +245,51 @@ fn a_chunk_of_a_bag_has_its_length_when_it_is_closed() {
     leave_open(&mut states);
     let (_, samples, _) = read(states);
     assert!(samples == whole, "{} of {}", samples.len(), whole.len());
+}
+
+/// The samples of a whole file, and how many places of it could not be read.
+fn with_damages(file: Vec<u8>) -> (Vec<Sample>, u64) {
+    let log = Log::over("whole".as_ref(), Cursor::new(file), None, &topics()).unwrap();
+    let samples = log.samples(&[]).unwrap();
+    let samples = samples.collect::<Result<Vec<Sample>, _>>().unwrap();
+    (samples, log.left_out().damages)
+}
+
+#[test]
+fn what_makes_no_sense_in_a_bag_is_not_waited_for() {
+    let file = recording(Format::Bag, 0..200);
+    let chunk = |from: usize| {
+        let mut places = from..file.len();
+        // behind the lengths of the header and of its first field
+        places
+            .find(|at| file[at + 8..].starts_with(b"op=\x05"))
+            .unwrap()
+    };
+    let second = chunk(chunk(0) + 1);
+    let noisy = [&file[..second], &[0xff; 40], &file[second..]].concat();
+    let whole = with_damages(noisy.clone());
+    assert_eq!((whole.0.len(), whole.1), (200 * SAMPLES, 1));
+    let mut states = pieces(&noisy, 331);
+    leave_open(&mut states);
+    let (_, samples, damages) = read(states);
+    assert!((samples, damages) == whole);
+}
+
+#[test]
+fn the_longest_header_of_a_bag_is_waited_for() {
+    let file = recording(Format::Bag, 0..100);
+    let behind = written::bag::MAGIC.len() + 4096;
+    let padding = vec![b' '; (1 << 20) - (4 + 4) - (4 + 18) - (4 + 4)];
+    let mut long = Vec::new();
+    let fields: [(&str, &[u8]); 3] = [("op", &[3]), ("index_pos", &[9; 8]), ("pad", &padding)];
+    written::bag::record(&mut long, &fields, &[]);
+    assert_eq!(long.len(), 8 + (1 << 20));
+    let file = [&file[..behind], &long, &file[behind..]].concat();
+    let mut states = vec![file[..500_000].to_vec(), file.clone()];
+    leave_open(&mut states);
+    let (_, samples, damages) = read(states);
+    assert!((samples, damages) == with_damages(file));
+    assert_eq!(damages, 0);
 }
 
 /// All samples of a recording in numbered files, one of which gets its next content for each time that the reader waits.

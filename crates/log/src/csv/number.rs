@@ -121,7 +121,7 @@ fn exact(text: &str, decimal: u8, unit: i64) -> Option<i128> {
     let mark = char::from(decimal);
     let (whole, fraction) = digits.split_once(mark).unwrap_or((digits, ""));
     let plain = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
-    if !plain(whole) || !plain(fraction) || whole.len() > 24 {
+    if !plain(whole) || !plain(fraction) {
         return None;
     }
     let mut time = whole.parse::<i128>().ok()?.checked_mul(i128::from(unit))?;
@@ -131,7 +131,7 @@ fn exact(text: &str, decimal: u8, unit: i64) -> Option<i128> {
             break;
         }
         scale /= 10;
-        time += i128::from(digit - b'0') * scale;
+        time = time.checked_add(i128::from(digit - b'0') * scale)?;
     }
     Some(if negative { -time } else { time })
 }
@@ -154,6 +154,15 @@ mod tests {
         // 2^63 by way of a float
         assert!(nanoseconds("9223372036854775808e0", b'.', 1).is_err());
         assert_eq!(ns("-.5", 1_000_000_000), -500_000_000);
+        assert_eq!(ns("0000000000000000000000000000000000000000000007", 1), 7);
+        // 2^127 is beyond what is computed exactly
+        for far in [
+            "170141183460469231731687303715.884105727",
+            "1e30",
+            "99999999999999999999999999",
+        ] {
+            assert!(nanoseconds(far, b'.', 1_000_000_000).is_err(), "{far}");
+        }
         assert_eq!(ns("+2", 1000), 2000);
         for bad in ["--5", "+-5", "-", "", "1.5.5"] {
             assert!(nanoseconds(bad, b'.', 1).is_err(), "{bad}");

@@ -31,3 +31,29 @@ impl Spare {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_values_of_few_channels_are_kept() {
+        let kept =
+            [(63, 4096), (64, 4096), (63, 4097)].map(|(channel, size)| is_spare(channel, size));
+        assert_eq!(kept, [true, false, false]);
+        let mut spare = Spare::default();
+        assert_eq!(spare.take(5), Value::Null);
+        for channel in 0..65 {
+            spare.keep(channel, 4096, Value::UInt(1));
+        }
+        // the 65th has no room, a known one has
+        spare.keep(7, 10, Value::UInt(2));
+        spare.keep(8, 4097, Value::UInt(3));
+        let taken = [64, 7, 8, 63].map(|channel| spare.take(channel));
+        assert_eq!(
+            taken,
+            [Value::Null, Value::UInt(2), Value::UInt(1), Value::UInt(1)]
+        );
+        assert_eq!(spare.take(7), Value::Null);
+    }
+}

@@ -374,3 +374,50 @@ impl Clock {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_intervals_a_share_counts_for_all() {
+        let mut clock = Clock::default();
+        let (mut time, mut rows) = (0.0, 0_u64);
+        // every seventh interval is a gap, beside the strides of 2 and 4
+        while rows < 200_000 {
+            clock.take(time);
+            rows += 1;
+            time += if rows.is_multiple_of(7) { 6.0 } else { 1.0 };
+        }
+        assert_eq!(clock.stride, 4);
+        assert!(clock.intervals.len() < MAX_INTERVALS);
+        let found = clock.finish(3, "s");
+        assert_eq!(
+            (found.column, found.rate_hz, found.longest_s),
+            (3, Some(1.0), 6.0)
+        );
+        assert!(found.gaps.abs_diff(rows / 7) < 20, "{}", found.gaps);
+    }
+
+    #[test]
+    fn intervals_that_are_kept_are_fewer_than_the_limit() {
+        let mut clock = Clock::default();
+        for row in 0..MAX_INTERVALS {
+            clock.take(row as f64);
+        }
+        assert_eq!(
+            (clock.stride, clock.intervals.len()),
+            (1, MAX_INTERVALS - 1)
+        );
+        clock.take(MAX_INTERVALS as f64);
+        assert_eq!(
+            (clock.stride, clock.intervals.len()),
+            (2, MAX_INTERVALS / 2)
+        );
+        // the next is passed over, that after it is kept
+        clock.take(1e6);
+        assert_eq!(clock.intervals.len(), MAX_INTERVALS / 2);
+        clock.take(2e6);
+        assert_eq!(clock.intervals.len(), MAX_INTERVALS / 2 + 1);
+    }
+}
