@@ -216,3 +216,27 @@ pub(crate) fn stamp_of(value: &Value) -> Option<i64> {
         .or_else(|| value.at("transforms[0].header.stamp"))?;
     header.time_ns().filter(|stamp| *stamp > 0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_two_files_leave_out_is_one_sum() {
+        let file = |scale: u64, why: Option<&'static str>| LeftOut {
+            damages: scale,
+            bytes_lost: 2 * scale,
+            undecoded: 3 * scale,
+            problem: why.map(Into::into),
+            late: 4 * scale,
+            excluded: 5 * scale,
+            exclusion: why,
+        };
+        let mut all = file(10, None);
+        all.add(&file(1, Some("first")));
+        all.add(&file(1, Some("second")));
+        assert_eq!(all, file(12, Some("first")));
+        all.exclude("third");
+        assert_eq!((all.excluded, all.exclusion), (61, Some("first")));
+    }
+}

@@ -17,6 +17,8 @@ mod built_messages;
 mod container_faults;
 mod csv_faults;
 mod decode_again;
+mod decoded_messages;
+mod definitions;
 mod field_inputs;
 mod flipped_bits;
 mod growing;

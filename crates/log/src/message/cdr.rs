@@ -105,7 +105,7 @@ impl<'a> Cursor<'a> {
             return Err(short(&field.name));
         }
         if !matches!(value, Value::Array(_)) {
-            *value = Value::Array(Vec::with_capacity(if least > 0 { count } else { 0 }));
+            *value = Value::Array(Vec::new());
         }
         let Value::Array(values) = value else {
             return Ok(());

@@ -178,20 +178,15 @@ impl Definition {
         }
         // Types that definitions leave out because ROS 2 has them built in.
         for name in names.built_in {
-            let signed = name == BUILT_IN[0] || name == BUILT_IN[1];
-            let kinds = [
-                ("sec", if signed { Kind::Int(4) } else { Kind::UInt(4) }),
-                ("nanosec", Kind::UInt(4)),
-            ];
+            let kinds = [("sec", Kind::Int(4)), ("nanosec", Kind::UInt(4))];
+            let fields = kinds.map(|(name, kind)| Field {
+                name: name.into(),
+                kind,
+                many: Many::One,
+            });
             types.push(Type {
                 name,
-                fields: kinds
-                    .map(|(name, kind)| Field {
-                        name: name.into(),
-                        kind,
-                        many: Many::One,
-                    })
-                    .into(),
+                fields: fields.into(),
             });
         }
         let definition = Self { types };
