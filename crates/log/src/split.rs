@@ -243,11 +243,22 @@ mod tests {
     }
 
     #[test]
+    fn a_bare_name_has_its_files_beside_it() {
+        // tests run in the crate's folder
+        let mut beside = files_beside("run_0.mcap".as_ref());
+        assert!(beside.any(|file| name(&file) == "Cargo.toml"));
+    }
+
+    #[test]
     fn bytes_come_from_the_file_that_has_them() {
         let folder = std::env::temp_dir().join(format!("grouser-parts-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
         let path = |number: u32| folder.join(format!("run_{number}.mcap"));
         fs::write(path(0), "abc").unwrap();
+        let mut input = SplitRecording::open(&path(0)).unwrap();
+        fs::write(path(1), "").unwrap();
+        assert!(!input.ends_at(3));
+        assert_eq!(input.length().unwrap(), 3, "not before it has begun");
         let mut input = SplitRecording::open(&path(0)).unwrap();
         fs::write(path(1), "defgh").unwrap();
         fs::write(path(2), "ijk").unwrap();
@@ -270,6 +281,7 @@ mod tests {
         assert!(!input.ends_at(11));
         fs::write(folder.join(END_OF_RECORDING), "").unwrap();
         assert!(input.ends_at(11));
+        assert!(!input.ends_at(10), "a byte follows");
         fs::remove_file(folder.join(END_OF_RECORDING)).unwrap();
         assert!(!input.ends_at(11));
         let before = std::time::SystemTime::now() - 2 * NEXT_FILE_TIME;

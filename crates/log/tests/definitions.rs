@@ -286,6 +286,15 @@ fn elements_are_equal_by_what_they_hold() {
     let view = |value| View::new("sensor_msgs/JointState", value);
     assert_eq!(view(&one), view(&same));
     assert_ne!(view(&one), view(&other));
+    let Some(View::JointState(state)) = view(&one) else {
+        panic!("it has all fields of its type")
+    };
+    let sizes = (
+        state.position.len(),
+        state.position.is_empty(),
+        state.velocity.is_empty(),
+    );
+    assert_eq!(sizes, (1, false, true));
     let shown = format!("{:?}", view(&one));
     assert!(
         shown.contains("[\"a\"]") && shown.contains("[0.5]"),

@@ -277,19 +277,54 @@ fn what_makes_no_sense_in_a_bag_is_not_waited_for() {
 
 #[test]
 fn the_longest_header_of_a_bag_is_waited_for() {
-    let file = recording(Format::Bag, 0..100);
-    let behind = written::bag::MAGIC.len() + 4096;
+    let file = recording(Format::Bag, 0..200);
+    // behind two seconds, by which the topics are chosen
+    let chunks = (0..file.len() - 16).filter(|at| file[at + 8..].starts_with(b"op=\x05"));
+    let behind = chunks.take(3).last().unwrap();
     let padding = vec![b' '; (1 << 20) - (4 + 4) - (4 + 18) - (4 + 4)];
     let mut long = Vec::new();
     let fields: [(&str, &[u8]); 3] = [("op", &[3]), ("index_pos", &[9; 8]), ("pad", &padding)];
     written::bag::record(&mut long, &fields, &[]);
     assert_eq!(long.len(), 8 + (1 << 20));
     let file = [&file[..behind], &long, &file[behind..]].concat();
-    let mut states = vec![file[..500_000].to_vec(), file.clone()];
+    let mut states = vec![file[..behind + 500_000].to_vec(), file.clone()];
     leave_open(&mut states);
     let (_, samples, damages) = read(states);
     assert!((samples, damages) == with_damages(file));
     assert_eq!(damages, 0);
+}
+
+#[test]
+fn a_table_is_read_as_it_grows_until_it_is_begun_anew() {
+    let text = "t,n,g\n0,,0.5\n1,,0.25\n2,,0.125\n3,,1.5\n";
+    let states = [
+        &text[..3],
+        &text[..12],
+        &text[..12],
+        &text[..20],
+        text,
+        "t,n,g\n",
+    ];
+    let states = Mutex::new(states.map(|state| state.as_bytes().to_vec()).into_iter());
+    let written = Written::default();
+    let reader = Reader {
+        written: written.clone(),
+        at: 0,
+    };
+    let wait = move || {
+        let next = states.lock().unwrap().next();
+        *written.0.lock().unwrap() = next.expect("it waits for more than there ever is");
+    };
+    let map = Some(crate::scratch::map(""));
+    let log = Log::growing("log.csv".as_ref(), reader, wait, map, &topics()).unwrap();
+    let samples = log
+        .samples(&[])
+        .unwrap()
+        .collect::<Result<Vec<_>, _>>()
+        .unwrap();
+    let rates: Vec<_> = samples.iter().map(|sample| sample.measurement).collect();
+    let expected = [0.5, 0.25, 0.125, 1.5].map(|rate| grouser_slip::Measurement::YawRate { rate });
+    assert_eq!(rates, expected);
 }
 
 /// All samples of a recording in numbered files, one of which gets its next content for each time that the reader waits.

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use grouser_files::columns::{self, Meaning};
 use grouser_files::topics::Topics;
 use grouser_files::{Document, robot};
+use grouser_log::container::{Container, Format};
 use grouser_log::message::{Value, build};
 use grouser_log::{Cell, Error, Log, Measures, run_files};
 
@@ -106,6 +107,13 @@ fn a_table_needs_its_columns_and_a_recording_does_not() {
     assert!(Log::needs_columns(std::slice::from_ref(&table)).unwrap());
     let recording = write(&folder.0.join("run.mcap"), &messages());
     assert!(!Log::needs_columns(&[table, recording]).unwrap());
+    let kinds = [
+        folder.0.join("run.mcap"),
+        folder.0.join("log.csv"),
+        folder.file("run.bag", b"#ROSBAG V2.0"),
+    ];
+    let kinds = kinds.map(|path| Container::kind(&path).unwrap());
+    assert_eq!(kinds, [Some(Format::Mcap), None, Some(Format::Bag)]);
     let database = folder.file("run.db3", b"SQLite format 3\0 and more");
     let refused = Log::needs_columns(std::slice::from_ref(&database)).unwrap_err();
     assert!(matches!(refused, Error::Database { .. }), "{refused}");
@@ -249,6 +257,14 @@ fn errors_say_where_and_what_to_do() {
     }
     let database = Error::Database { file: text() };
     assert!(database.hint().unwrap().contains("rosbags-convert"));
+    let unknown = Document::from_text("map.toml", "format = 1\nformt = 1\n".to_owned());
+    let unknown = unknown
+        .and_then(|document| columns::parse(&document))
+        .unwrap_err();
+    assert_eq!(
+        Error::from(unknown).hint().as_deref(),
+        Some("did you mean `format`?")
+    );
     assert_eq!(Error::NotALog { file: text() }.hint(), None);
     assert_eq!(no_column(None).hint(), None);
 }

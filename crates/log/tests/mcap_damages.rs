@@ -616,38 +616,53 @@ fn a_head_is_a_chunks_where_its_content_has_room() {
     }
 }
 
+const TOO_MANY: &str = "there are more channels than the limit of 8192";
+
+/// Channels of these numbers, each of a topic of its own.
+fn numbered(file: &mut Vec<u8>, ids: std::ops::Range<u16>) {
+    for id in ids {
+        channel(file, id, 0, format!("/{id}").as_bytes(), b"json");
+    }
+}
+
 #[test]
 fn channels_have_a_limit() {
-    let what = "there are more channels than the limit of 8192";
-    let declared = |channels: &[(u16, &str)], file: &mut Vec<u8>| {
-        for (id, topic) in channels {
-            channel(file, *id, 0, topic.as_bytes(), b"json");
-        }
-    };
-    let topics: Vec<String> = (0..8193).map(|number| format!("/{number}")).collect();
-    let named: Vec<(u16, &str)> = (0..).zip(topics.iter().map(String::as_str)).collect();
-    let same: Vec<(u16, &str)> = (0..8193).map(|id| (id, "/t")).collect();
-    for all in [&named, &same] {
+    for is_same in [true, false] {
         let mut file = MAGIC.to_vec();
-        declared(&all[..8192], &mut file);
-        let place = file.len();
-        declared(&all[8192..], &mut file);
+        let mut place = 0;
+        for id in 0..8193 {
+            place = file.len();
+            if is_same {
+                channel(&mut file, id, 0, b"/t", b"json");
+            } else {
+                numbered(&mut file, id..id + 1);
+            }
+        }
         let bytes = file.len() - place;
         message(&mut file, 8191, 5, b"");
         finish(&mut file);
-        assert_eq!(found(&file), (vec![5], vec![lost(place, bytes, what)]));
+        let expected = vec![lost(place, bytes, TOO_MANY)];
+        assert_eq!(found(&file), (vec![5], expected));
     }
-    // in all files that stand behind each other
-    for (number, is_read) in [(8191, true), (8192, false)] {
-        let mut file = MAGIC.to_vec();
-        declared(&named[..number], &mut file);
-        finish(&mut file);
-        file.extend(MAGIC);
-        declared(&named[8192..], &mut file);
-        declared(&named[..1], &mut file);
-        finish(&mut file);
-        assert_eq!(found(&file).1.len(), usize::from(!is_read), "{number}");
+}
+
+#[test]
+fn all_files_that_stand_behind_each_other_have_so_many_channels() {
+    let mut file = MAGIC.to_vec();
+    numbered(&mut file, 0..8191);
+    finish(&mut file);
+    file.extend(MAGIC);
+    // one more, one that is known, and one too many
+    for (id, topic) in [(0, 8191), (1, 5), (2, 8192)] {
+        channel(&mut file, id, 0, format!("/{topic}").as_bytes(), b"json");
     }
+    for id in 0..2 {
+        message(&mut file, id, 5, b"");
+    }
+    finish(&mut file);
+    let (times, damages) = found(&file);
+    assert_eq!((times, damages.len()), (vec![5, 5], 1));
+    assert_eq!(damages[0].3, TOO_MANY);
 }
 
 #[test]
@@ -698,15 +713,42 @@ fn chunks_unfold_to_so_much_and_no_more() {
     }
 }
 
+/// A chunk of a message of zeros that unfolds to 32 MiB: a frame of zstd (RFC 8878) with its size, whose blocks are the
+/// record's head as it is, then a repeated byte.
+fn zeros() -> Vec<u8> {
+    let size = 32_u32 << 20;
+    let mut head = Vec::new();
+    message(&mut head, 1, 7, b"");
+    head[1..9].copy_from_slice(&u64::from(size - 9).to_le_bytes());
+    let mut frame = [&[0x28, 0xb5, 0x2f, 0xfd, 0xa0][..], &size.to_le_bytes()].concat();
+    let mut block = |is_last: bool, kind: u32, count: u32, bytes: &[u8]| {
+        let block = (count << 3) | (kind << 1) | u32::from(is_last);
+        frame.extend(&block.to_le_bytes()[..3]);
+        frame.extend(bytes);
+    };
+    let head_bytes = u32::try_from(head.len()).unwrap();
+    block(false, 0, head_bytes, &head);
+    for _ in 1..256 {
+        block(false, 1, 1 << 17, &[0]);
+    }
+    block(true, 1, (1 << 17) - head_bytes, &[0]);
+    let mut content = vec![0; 16];
+    content.extend(u64::from(size).to_le_bytes());
+    content.extend([0; 4]);
+    counted(&mut content, b"zstd");
+    content.extend((frame.len() as u64).to_le_bytes());
+    content.extend(frame);
+    let mut chunk = Vec::new();
+    record(&mut chunk, 6, &content);
+    chunk
+}
+
 #[test]
 fn all_chunks_unfold_to_so_much_and_no_more() {
     // 64 MiB, and 256 times what was read
-    let mut zeros = Vec::new();
-    message(&mut zeros, 1, 7, &vec![0; (32 << 20) - 31]);
-    let mut packed = Vec::new();
-    chunk(&mut packed, Packing::Bz2, &zeros);
+    let packed = zeros();
     let mut great = Vec::new();
-    chunk(&mut great, Packing::Bz2, b"");
+    chunk(&mut great, Packing::Zstd, b"");
     let mut file = begin();
     // one that is refused does not count
     great[9 + 16..9 + 24].copy_from_slice(&(40_u64 << 20).to_le_bytes());

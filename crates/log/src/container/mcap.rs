@@ -525,7 +525,7 @@ fn is_index(content: &[u8]) -> bool {
     let mut fields = Fields(content);
     fields.u16();
     let bytes = fields.u32().map_or(0, |bytes| bytes as usize);
-    bytes > 0 && bytes == fields.0.len() && bytes.is_multiple_of(16)
+    bytes == fields.0.len() && bytes.is_multiple_of(16)
 }
 
 const fn is_known(opcode: u8) -> bool {

@@ -1,5 +1,6 @@
 //! Chunks taken out of their compression, up to a limit.
 
+use std::cmp::Ordering;
 use std::io::Read;
 
 use zrip_decode::context::DecompressContext;
@@ -77,14 +78,17 @@ impl Unpacker {
             }
         }
         let found = out.len() as u64;
-        if found == declared {
-            return Ok(());
+        match found.cmp(&declared) {
+            Ordering::Equal => Ok(()),
+            Ordering::Less => Err(format!(
+                "the chunk holds {found} bytes, but declares {declared}"
+            )),
+            Ordering::Greater => {
+                out.truncate(usize::try_from(declared).unwrap_or(usize::MAX));
+                Err(format!(
+                    "the chunk holds more than the {declared} bytes that it declares"
+                ))
+            }
         }
-        out.truncate(usize::try_from(declared).unwrap_or(usize::MAX));
-        Err(if found > declared {
-            format!("the chunk holds more than the {declared} bytes that it declares")
-        } else {
-            format!("the chunk holds {found} bytes, but declares {declared}")
-        })
     }
 }

@@ -106,8 +106,7 @@ impl<'a> Choosing<'a> {
         let topics = self.topics;
         self.preview.topics.iter().filter(move |seen| {
             let name = &seen.channel.topic;
-            seen.view().is_some()
-                && !topics.ignore.contains(name)
+            !topics.ignore.contains(name)
                 && !name.starts_with(TRUTH)
                 && !name.contains(OUTPUT)
                 && !topics.named().any(|other| other == name)
