@@ -191,6 +191,20 @@ mod tests {
             assert!(ordered.rows.len() <= 2 && !ordered.is_ripe());
         }
         assert_eq!(ordered.rows.len(), 2);
+        // nor once all are given
+        ordered.push(0);
+        assert_eq!(ordered.pop(), Some(0));
+        for time in 10..20 {
+            row(&mut ordered, time, &[]);
+        }
+        assert_eq!(ordered.rows.len(), 2);
+        // but that which is open
+        assert_eq!(ordered.pop(), None);
+        ordered.push(3);
+        assert_eq!(ordered.pop(), Some(3));
+        let mut ordered: Ordered<u32> = Ordered::new(2);
+        row(&mut ordered, 8, &[]);
+        row(&mut ordered, 9, &[]);
         row(&mut ordered, 10, &[1]);
         row(&mut ordered, 11, &[]);
         row(&mut ordered, 12, &[]);

@@ -335,7 +335,7 @@ impl Tally {
     fn finish(self) -> Topic {
         let mut topic = self.topic;
         let span = (topic.last_ns - topic.first_ns) as f64 * 1e-9;
-        if topic.messages > 1 && span > 0.0 {
+        if span > 0.0 {
             topic.rate_hz = Some((topic.messages - 1) as f64 / span);
         }
         let total: u32 = self.bins.iter().sum();

@@ -14,6 +14,7 @@ mod written;
 mod any_bytes;
 mod bag_damages;
 mod built_messages;
+mod choosing;
 mod container_faults;
 mod csv_faults;
 mod decode_again;

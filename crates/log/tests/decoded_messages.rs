@@ -35,6 +35,9 @@ fn a_mebibyte_of_messages_is_held_back() {
     let pairs = [(5, limit), (4, 4), (9, limit), (8, 4)];
     let (times, messages) = read(&bytes(&pairs), Clock::Recorder);
     assert_eq!((times, messages.left_out().late), (vec![4, 5, 8, 9], 0));
+    let pairs = [(5, limit + 1), (9, limit), (8, 4)];
+    let (times, messages) = read(&bytes(&pairs), Clock::Recorder);
+    assert_eq!((times, messages.left_out().late), (vec![5, 8, 9], 0));
     let pairs = [(5, limit + 1), (4, 4), (3, 4), (9, limit + 1), (8, 4)];
     let (times, messages) = read(&bytes(&pairs), Clock::Recorder);
     assert_eq!((times, messages.left_out().late), (vec![5, 9], 3));

@@ -257,14 +257,11 @@ fn errors_say_where_and_what_to_do() {
     }
     let database = Error::Database { file: text() };
     assert!(database.hint().unwrap().contains("rosbags-convert"));
-    let unknown = Document::from_text("map.toml", "format = 1\nformt = 1\n".to_owned());
-    let unknown = unknown
+    let later = Document::from_text("map.toml", "format = 9\n".to_owned());
+    let later = later
         .and_then(|document| columns::parse(&document))
         .unwrap_err();
-    assert_eq!(
-        Error::from(unknown).hint().as_deref(),
-        Some("did you mean `format`?")
-    );
+    assert!(Error::from(later).hint().unwrap().contains("newer version"));
     assert_eq!(Error::NotALog { file: text() }.hint(), None);
     assert_eq!(no_column(None).hint(), None);
 }

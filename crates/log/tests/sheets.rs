@@ -116,7 +116,12 @@ fn a_clock_counts_on_nearly_always() {
     assert_eq!((found.jumps, found.duration_s), (1, 49e-3));
     // one row has no interval
     assert_eq!(sheet("time\n1\n").unwrap().time, None);
-    // and a time that stands still no rate
+    // and a time that stands still no rate, nor does it jump
+    let still = sheet("time\n1\n1\n1\n2\n").unwrap().time.unwrap();
+    assert_eq!((still.rate_hz, still.jumps), (None, 0));
+    // the third of five intervals is their median
+    let uneven = sheet("time\n0\n5\n7\n10\n11\n15\n").unwrap().time.unwrap();
+    assert_eq!(uneven.rate_hz, Some(1.0 / (3.0 * 1e-3)));
     assert_eq!(
         sheet("time\n1\n1\n1\n").unwrap().time.unwrap().rate_hz,
         None

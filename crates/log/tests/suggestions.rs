@@ -280,6 +280,9 @@ fn several_tables_are_one_robot() {
     );
     assert_eq!(values(&text, "file"), ["\"a\"", "\"b\""]);
     assert_eq!(values(&text, "counter_bits"), ["8", "8"]);
+    let third = sheet("c", "t,back_left_ticks\n0,5\n1,6\n");
+    let counters = suggest_for_sheets([(&first, "a"), (&third, "c")]);
+    assert_eq!(values(&counters, "counter_bits"), ["8", "8", "8"]);
     assert!(!text.contains("reference") && text.contains("]\n\n[[table]]\nfile = \"b\""));
 }
 

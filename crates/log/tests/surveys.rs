@@ -41,7 +41,7 @@ fn recorded(times_ms: &[i64]) -> grouser_log::Topic {
 #[test]
 fn stamps_have_intervals_gaps_and_jumps() {
     // 5.4 times the median is of the bin before the gaps, 6 times is one; back by 0.1 s is no jump, by more it is
-    let steps = [54, 60, -100, -101, 10];
+    let steps = [54, 60, -100, -101, 10, -150];
     let steps: Vec<i64> = [[10; 30].as_slice(), &steps].concat();
     let found = survey(|writer| {
         let mut topic = writer.topic("/imu", "sensor_msgs/Imu").unwrap();
@@ -59,16 +59,16 @@ fn stamps_have_intervals_gaps_and_jumps() {
     let [imu] = &found.topics[..] else {
         panic!("{found:?}")
     };
-    assert_eq!((imu.messages, imu.stamped), (36, true));
-    assert_eq!((imu.gaps, imu.jumps), (1, 1));
+    assert_eq!((imu.messages, imu.stamped), (37, true));
+    assert_eq!((imu.gaps, imu.jumps), (1, 2));
     assert!((imu.longest_s - 0.06).abs() < 1e-12, "{}", imu.longest_s);
-    assert_eq!((imu.first_ns, imu.last_ns), (2_000_000_000, 2_320_000_000));
-    assert!((imu.rate_hz.unwrap() - 35.0 / 0.32).abs() < 1e-9);
+    assert_eq!((imu.first_ns, imu.last_ns), (2_000_000_000, 2_360_000_000));
+    assert!((imu.rate_hz.unwrap() - 36.0 / 0.36).abs() < 1e-9);
     assert_eq!(
         (found.first_ns, found.last_ns),
-        (Some(2_000_000_000), Some(2_320_000_000))
+        (Some(2_000_000_000), Some(2_360_000_000))
     );
-    assert!((found.duration_s().unwrap() - 0.32).abs() < 1e-12);
+    assert!((found.duration_s().unwrap() - 0.36).abs() < 1e-12);
     assert_eq!(
         (imu.use_for, found.has(Use::YawRate)),
         (Some(Use::YawRate), true)
@@ -330,4 +330,20 @@ fn damages_are_counted_and_the_first_thousand_kept() {
     assert_eq!(offsets, [begin, begin + 10]);
     let counts: Vec<u64> = found.topics.iter().map(|topic| topic.messages).collect();
     assert_eq!(counts, [1, 2]);
+}
+
+#[test]
+fn the_first_message_says_what_a_topic_is() {
+    let found = survey(|writer| {
+        let mut topic = writer.topic("/joints", "sensor_msgs/JointState").unwrap();
+        for (stamp, joint) in [(5, "left"), (0, "right"), (0, "arm")] {
+            let value = build::joint_state(build::header(stamp, ""), &[joint], [&[0.5], &[], &[]]);
+            writer.send(&mut topic, 7, &value).unwrap();
+        }
+    });
+    let topic = &found.topics[0];
+    assert_eq!(
+        (topic.joints.as_slice(), topic.stamped),
+        (["left".to_owned()].as_slice(), true)
+    );
 }

@@ -321,3 +321,84 @@ impl TopicPreview {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::message::build;
+
+    #[test]
+    fn files_that_are_written_are_looked_at_for_a_second() {
+        let mut preview = Preview::new(&Topics::default());
+        assert!(preview.has_looked(), "no file is open");
+        preview.is_whole = false;
+        preview.span_ns = Some((7, 7 + LOOK_NS));
+        assert!(!preview.has_looked(), "no wheel was met");
+        let channel = crate::message::known::channel("/joints", "sensor_msgs/JointState").unwrap();
+        let topic = preview.enter(&channel);
+        preview.topics[topic]
+            .joints
+            .insert("left".to_owned(), (true, true));
+        assert!(preview.has_looked());
+        preview.span_ns = Some((7, 6 + LOOK_NS));
+        assert!(!preview.has_looked());
+        preview.span_ns = None;
+        assert!(!preview.has_looked());
+    }
+
+    #[test]
+    fn joints_have_what_some_message_has_of_them() {
+        let channel = crate::message::known::channel("/joints", "sensor_msgs/JointState").unwrap();
+        let mut preview = Preview::new(&Topics::default());
+        let topic = preview.enter(&channel);
+        let seen = &mut preview.topics[topic];
+        let mut take = |seen: &mut TopicPreview, names: &[&str], parts: [&[f64]; 3]| {
+            let value = build::joint_state(build::header(5, ""), names, parts);
+            let view = View::new(&channel.type_name, &value).unwrap();
+            seen.take(&view, &mut preview.transforms);
+        };
+        take(seen, &["a", "b", "c"], [&[1.0], &[1.0, 2.0], &[]]);
+        let has = |seen: &TopicPreview| ["a", "b", "c"].map(|name| seen.joints[name]);
+        assert_eq!(has(seen), [(true, true), (false, true), (false, false)]);
+        take(seen, &["a", "b", "c"], [&[1.0], &[1.0, 2.0], &[]]);
+        assert_eq!(has(seen), [(true, true), (false, true), (false, false)]);
+        let many: Vec<String> = (0..5000).map(|number| format!("joint_{number}")).collect();
+        let many: Vec<&str> = many.iter().map(String::as_str).collect();
+        take(seen, &many, [&[], &[], &[]]);
+        assert_eq!(seen.joints.len(), MAX_JOINTS);
+        // one that is known has room
+        take(seen, &["c"], [&[1.0], &[], &[]]);
+        assert_eq!(seen.joints["c"], (true, false));
+    }
+
+    #[test]
+    fn contacts_have_what_some_message_has_of_them() {
+        let channel =
+            crate::message::known::channel("/contacts", crate::message::known::JOINT_INTERFACES)
+                .unwrap();
+        let mut preview = Preview::new(&Topics::default());
+        let topic = preview.enter(&channel);
+        let seen = &mut preview.topics[topic];
+        let mut take = |seen: &mut TopicPreview, names: &[&str], contacts: &[[Option<f64>; 2]]| {
+            let value = build::wheel_contacts(build::header(5, ""), names, contacts);
+            let view = View::new(&channel.type_name, &value).unwrap();
+            seen.take(&view, &mut preview.transforms);
+        };
+        take(seen, &["a", "b"], &[[Some(0.1), None], [None, Some(0.2)]]);
+        take(
+            seen,
+            &["a", "b"],
+            &[[Some(0.1), None], [Some(0.3), Some(0.2)]],
+        );
+        assert_eq!(
+            (seen.contacts["a"], seen.contacts["b"]),
+            ([true, false], [true, true])
+        );
+        let many: Vec<String> = (0..5000).map(|number| format!("joint_{number}")).collect();
+        let many: Vec<&str> = many.iter().map(String::as_str).collect();
+        take(seen, &many, &vec![[Some(0.1), None]; many.len()]);
+        assert_eq!(seen.contacts.len(), MAX_JOINTS);
+        take(seen, &["a"], &[[None, Some(0.1)]]);
+        assert_eq!(seen.contacts["a"], [true, true]);
+    }
+}

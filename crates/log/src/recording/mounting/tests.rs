@@ -180,10 +180,33 @@ fn gravity_is_a_mean_of_its_size() {
 
 #[test]
 fn yaw_is_that_of_the_x_axis_whatever_tilts() {
-    for q in [[0.1, -0.3, 0.5, 0.8], [0.6, 0.2, -0.3, 0.1]] {
+    let tilted = [
+        [0.1, -0.3, 0.5, 0.8],
+        [0.6, 0.2, -0.3, 0.1],
+        [-0.6, 0.2, -0.3, 0.1],
+        [0.1, -0.9, 0.1, 0.1],
+    ];
+    let turned = [
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+    ];
+    for q in tilted.into_iter().chain(turned) {
         let size = q.iter().map(|part| part * part).sum::<f64>().sqrt();
         let rotation = matrix(q.map(|part| part / size));
         let expected = rotation[1][0].atan2(rotation[0][0]);
         assert!((yaw(q).unwrap() - expected).abs() < 1e-15);
     }
+}
+
+#[test]
+fn limits_themselves_are_outside() {
+    assert_eq!(squared([0.94, 0.2, 0.1]), [0.94, 0.2, 0.1]);
+    assert_eq!(squared([0.95, 0.2, 0.1]), [1.0, 0.0, 0.0]);
+    assert!(!agree([0.0, 0.0, 1.0], [0.5, 0.0, 0.866]));
+    let shortest = [0.0, 0.0, 0.0, 0.001];
+    assert_eq!(
+        (yaw(shortest), turned_back(shortest, [1.0; 3])),
+        (None, None)
+    );
 }

@@ -265,6 +265,11 @@ fn turns_are_summed_and_read_between() {
     close(track.turn_at(S + S / 5), 0.08);
     track.turn(S + 2 * (S / 5), 0.4);
     close(track.turn_at(S + 2 * (S / 5)), 0.16);
+    let readings = track.turns.len();
+    for earlier in [0, 1] {
+        track.turn(S + 2 * (S / 5) - earlier, 0.4);
+    }
+    assert_eq!(track.turns.len(), readings);
     // after half a second of silence nothing is known
     let now = Placed {
         time_ns: S,
@@ -510,4 +515,38 @@ fn a_way_is_turned_into_the_robots_frame() {
     assert!(goes_on(1, 0.25, &[]) && !goes_on(0, 0.25, &[]) && !goes_on(-1, 0.25, &[]));
     // a gyro that is there from now on
     assert!(!goes_on(S, 0.25, &[(S, 0.0)]));
+}
+
+#[test]
+fn limits_of_a_course_belong_to_it() {
+    // the shortest way
+    let mut track = known([0.0; 2], 0.3, None);
+    track.last.as_mut().unwrap().place = [-0.2, 0.0];
+    track.anchor = track.last;
+    track.displacement(S, &at(0.0, 0.0)).unwrap();
+    assert_eq!(track.anchor.unwrap().time_ns, S);
+    // a way whose share of the antenna's turn is the greatest
+    let placed = |place: [f64; 2], turn: Option<f64>| Placed {
+        time_ns: 0,
+        place,
+        turn,
+        sigma: 0.02,
+    };
+    let from = placed([0.0; 2], Some(0.0));
+    let to = placed([1.0, 0.0], Some(std::f64::consts::PI));
+    assert_eq!(corrected(0.35, None, [from, to]), None);
+    assert!(corrected(0.34, None, [from, to]).is_some());
+    // as far ahead as behind: ahead
+    let to = placed([1.0, 0.0], Some(0.0));
+    let aside = Some((-std::f64::consts::FRAC_PI_2, 1e12));
+    assert!(corrected(0.0, aside, [from, to]).unwrap().0.abs() < 1e-9);
+    // without a gyro 120° are not behind
+    let ends = [placed([0.0; 2], None), placed([1.0, 0.0], None)];
+    assert!(
+        corrected(0.0, Some((-REVERSED_RAD, 1e12)), ends)
+            .unwrap()
+            .0
+            .abs()
+            < 1e-9
+    );
 }

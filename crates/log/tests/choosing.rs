@@ -1,0 +1,993 @@
+//! Which topics are chosen by type and name, what the robot file decides, and what is noted.
+
+use std::io::Cursor;
+use std::time::Duration;
+
+use grouser_files::columns::Meaning;
+use grouser_files::topics::Topics;
+use grouser_files::{Document, robot};
+use grouser_log::container::{Channel, Encoding};
+use grouser_log::message::{Definition, Value, build, known};
+use grouser_log::write::McapWriter;
+use grouser_log::{Error, Intake, Log, Measures, Preview};
+use grouser_slip::{Measurement as M, Sample};
+
+use crate::written::mcap;
+
+type Message = (&'static str, &'static str, i64, Value);
+
+const TWIST: &str = "geometry_msgs/Twist";
+const IMU: &str = "sensor_msgs/Imu";
+const JOINTS: &str = "sensor_msgs/JointState";
+const ODOMETRY: &str = "nav_msgs/Odometry";
+
+fn topics(text: &str) -> Topics {
+    let wheels = "[[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n\
+                  [[wheel]]\nname = \"right\"\nx_m = 0.0\ny_m = -0.2\nradius_m = 0.1\ndrive = \"powered\"\n";
+    let text = format!("format = 1\nname = \"cart\"\n[topics]\n{text}\n{wheels}");
+    robot::parse(&Document::from_text("robot.toml", text).unwrap())
+        .unwrap()
+        .topics
+}
+
+fn file(messages: &[Message]) -> Vec<u8> {
+    let mut writer = McapWriter::new(Vec::new(), "ros2").unwrap();
+    let mut known: Vec<(&str, _)> = Vec::new();
+    for (name, kind, time_ns, value) in messages {
+        let place = known
+            .iter()
+            .position(|(own, _)| own == name)
+            .unwrap_or_else(|| {
+                known.push((name, writer.topic(name, kind).unwrap()));
+                known.len() - 1
+            });
+        writer.send(&mut known[place].1, *time_ns, value).unwrap();
+    }
+    writer.finish().unwrap()
+}
+
+fn over(bytes: Vec<u8>, wanted: &str) -> Result<Log, Error> {
+    Log::over(
+        "log.mcap".as_ref(),
+        Cursor::new(bytes),
+        None,
+        &topics(wanted),
+    )
+}
+
+fn log(messages: &[Message], wanted: &str) -> Log {
+    over(file(messages), wanted).unwrap()
+}
+
+/// Each topic that is used, and what for.
+fn used(log: &Log) -> Vec<String> {
+    log.topics()
+        .map(|topic| format!("{}: {}", topic.topic, topic.used_for))
+        .collect()
+}
+
+fn chosen(messages: &[Message], wanted: &str) -> Vec<String> {
+    used(&log(messages, wanted))
+}
+
+fn readings(log: &Log) -> Vec<M> {
+    log.samples(&[])
+        .unwrap()
+        .map(|sample| sample.unwrap().measurement)
+        .collect()
+}
+
+fn twist(name: &'static str) -> Message {
+    (name, TWIST, 5, build::twist([0.3, 0.4, 0.0], [0.0; 3]))
+}
+
+fn odometry(name: &'static str, variance: f64) -> Message {
+    let covariance = || build::numbers(&[variance; 36]);
+    let pose = build::message([
+        ("pose", build::pose(1.0, 2.0, 0.0)),
+        ("covariance", covariance()),
+    ]);
+    let twist = build::twist([0.7, 0.1, 0.0], [0.0, 0.0, 0.2]);
+    let twist = build::message([("twist", twist), ("covariance", covariance())]);
+    let value = build::message([
+        ("header", build::header(5, "odom")),
+        ("child_frame_id", Value::Text("base_link".into())),
+        ("pose", pose),
+        ("twist", twist),
+    ]);
+    (name, ODOMETRY, 5, value)
+}
+
+fn pose(name: &'static str) -> Message {
+    let value = build::message([
+        ("header", build::header(5, "map")),
+        ("pose", build::pose(1.0, 2.0, 0.0)),
+    ]);
+    (name, "geometry_msgs/PoseStamped", 5, value)
+}
+
+fn way(name: &'static str) -> Message {
+    (
+        name,
+        known::DISPLACEMENT,
+        5,
+        build::displacement(build::header(5, ""), 0.1, 0.2, None),
+    )
+}
+
+fn fix(name: &'static str, variance: f64) -> Message {
+    let mut covariance = [0.0; 9];
+    (covariance[0], covariance[4]) = (variance, variance);
+    let status = build::message([("status", Value::Int(2)), ("service", Value::UInt(1))]);
+    let value = build::message([
+        ("header", build::header(5, "gps")),
+        ("status", status),
+        ("latitude", Value::Float(45.0)),
+        ("longitude", Value::Float(9.0)),
+        ("altitude", Value::Float(0.0)),
+        ("position_covariance", build::numbers(&covariance)),
+        ("position_covariance_type", Value::UInt(2)),
+    ]);
+    (name, "sensor_msgs/NavSatFix", 5, value)
+}
+
+fn imu(name: &'static str, acceleration: [f64; 3], variances: [f64; 3]) -> Message {
+    let mut covariance = [0.0; 9];
+    (covariance[0], covariance[4], covariance[8]) = (variances[0], variances[1], variances[2]);
+    let value = build::message([
+        ("header", build::header(5, "imu_link")),
+        ("orientation", build::turn(0.0)),
+        ("orientation_covariance", build::numbers(&[0.0; 9])),
+        ("angular_velocity", build::vector([0.1, 0.2, 0.3])),
+        ("angular_velocity_covariance", build::numbers(&covariance)),
+        ("linear_acceleration", build::vector(acceleration)),
+        ("linear_acceleration_covariance", build::numbers(&[0.0; 9])),
+    ]);
+    (name, IMU, 5, value)
+}
+
+const FLAT: [f64; 3] = [0.0, 0.0, 9.8];
+
+fn joints(name: &'static str, joints: &[&str]) -> Message {
+    let rates = vec![0.5; joints.len()];
+    (
+        name,
+        JOINTS,
+        5,
+        build::joint_state(build::header(5, ""), joints, [&[], &rates, &[]]),
+    )
+}
+
+/// A transform from a frame to the robot's base.
+fn transform(parent: &str, child: &str, rotation: [f64; 4]) -> Message {
+    let [x, y, z, w] = rotation.map(Value::Float);
+    let rotation = build::message([("x", x), ("y", y), ("z", z), ("w", w)]);
+    let parts = [
+        ("translation", build::vector([0.0; 3])),
+        ("rotation", rotation),
+    ];
+    let value = build::message([
+        ("header", build::header(1, parent)),
+        ("child_frame_id", Value::Text(child.into())),
+        ("transform", build::message(parts)),
+    ]);
+    let value = build::message([("transforms", Value::Array(vec![value]))]);
+    ("/tf_static", "tf2_msgs/TFMessage", 1, value)
+}
+
+#[test]
+fn what_the_robot_file_names_must_fit() {
+    let all = [
+        odometry("/odom", 0.0),
+        pose("/p"),
+        twist("/t"),
+        fix("/f", 1e-4),
+        imu("/imu", FLAT, [0.0; 3]),
+    ];
+    for (wanted, expected) in [
+        ("pose = \"/odom\"", Some("/odom: pose")),
+        ("pose = \"/p\"", Some("/p: pose")),
+        ("pose = \"/t\"", None),
+        ("speed = \"/odom\"", Some("/odom: speed over ground")),
+        ("speed = \"/t\"", Some("/t: speed over ground")),
+        ("speed = \"/p\"", None),
+        ("fix = \"/f\"", Some("/f: way between fixes")),
+        ("fix = \"/p\"", None),
+        ("command = \"/t\"", Some("/t: commanded speed")),
+        ("command = \"/p\"", None),
+        ("yaw_rate = \"/p\"", None),
+        (
+            "wheel_odometry = \"/p\"\nwheel_odometry_track_m = 0.5",
+            None,
+        ),
+        ("contact = \"/p\"", None),
+    ] {
+        match (over(file(&all), wanted), expected) {
+            (Ok(log), Some(expected)) => assert!(
+                used(&log).contains(&expected.to_owned()),
+                "{wanted}: {:?}",
+                used(&log)
+            ),
+            (Err(error), None) => assert!(
+                matches!(error, Error::UnfitTopic { .. }),
+                "{wanted}: {error}"
+            ),
+            (found, _) => panic!("{wanted}: {found:?}"),
+        }
+    }
+    let error = over(file(&all), "pose = \"/q\"").unwrap_err().to_string();
+    assert!(
+        error.starts_with("log.mcap: there are no messages of topic `/q`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn names_and_types_decide_the_rest() {
+    let pose_and_speed = "/zed/odom: pose, speed over ground";
+    for (messages, expected) in [
+        (vec![odometry("/zed/odom", 0.0)], vec![pose_and_speed]),
+        (vec![odometry("/odom", 0.0)], vec![]),
+        (vec![pose("/goal_pose")], vec![]),
+        (
+            vec![pose("/goal_pose"), pose("/pose"), pose("/other")],
+            vec!["/pose: pose"],
+        ),
+        (
+            vec![way("/way"), way("/other")],
+            vec!["/way: way since the last message"],
+        ),
+        // fixes where nothing else measures the place
+        (
+            vec![fix("/fix", 1e-4), fix("/other", 1e-4)],
+            vec!["/fix: way between fixes"],
+        ),
+        (vec![fix("/fix", 1e-4), pose("/pose")], vec!["/pose: pose"]),
+        (
+            vec![fix("/fix", 1e-4), way("/way")],
+            vec!["/way: way since the last message"],
+        ),
+        (
+            vec![twist("/vicon/twist")],
+            vec!["/vicon/twist: speed over ground"],
+        ),
+        (
+            vec![twist("/gps/vel")],
+            vec!["/gps/vel: size of the speed over ground, to the east and north"],
+        ),
+        (
+            vec![odometry("/gps/odom", 0.0)],
+            vec!["/gps/odom: pose, speed over ground"],
+        ),
+        // over ground, and commanded, is neither
+        (vec![twist("/vicon/cmd")], vec![]),
+        (vec![twist("/speed")], vec![]),
+        (
+            vec![twist("/cmd_vel"), twist("/cmd_other")],
+            vec!["/cmd_vel: commanded speed"],
+        ),
+        (vec![odometry("/cmd", 0.0)], vec![]),
+        // truth, and what the estimator publishes
+        (
+            vec![pose("/simulation/truth/pose"), twist("/grouser/cmd_vel")],
+            vec![],
+        ),
+    ] {
+        assert_eq!(chosen(&messages, ""), expected);
+    }
+    assert_eq!(
+        chosen(&[pose("/pose"), pose("/other")], "ignore = [\"/pose\"]"),
+        ["/other: pose"]
+    );
+    // what is named for a use has no other
+    assert_eq!(
+        chosen(&[twist("/cmd_vel")], "speed = \"/cmd_vel\""),
+        ["/cmd_vel: speed over ground"]
+    );
+    // notes on odometry that is not used, and on that alone
+    let notes = |messages: &[Message], wanted: &str| log(messages, wanted).notes().join("\n");
+    assert!(notes(&[odometry("/odom", 0.0)], "").contains("`/odom` is not used"));
+    for (messages, wanted) in [
+        (vec![odometry("/zed/odom", 0.0)], ""),
+        (vec![odometry("/odom", 0.0)], "ignore = [\"/odom\"]"),
+        (vec![odometry("/odom", 0.0)], "pose = \"/odom\""),
+        (vec![pose("/pose")], ""),
+    ] {
+        assert_eq!(notes(&messages, wanted), "");
+    }
+}
+
+#[test]
+fn an_antenna_beside_the_origin_needs_a_gyro() {
+    let says = |messages: &[Message], wanted: &str| {
+        log(messages, wanted)
+            .notes()
+            .iter()
+            .any(|note| note.contains("the antenna is not above"))
+    };
+    let antenna = "antenna_x_m = 0.5";
+    let (fix, imu) = (fix("/fix", 1e-4), imu("/imu", FLAT, [0.0; 3]));
+    assert!(says(std::slice::from_ref(&fix), antenna));
+    assert!(!says(std::slice::from_ref(&fix), ""));
+    assert!(!says(&[fix, imu], antenna));
+    assert!(!says(&[pose("/pose")], antenna));
+}
+
+#[test]
+fn wheels_are_measured_by_the_topic_with_the_most_of_them() {
+    let (one, two, same) = (
+        joints("/one", &["left"]),
+        joints("/two", &["left", "right"]),
+        joints("/same", &["left", "right"]),
+    );
+    let ticks = build::wheel_ticks(build::header(5, ""), &["left"], &[7]);
+    let ticks = ("/ticks", known::WHEEL_TICKS, 5, ticks);
+    assert_eq!(
+        chosen(&[one.clone(), two.clone()], ""),
+        ["/two: wheels by 2 joints"]
+    );
+    assert_eq!(
+        chosen(&[two.clone(), one.clone()], ""),
+        ["/two: wheels by 2 joints"]
+    );
+    assert_eq!(
+        chosen(&[two.clone(), same], ""),
+        ["/two: wheels by 2 joints"]
+    );
+    let both = log(&[two.clone(), ticks.clone()], "");
+    assert_eq!(
+        used(&both),
+        ["/ticks: wheels by 1 joints", "/two: wheels by 2 joints"]
+    );
+    let measured = [
+        (Meaning::WheelCount, "left"),
+        (Meaning::WheelRate, "left"),
+        (Meaning::WheelCount, "right"),
+        (Meaning::WheelAngle, "left"),
+    ];
+    assert_eq!(
+        measured.map(|(meaning, wheel)| both.measures_wheel(meaning, wheel)),
+        [true, true, false, false]
+    );
+    // what the fields of a message measure is not measured twice
+    let field = |meaning: &str, unit: &str| {
+        format!(
+            "[[topics.field]]\ntopic = \"/ticks\"\nfield = \"ticks[0]\"\nmeaning = \"{meaning}\"\nwheel = \"left\"\nunit = \"{unit}\"\n"
+        )
+    };
+    let all = [two, ticks, imu("/imu", FLAT, [0.0; 3])];
+    let counted = log(&all, &field("wheel_count", "tick"));
+    assert_eq!(
+        used(&counted),
+        [
+            "/ticks: fields",
+            "/imu: yaw rate about its z axis (by gravity)"
+        ]
+    );
+    assert_eq!(counted.wheels(), ["left", "right"]);
+    assert!(
+        counted.measures_wheel(Meaning::WheelCount, "left")
+            && !counted.measures_wheel(Meaning::WheelCount, "right")
+    );
+    for (meaning, unit) in [
+        ("wheel_torque", "N m"),
+        ("motor_current", "A"),
+        ("sinkage", "m"),
+        ("entry_angle", "rad"),
+        ("wheel_steering", "rad"),
+    ] {
+        assert_eq!(
+            chosen(&all, &field(meaning, unit))[1],
+            "/two: wheels by 2 joints",
+            "{meaning}"
+        );
+    }
+    let turning = "[[topics.field]]\ntopic = \"/ticks\"\nfield = \"ticks[0]\"\nmeaning = \"yaw_rate\"\nunit = \"rad/s\"\n";
+    assert_eq!(
+        chosen(&all, turning),
+        ["/ticks: fields", "/two: wheels by 2 joints"]
+    );
+    let odometry = odometry("/odom", 0.0);
+    let by_odometry = log(
+        &[odometry],
+        "wheel_odometry = \"/odom\"\nwheel_odometry_track_m = 0.5",
+    );
+    let rates =
+        ["left", "right"].map(|wheel| by_odometry.measures_wheel(Meaning::WheelRate, wheel));
+    assert_eq!((rates, by_odometry.wheels().len()), ([true; 2], 2));
+    let [
+        M::WheelRate {
+            wheel: 0,
+            rate: left,
+        },
+        M::WheelRate {
+            wheel: 1,
+            rate: right,
+        },
+    ] = readings(&by_odometry)[..]
+    else {
+        panic!("two rates")
+    };
+    // v ∓ Ω t/2 over the radius
+    assert!((left - 6.5).abs() < 1e-12 && (right - 7.5).abs() < 1e-12);
+}
+
+#[test]
+fn a_filtered_inertial_unit_is_taken_before_a_raw_one() {
+    let (raw, plain, third) = (
+        imu("/imu/data_raw", FLAT, [0.0; 3]),
+        imu("/imu/data", FLAT, [0.0; 3]),
+        imu("/imu/more", FLAT, [0.0; 3]),
+    );
+    let expected = ["/imu/data: yaw rate about its z axis (by gravity)"];
+    assert_eq!(
+        chosen(&[raw.clone(), plain.clone(), third.clone()], ""),
+        expected
+    );
+    assert_eq!(chosen(&[plain, raw, third], ""), expected);
+}
+
+#[test]
+fn the_mounting_is_told_and_its_contradictions_noted() {
+    let half = 0.5_f64.sqrt();
+    let level = transform("base_link", "imu_link", [0.0, 0.0, 0.0, 1.0]);
+    let upside_down = transform("base_link", "imu_link", [1.0, 0.0, 0.0, 0.0]);
+    let tilted = transform("base_link", "imu_link", [half, 0.0, 0.0, half]);
+    let unit = |acceleration| imu("/imu", acceleration, [0.0; 3]);
+    let told = |messages: &[Message], wanted: &str| {
+        let log = log(messages, wanted);
+        (
+            used(&log).pop().unwrap(),
+            log.notes().join("\n"),
+            log.measures(Meaning::AccelerationForward),
+        )
+    };
+    let (words, notes, accelerates) = told(&[level.clone(), unit(FLAT)], "");
+    assert_eq!(
+        (words.as_str(), notes.as_str(), accelerates),
+        (
+            "/imu: yaw rate about its z axis (by its transforms), acceleration",
+            "",
+            true
+        )
+    );
+    let (words, notes, accelerates) = told(&[upside_down, unit([0.0, 0.0, -9.8])], "");
+    assert_eq!(
+        (words.as_str(), notes.as_str(), accelerates),
+        (
+            "/imu: yaw rate about its -z axis (by its transforms), acceleration",
+            "",
+            true
+        )
+    );
+    // gravity is believed; the axes forwards are not
+    let (words, notes, accelerates) = told(&[tilted.clone(), unit(FLAT)], "");
+    assert_eq!(
+        (words.as_str(), accelerates),
+        ("/imu: yaw rate about its z axis (by gravity)", false)
+    );
+    assert!(
+        notes.contains("say that y axis points up, but gravity says z axis"),
+        "{notes}"
+    );
+    // no accelerometer: transforms alone; then nothing, or the one rate that may be used
+    let (words, _, accelerates) = told(&[tilted, unit([0.0; 3])], "");
+    assert_eq!(
+        (words.as_str(), accelerates),
+        ("/imu: yaw rate about its y axis (by its transforms)", false)
+    );
+    let (words, notes, _) = told(&[unit([0.0; 3])], "");
+    assert_eq!(words, "/imu: yaw rate about its z axis (taken to point up)");
+    assert!(notes.contains("neither transforms nor gravity"), "{notes}");
+    let max = f64::MAX;
+    let (words, ..) = told(&[imu("/imu", [0.0; 3], [max, 0.0, max])], "");
+    assert_eq!(
+        words,
+        "/imu: yaw rate about its y axis (the only one to be used)"
+    );
+    let (words, ..) = told(&[unit([0.0, 6.0, 8.0])], "");
+    assert_eq!(
+        words,
+        "/imu: yaw rate about its direction (0.000, 0.600, 0.800) (by gravity)"
+    );
+    let (words, ..) = told(&[unit(FLAT)], "imu_up = \"-x\"");
+    assert_eq!(
+        words,
+        "/imu: yaw rate about its -x axis (by the robot file)"
+    );
+    // why accelerations are not used: without any transform, of another frame, of this frame that leads nowhere
+    let other = transform("base_link", "camera", [0.0, 0.0, 0.0, 1.0]);
+    let nowhere = transform("mast", "imu_link", [0.0, 0.0, 0.0, 1.0]);
+    for (messages, is_lost) in [
+        (vec![unit(FLAT)], false),
+        (vec![other, unit(FLAT)], true),
+        (vec![nowhere, unit(FLAT)], false),
+    ] {
+        let (_, notes, accelerates) = told(&messages, "");
+        assert!(
+            !accelerates && notes.contains("no transforms give its forward axis"),
+            "{notes}"
+        );
+        assert_eq!(
+            notes.contains("no transform holds its frame `imu_link`"),
+            is_lost,
+            "{notes}"
+        );
+    }
+    let (_, notes, _) = told(&[unit(FLAT)], "imu_up = \"z\"\nimu_forward = \"x\"");
+    assert_eq!(notes, "");
+    // the one rate that is needed may not be used
+    let refused = log(&[imu("/imu", FLAT, [0.0, 0.0, max])], "");
+    assert!(used(&refused).is_empty() && refused.notes()[0].contains("is not to be used"));
+    assert!(!used(&log(&[imu("/imu", FLAT, [max, max, 0.0])], "")).is_empty());
+}
+
+/// An IMU's message with variances of its acceleration.
+fn accelerometer(acceleration: [f64; 3], variances: [f64; 3]) -> Message {
+    let (name, kind, time, mut value) = imu("/imu", acceleration, [0.0; 3]);
+    let mut covariance = [0.0; 9];
+    (covariance[0], covariance[4], covariance[8]) = (variances[0], variances[1], variances[2]);
+    let Value::Struct(fields) = &mut value else {
+        panic!("a message has fields")
+    };
+    fields.last_mut().unwrap().1 = build::numbers(&covariance);
+    (name, kind, time, value)
+}
+
+#[test]
+fn accelerations_need_their_axes() {
+    let max = f64::MAX;
+    let wanted = "imu_up = \"z\"\nimu_forward = \"x\"";
+    for (acceleration, variances, is_used) in [
+        (FLAT, [0.0; 3], true),
+        (FLAT, [max, 0.0, 0.0], false),
+        (FLAT, [0.0, max, 0.0], false),
+        // one that measures the plane alone feels no gravity
+        ([0.1, 0.2, 0.0], [0.0, 0.0, max], true),
+        ([0.1, 0.2, 0.0], [0.0; 3], false),
+        ([0.0, 9.8, 0.0], [0.0; 3], false),
+        (FLAT, [-1.0, 0.0, 0.0], false),
+    ] {
+        let found = log(&[accelerometer(acceleration, variances)], wanted);
+        assert!(found.measures(Meaning::YawRate));
+        assert_eq!(
+            found.measures(Meaning::AccelerationForward),
+            is_used,
+            "{acceleration:?} {variances:?}"
+        );
+    }
+}
+
+#[test]
+fn stamps_ten_seconds_apart_are_of_one_clock() {
+    for (ahead, is_noted) in [(10_000_000_000, false), (10_000_000_001, true)] {
+        let mut shifted = joints("/joints", &["left"]);
+        shifted.3 = build::joint_state(build::header(ahead + 5, ""), &["left"], [&[], &[0.5], &[]]);
+        let found = log(&[shifted, imu("/imu", FLAT, [0.0; 3])], "");
+        assert_eq!(
+            found.notes().iter().any(|note| note.contains("10 s apart")),
+            is_noted,
+            "{:?}",
+            found.notes()
+        );
+    }
+}
+
+#[test]
+fn the_speed_of_an_odometry_needs_its_variance() {
+    assert_eq!(
+        readings(&log(&[odometry("/odom", 0.01)], "speed = \"/odom\"")),
+        [M::Speed {
+            forward: 0.7,
+            left: Some(0.1)
+        }]
+    );
+    assert_eq!(
+        readings(&log(&[odometry("/odom", f64::MAX)], "speed = \"/odom\"")),
+        []
+    );
+}
+
+/// Messages of JSON on one topic of that type.
+fn json(type_name: &str, texts: &[&str]) -> Vec<u8> {
+    let mut file = mcap::MAGIC.to_vec();
+    mcap::schema(&mut file, 1, type_name.as_bytes(), b"");
+    mcap::channel(&mut file, 1, 1, b"/cmd", b"json");
+    for (time, text) in (1..).zip(texts) {
+        mcap::message(&mut file, 1, time, text.as_bytes());
+    }
+    file
+}
+
+#[test]
+fn fields_of_messages_of_no_known_type() {
+    let field = |name: &str| {
+        format!(
+            "[[topics.field]]\ntopic = \"/cmd\"\nfield = \"{name}\"\nmeaning = \"wheel_count\"\nwheel = \"left\"\nunit = \"tick\"\n"
+        )
+    };
+    let texts = [
+        "{\"n\":5.0}",
+        "{\"n\":-2.0}",
+        "{\"n\":5.5}",
+        "{\"n\":9007199254740992.0}",
+        "{\"n\":7}",
+    ];
+    let found = readings(&over(json("demo/Ticks", &texts), &field("n")).unwrap());
+    let counts = [5_i64, -2, 7].map(|n| M::WheelCount {
+        wheel: 0,
+        raw: n.cast_unsigned(),
+    });
+    assert_eq!(found, counts);
+    let error = over(json("demo/Ticks", &texts), &field("m")).unwrap_err();
+    assert!(matches!(error, Error::NoField { .. }), "{error}");
+    // the first message that has a view counts
+    let twist = "{\"linear\":{\"x\":1,\"y\":0,\"z\":0},\"angular\":{\"x\":0,\"y\":0,\"z\":0}}";
+    let found = over(json(TWIST, &["{}", twist]), "").unwrap();
+    assert_eq!(used(&found), ["/cmd: commanded speed"]);
+    assert_eq!(
+        readings(&found),
+        [M::Command {
+            forward: 1.0,
+            left: 0.0
+        }]
+    );
+    // and the first of those
+    let max = f64::MAX;
+    let units = [imu("/imu", FLAT, [0.0; 3]), imu("/imu", FLAT, [max; 3])];
+    assert!(log(&units, "").measures(Meaning::YawRate));
+}
+
+#[test]
+fn what_is_left_out_is_that_of_one_reading() {
+    let mut bytes = json("demo/Ticks", &["{\"n\":5}", "{", "{"]);
+    mcap::record(&mut bytes, 5, &[1, 0, 0]);
+    let field = "[[topics.field]]\ntopic = \"/cmd\"\nfield = \"n\"\nmeaning = \"wheel_count\"\nwheel = \"left\"\nunit = \"tick\"\n";
+    let found = over(bytes, field).unwrap();
+    for _ in 0..2 {
+        found.samples(&[]).unwrap().for_each(drop);
+        let left_out = found.left_out();
+        // and the end that is missing
+        assert_eq!(
+            (left_out.undecoded, left_out.damages, left_out.bytes_lost),
+            (2, 2, 12)
+        );
+    }
+}
+
+fn channel(topic: &str, type_name: &str) -> Channel {
+    known::channel(topic, type_name).unwrap()
+}
+
+fn encoded(type_name: &str, value: &Value) -> Vec<u8> {
+    let text = known::definition(type_name).unwrap();
+    Definition::parse(type_name, &text)
+        .unwrap()
+        .encode(value)
+        .unwrap()
+}
+
+/// An intake of one topic of rates of the left wheel, and its number there.
+fn intake() -> (Intake, Option<usize>) {
+    let mut preview = Preview::new(&topics(""));
+    let joints_channel = channel("/joints", JOINTS);
+    let number = preview.channel(&joints_channel);
+    preview.push(number, &rate(5), 5);
+    let mut intake = preview.into_intake().unwrap();
+    let number = intake.channel(&joints_channel);
+    (intake, number)
+}
+
+/// A message with the rate of the left wheel, stamped with this time, ns.
+fn rate(time_ns: i64) -> Vec<u8> {
+    let value = build::joint_state(build::header(time_ns, ""), &["left"], [&[], &[0.5], &[]]);
+    encoded(JOINTS, &value)
+}
+
+fn times(intake: &mut Intake) -> Vec<i64> {
+    std::iter::from_fn(|| intake.pop_held())
+        .map(|sample: Sample| sample.time_ns)
+        .collect()
+}
+
+#[test]
+fn a_live_source_says_what_it_measures() {
+    let (mut live, number) = intake();
+    assert_eq!(live.wheels(), ["left", "right"]);
+    assert_eq!(live.channel(&channel("/other", JOINTS)), None);
+    let measures: &dyn Measures = &live;
+    assert_eq!(measures.wheels(), ["left", "right"]);
+    assert_eq!(
+        [Meaning::WheelRate, Meaning::WheelAngle].map(|meaning| measures.measures(meaning)),
+        [true, false]
+    );
+    assert_eq!(
+        ["left", "right"].map(|wheel| measures.measures_wheel(Meaning::WheelRate, wheel)),
+        [true, false]
+    );
+    assert_eq!(measures.position_sigma(), None);
+    assert!(live.notes().is_empty());
+    // what is no number of a channel, and what cannot be decoded
+    live.push(None, &rate(10), 10);
+    live.push(Some(1), &rate(10), 10);
+    assert_eq!(live.left_out().undecoded, 0);
+    for _ in 0..2 {
+        live.push(number, &[0, 1, 0, 0], 10);
+    }
+    assert_eq!(live.left_out().undecoded, 2);
+    live.push(number, &rate(20), 10);
+    assert_eq!(live.pop(), None);
+    assert_eq!(times(&mut live), [20]);
+    // a receiver's standard deviation is the median of its first fixes'
+    let mut preview = Preview::new(&topics(""));
+    let fixes = channel("/fix", "sensor_msgs/NavSatFix");
+    let number = preview.channel(&fixes);
+    for sigma in [0.05, 0.02, 0.03, 0.04, 0.01] {
+        let (_, kind, _, value) = fix("/fix", sigma * sigma);
+        preview.push(number, &encoded(kind, &value), 5);
+    }
+    let imu_number = preview.channel(&channel("/imu", IMU));
+    let (_, kind, _, value) = imu("/imu", [0.0; 3], [0.0; 3]);
+    preview.push(imu_number, &encoded(kind, &value), 5);
+    let found = preview.into_intake().unwrap();
+    assert!((Measures::position_sigma(&found).unwrap() - 0.03).abs() < 1e-12);
+    assert!(found.notes()[0].contains("neither transforms nor gravity"));
+}
+
+#[test]
+fn a_clock_that_is_set_back_is_followed_after_three_messages() {
+    let second = 1_000_000_000;
+    let after = |back: &[i64]| {
+        let (live, number) = intake();
+        let mut live = live.with_hold(Duration::from_millis(100));
+        live.push(number, &rate(100 * second), 0);
+        assert_eq!(times(&mut live), [100 * second]);
+        let mut found = Vec::new();
+        for by in back {
+            live.push(number, &rate(100 * second - by), 0);
+            found.extend(times(&mut live));
+        }
+        (found, live.left_out().late)
+    };
+    // a second is far
+    assert_eq!(after(&[second; 4]), (vec![99 * second; 2], 2));
+    assert_eq!(after(&[second - 1; 5]), (vec![], 5));
+    // stragglers alone, or with a good one between, show nothing
+    assert_eq!(after(&[second; 2]), (vec![], 2));
+    assert_eq!(
+        after(&[second, second, 0, second, second]),
+        (vec![100 * second], 4)
+    );
+    // nor do late ones, which are not counted
+    assert_eq!(
+        after(&[second, second, second - 1, second]),
+        (vec![99 * second], 3)
+    );
+}
+
+#[test]
+fn a_message_like_the_one_before_costs_no_allocation() {
+    let (mut live, number) = intake();
+    let messages: Vec<Vec<u8>> = (1..40).map(|time| rate(10 * time)).collect();
+    let mut take = |messages: &[Vec<u8>]| {
+        for message in messages {
+            live.push(number, message, 0);
+            assert!(live.pop_held().is_some());
+        }
+    };
+    take(&messages[..20]);
+    let memory = allocation_counter::measure(|| take(&messages[20..]));
+    assert_eq!(memory.count_total, 0);
+}
+
+#[test]
+fn a_preview_is_complete_with_what_is_named_and_wheels() {
+    let complete = |wanted: &str, pushed: &[Message], entered: &[(&str, &str)]| {
+        let mut preview = Preview::new(&topics(wanted));
+        for (topic, type_name) in entered {
+            preview.channel(&channel(topic, type_name));
+        }
+        for (topic, type_name, time, value) in pushed {
+            let number = preview.channel(&channel(topic, type_name));
+            preview.push(number, &encoded(type_name, value), time.cast_unsigned());
+        }
+        (preview.is_complete(), preview.into_intake().is_ok())
+    };
+    let wheels = joints("/joints", &["left"]);
+    let named = "yaw_rate = \"/imu\"";
+    let imu = imu("/imu", FLAT, [0.0; 3]);
+    assert_eq!(complete("", &[], &[]), (false, true));
+    assert_eq!(complete("", std::slice::from_ref(&imu), &[]), (false, true));
+    assert_eq!(
+        complete("", std::slice::from_ref(&wheels), &[]),
+        (true, true)
+    );
+    assert_eq!(
+        complete(named, std::slice::from_ref(&wheels), &[]),
+        (false, false)
+    );
+    // a topic without a message is not there
+    assert_eq!(
+        complete(named, std::slice::from_ref(&wheels), &[("/imu", IMU)]),
+        (false, false)
+    );
+    assert_eq!(
+        complete(named, &[wheels.clone(), imu.clone()], &[]),
+        (true, true)
+    );
+    let by_odometry = "wheel_odometry = \"/odom\"\nwheel_odometry_track_m = 0.5";
+    assert_eq!(
+        complete(by_odometry, &[odometry("/odom", 0.0)], &[]),
+        (true, true)
+    );
+    assert_eq!(complete(by_odometry, &[wheels], &[]), (false, false));
+    let field = "[[topics.field]]\ntopic = \"/imu\"\nfield = \"angular_velocity.z\"\nmeaning = \"yaw_rate\"\nunit = \"rad/s\"\n";
+    assert_eq!(complete(field, &[imu], &[]), (true, true));
+    let error = Preview::new(&topics(named))
+        .into_intake()
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(
+        error.starts_with("the messages: there are no messages of topic `/imu`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn topics_of_one_name_and_two_types_are_two() {
+    let mut preview = Preview::new(&topics(""));
+    let (_, _, _, twist) = twist("/cmd");
+    let number = preview.channel(&channel("/cmd", IMU));
+    preview.push(number, b"", 5);
+    let number = preview.channel(&channel("/cmd", TWIST));
+    preview.push(number, &encoded(TWIST, &twist), 5);
+    let found = preview.into_intake().unwrap();
+    assert_eq!(
+        found
+            .topics()
+            .map(|topic| topic.used_for)
+            .collect::<Vec<_>>(),
+        ["commanded speed"]
+    );
+}
+
+#[test]
+fn messages_are_looked_at_until_they_say_enough() {
+    // the 64th message may name joints, the 65th not
+    for (number, is_seen) in [(64, true), (65, false)] {
+        let mut all = vec![joints("/joints", &["left"]); number - 1];
+        all.push(joints("/joints", &["left", "right"]));
+        assert_eq!(
+            log(&all, "").measures_wheel(Meaning::WheelRate, "right"),
+            is_seen
+        );
+    }
+    // the 500th acceleration counts, the 501st does not
+    for (number, is_level) in [(500, false), (501, true)] {
+        let mut all = vec![imu("/imu", FLAT, [0.0; 3]); number - 1];
+        all.push(imu("/imu", [1e6, 0.0, 0.0], [0.0; 3]));
+        let found = log(&all, "");
+        assert_eq!(
+            used(&found)[0].ends_with("(by gravity)"),
+            is_level,
+            "{:?}",
+            used(&found)
+        );
+    }
+    // every transform does
+    let mut all = vec![transform("base_link", "camera", [0.0, 0.0, 0.0, 1.0]); 80];
+    all.push(transform("base_link", "imu_link", [0.0, 0.0, 0.0, 1.0]));
+    all.push(imu("/imu", FLAT, [0.0; 3]));
+    assert!(used(&log(&all, ""))[0].contains("by its transforms"));
+}
+
+/// Channels of a type with these messages: so many of the first, then one of the other.
+fn many(type_name: &'static str, first: &Value, count: usize, last: &Value) -> Intake {
+    let mut preview = Preview::new(&topics(""));
+    let number = preview.channel(&channel("/topic", type_name));
+    let (first, last) = (encoded(type_name, first), encoded(type_name, last));
+    for _ in 0..count {
+        preview.push(number, &first, 5);
+    }
+    preview.push(number, &last, 5);
+    preview.into_intake().unwrap()
+}
+
+#[test]
+fn twenty_thousand_messages_are_looked_at_for_a_fix_or_an_acceleration() {
+    let poor = fix("/topic", 100.0).3;
+    let good = fix("/topic", 1e-4).3;
+    for (count, is_used) in [(19_999, true), (20_000, false)] {
+        let found = many("sensor_msgs/NavSatFix", &poor, count, &good);
+        assert_eq!(found.topics().count(), usize::from(is_used));
+    }
+    let without = build::planar_imu(build::header(5, "imu_link"), Some(0.1), None);
+    let with = imu("/topic", [0.0, 9.8, 0.0], [0.0; 3]).3;
+    for (count, is_seen) in [(19_999, true), (20_000, false)] {
+        let found = many(IMU, &without, count, &with);
+        // of this gyro only z may be used, and gravity says y
+        assert_eq!(found.topics().count(), usize::from(!is_seen));
+    }
+}
+
+/// A file of these parts: joints, so many bytes that are of no use, an IMU's message.
+fn parts(order: &str, padding: usize) -> Vec<u8> {
+    let mut file = mcap::MAGIC.to_vec();
+    let mut declare = |id: u16, topic: &str, type_name: &str| {
+        let text = known::definition(type_name).unwrap_or_default();
+        let mut content = id.to_le_bytes().to_vec();
+        for part in [type_name.as_bytes(), b"ros2msg", text.as_bytes()] {
+            mcap::counted(&mut content, part);
+        }
+        mcap::record(&mut file, 3, &content);
+        mcap::channel(&mut file, id, id, topic.as_bytes(), b"cdr");
+    };
+    declare(1, "/joints", JOINTS);
+    declare(2, "/imu", IMU);
+    declare(3, "/junk", "demo/Junk");
+    for part in order.chars() {
+        match part {
+            'j' => mcap::message(&mut file, 1, 5, &rate(5)),
+            'i' => mcap::message(
+                &mut file,
+                2,
+                5,
+                &encoded(IMU, &imu("/imu", FLAT, [0.0; 3]).3),
+            ),
+            // up to this place in the file
+            _ => {
+                while file.len() < padding {
+                    let room = (padding - file.len()).min(1 << 20);
+                    let room = if padding - file.len() - room < 100 {
+                        padding - file.len()
+                    } else {
+                        room
+                    };
+                    mcap::message(&mut file, 3, 5, &vec![0; room - 31]);
+                }
+            }
+        }
+    }
+    file
+}
+
+/// So much of a file is looked at.
+const LOOK: usize = 64 << 20;
+
+fn has_yaw_rate(order: &str, padding: usize, wanted: &str) -> bool {
+    let log = over(parts(order, padding), wanted).unwrap();
+    log.measures(Meaning::YawRate)
+}
+
+#[test]
+fn the_first_64_mebibytes_are_looked_at() {
+    assert!(has_yaw_rate("j-i", 3 << 20, ""));
+    assert!(has_yaw_rate("j-i", LOOK, ""));
+}
+
+#[test]
+fn what_stands_behind_64_mebibytes_is_not() {
+    assert!(!has_yaw_rate("j-i", LOOK + 40, ""));
+}
+
+#[test]
+fn more_is_looked_at_while_a_topic_is_missing() {
+    assert!(has_yaw_rate("j-i", LOOK + 40, "yaw_rate = \"/imu\""));
+}
+
+#[test]
+fn more_is_looked_at_by_the_mebibyte() {
+    // the topic that was missing does not end it
+    assert!(has_yaw_rate("-ji", LOOK + 40, ""));
+}
+
+#[test]
+fn a_preview_of_a_file() {
+    let folder = crate::scratch::Folder::new("preview");
+    let path = folder.file("log.mcap", &file(&[joints("/joints", &["left"])]));
+    let mut preview = Preview::new(&topics(""));
+    preview.read(&path).unwrap();
+    assert!(preview.is_complete());
+    assert_eq!(Encoding::Cdr, channel("/a", IMU).encoding);
+}
