@@ -139,7 +139,9 @@ mod tests {
 
     fn row(ordered: &mut Ordered<u32>, time_ns: i64, records: &[u32]) {
         ordered.begin_row(time_ns).unwrap();
-        records.iter().for_each(|record| ordered.push(*record));
+        for record in records {
+            ordered.push(*record);
+        }
     }
 
     fn all(ordered: &mut Ordered<u32>) -> Vec<u32> {

@@ -162,6 +162,7 @@ fn a_name_may_be_the_beginning_of_one_here() {
 }
 
 #[test]
+#[allow(clippy::too_many_lines, reason = "one entry an error")]
 fn errors_say_where_and_what_to_do() {
     let cell = |column, name: Option<&str>| Cell {
         file: "a.csv".into(),

@@ -670,7 +670,7 @@ fn names_are_counted_with_their_metadata() {
     let mut pairs = Vec::new();
     for number in 0..64 {
         counted(&mut pairs, format!("key{number:02}").as_bytes());
-        counted(&mut pairs, &[b'a'; 1 << 16]);
+        counted(&mut pairs, &vec![b'a'; 1 << 16]);
     }
     let mut content = [1, 0, 1, 0].to_vec();
     counted(&mut content, b"/topic");

@@ -1,5 +1,6 @@
 //! Every meaning of a column as the reading that it becomes, and back from the messages that are written of it.
 
+use std::fmt::Write as _;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
 
 use grouser_files::columns::{self, Meaning};
@@ -21,7 +22,7 @@ fn readings(log: &Log) -> Vec<M> {
     samples.map(|sample| sample.unwrap().measurement).collect()
 }
 
-/// The readings of one row whose fields are 1, 2, 3 and so on; names of columns are those of the meanings.
+/// The readings of one row whose fields are 1, 2, 3 and so on; a wheel's name stands behind its meaning.
 fn of(meanings: &[(&str, &str)]) -> Vec<M> {
     let (mut names, mut row, mut columns) = (String::from("t"), String::from("0"), String::new());
     for (number, (meaning, unit)) in (1..).zip(meanings) {
@@ -29,11 +30,13 @@ fn of(meanings: &[(&str, &str)]) -> Vec<M> {
             .split_once('@')
             .map_or((*meaning, None), |(meaning, wheel)| (meaning, Some(wheel)));
         let wheel_key = wheel.map_or_else(String::new, |wheel| format!("wheel = \"{wheel}\", "));
-        columns += &format!(
-            "{{ column = \"c{number}\", meaning = \"{meaning}\", {wheel_key}unit = \"{unit}\" }},\n"
-        );
-        names += &format!(",c{number}");
-        row += &format!(",{number}");
+        writeln!(
+            columns,
+            "{{ column = \"c{number}\", meaning = \"{meaning}\", {wheel_key}unit = \"{unit}\" }},"
+        )
+        .unwrap();
+        write!(names, ",c{number}").unwrap();
+        write!(row, ",{number}").unwrap();
     }
     let table = Cursor::new(format!("{names}\n{row}\n"));
     let log = Log::over(
@@ -47,6 +50,7 @@ fn of(meanings: &[(&str, &str)]) -> Vec<M> {
 }
 
 #[test]
+#[allow(clippy::too_many_lines, reason = "one entry a meaning")]
 fn every_meaning_is_a_reading() {
     let wheels = [
         ("wheel_count@a", "tick"),
