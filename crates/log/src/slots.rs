@@ -69,11 +69,8 @@ impl Slots {
                     .map(|(y, yaw)| Slot::Pose(own, y, yaw)),
                 Meaning::SpeedForward => Some(Slot::Speed(own, part(Meaning::SpeedLeft))),
                 Meaning::CommandForward => Some(Slot::Command(own, part(Meaning::CommandLeft))),
-                meaning if meaning.is_of_a_wheel() => {
-                    wheel().map(|wheel| Slot::Wheel(meaning, wheel, own))
-                }
-                // Second parts of the above.
-                _ => None,
+                // second parts of the above have no wheel
+                meaning => wheel().map(|wheel| Slot::Wheel(meaning, wheel, own)),
             };
             slots.extend(slot);
         }

@@ -259,6 +259,12 @@ mod tests {
         fs::write(path(1), "").unwrap();
         assert!(!input.ends_at(3));
         assert_eq!(input.length().unwrap(), 3, "not before it has begun");
+        // its writer begins it anew
+        fs::remove_file(path(1)).unwrap();
+        fs::write(folder.join("held"), "another file in its place").unwrap();
+        fs::write(path(1), "defgh").unwrap();
+        assert_eq!(input.length().unwrap(), 8);
+        fs::remove_file(path(1)).unwrap();
         let mut input = SplitRecording::open(&path(0)).unwrap();
         fs::write(path(1), "defgh").unwrap();
         fs::write(path(2), "ijk").unwrap();

@@ -571,6 +571,16 @@ fn stamps_ten_seconds_apart_are_of_one_clock() {
             found.notes()
         );
     }
+    // whenever they were recorded
+    let mut later = imu("/imu", FLAT, [0.0; 3]);
+    later.2 = 30_000_000_000;
+    later.3 = build::planar_imu(build::header(30_000_000_000, "imu_link"), Some(0.1), None);
+    let found = log(&[joints("/joints", &["left"]), later], "");
+    assert!(
+        !found.notes().iter().any(|note| note.contains("s apart")),
+        "{:?}",
+        found.notes()
+    );
 }
 
 #[test]
@@ -706,6 +716,8 @@ fn a_live_source_says_what_it_measures() {
         [true, false]
     );
     assert_eq!(measures.position_sigma(), None);
+    let fixes = log(&[fix("/fix", 0.0625)], "");
+    assert_eq!(Measures::position_sigma(&fixes), Some(0.25));
     assert!(live.notes().is_empty());
     // what is no number of a channel, and what cannot be decoded
     live.push(None, &rate(10), 10);
@@ -791,7 +803,14 @@ fn a_preview_is_complete_with_what_is_named_and_wheels() {
             let number = preview.channel(&channel(topic, type_name));
             preview.push(number, &encoded(type_name, value), time.cast_unsigned());
         }
-        (preview.is_complete(), preview.into_intake().is_ok())
+        let is_complete = preview.is_complete();
+        let missing = preview.into_intake().err();
+        assert!(
+            missing
+                .iter()
+                .all(|error| matches!(error, Error::NoNamedTopic { .. }))
+        );
+        (is_complete, missing.is_none())
     };
     let wheels = joints("/joints", &["left"]);
     let named = "yaw_rate = \"/imu\"";
@@ -949,6 +968,8 @@ fn parts(order: &str, padding: usize) -> Vec<u8> {
             }
         }
     }
+    mcap::record(&mut file, 2, &[0; 20]);
+    file.extend(mcap::MAGIC);
     file
 }
 

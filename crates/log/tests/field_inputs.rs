@@ -303,3 +303,33 @@ fn one_axis_of_an_accelerometer_is_a_measurement() {
         "{found:?}"
     );
 }
+
+#[test]
+fn files_of_one_clock_may_be_far_apart() {
+    let folder = Folder::new("one-clock");
+    let row = |k: i64| imu(k * SECOND_NS, [0.0, 0.0, 0.1], [0.0, 0.0, 9.8]);
+    let files = [(0, 1), (1, 200)].map(|(number, second)| {
+        write(&folder.0.join(format!("run_{number}.mcap")), &[row(second)])
+    });
+    let table = |seconds: &[i64]| {
+        let rows = seconds.iter().map(|second| format!("{second},1.0\n"));
+        let text = format!("t,left\n{}", rows.collect::<String>());
+        folder.file("wheels.csv", text.as_bytes())
+    };
+    let time = "time = { column = \"t\", unit = \"s\" }";
+    let count = |paths: &[std::path::PathBuf]| {
+        let map = map(&format!("file = \"wheels.csv\"\n{time}\n{WHEEL}"));
+        let log = Log::find_any(paths, Some(map), &robot("").topics).unwrap();
+        let samples = log.samples(&[]).unwrap();
+        samples
+            .collect::<Result<Vec<Sample>, Error>>()
+            .map(|all| all.len())
+            .ok()
+    };
+    // the second file of the recording begins long after the table's end
+    let [first, second] = files;
+    assert_eq!(count(&[table(&[0]), first, second.clone()]), Some(3));
+    // a recording begins long after a row of the table, which goes on
+    assert_eq!(count(&[table(&[0, 1000]), second.clone()]), Some(3));
+    assert_eq!(count(&[table(&[0]), second]), None);
+}

@@ -127,10 +127,10 @@ impl Preview {
         let mut container = Container::of(source)?;
         self.files.push(source.name());
         let mut channels = BTreeMap::new();
-        let mut looked = 0;
+        let mut looked = LOOK_BYTES;
         loop {
             let offset = container.offset();
-            if offset > LOOK_BYTES && offset > looked {
+            if offset > looked {
                 // Not for every message: a chunk at a time.
                 looked = offset + (1 << 20);
                 if self.is_complete() {

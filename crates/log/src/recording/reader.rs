@@ -70,12 +70,9 @@ impl RecordingReader {
                 intake.push(*channel, message.data, message.log_time_ns);
             }
         }
-        let offset = self.container.offset();
-        if offset > self.counted {
-            self.read
-                .fetch_add(offset - self.counted, Ordering::Relaxed);
-            self.counted = offset;
-        }
+        let more = self.container.offset().saturating_sub(self.counted);
+        self.read.fetch_add(more, Ordering::Relaxed);
+        self.counted += more;
     }
 }
 
