@@ -647,25 +647,6 @@ fn channels_have_a_limit() {
 }
 
 #[test]
-fn all_files_that_stand_behind_each_other_have_so_many_channels() {
-    let mut file = MAGIC.to_vec();
-    numbered(&mut file, 0..8191);
-    finish(&mut file);
-    file.extend(MAGIC);
-    // one more, one that is known, and one too many
-    for (id, topic) in [(0, 8191), (1, 5), (2, 8192)] {
-        channel(&mut file, id, 0, format!("/{topic}").as_bytes(), b"json");
-    }
-    for id in 0..2 {
-        message(&mut file, id, 5, b"");
-    }
-    finish(&mut file);
-    let (times, damages) = found(&file);
-    assert_eq!((times, damages.len()), (vec![5, 5], 1));
-    assert_eq!(damages[0].3, TOO_MANY);
-}
-
-#[test]
 fn names_are_counted_with_their_metadata() {
     let mut pairs = Vec::new();
     for number in 0..64 {
@@ -868,4 +849,29 @@ fn a_summary_is_believed_where_it_is_whole() {
         summary.extend(&declared);
         assert_eq!(is_believed(&summary, None, same), more == 0);
     }
+}
+
+#[test]
+fn a_chunk_that_declares_all_the_room_takes_it() {
+    // three chunks without content: each declares as much as one may, which is more than what is left for the last
+    let mut great = Vec::new();
+    chunk(&mut great, Packing::Zstd, b"");
+    let length = begin().len() + 3 * great.len() + 9 + 20 + MAGIC.len();
+    let most = (32 << 20) + length / 2;
+    let mut file = begin();
+    great[9 + 16..9 + 24].copy_from_slice(&(most as u64).to_le_bytes());
+    file.extend(great.repeat(3));
+    let end = file.len();
+    finish(&mut file);
+    assert_eq!(file.len(), length);
+    let damages = found(&file).1;
+    let left = (64 << 20) + 256 * end - 2 * most;
+    assert_eq!(
+        damages[1].3,
+        format!("the chunk holds 0 bytes, but declares {most}")
+    );
+    assert_eq!(
+        damages[2].3,
+        format!("the chunk declares {most} bytes, more than the limit of {left}")
+    );
 }
