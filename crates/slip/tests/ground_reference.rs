@@ -281,29 +281,6 @@ fn a_reference_between_rows_of_the_wheels_waits_for_the_next() {
     assert!(rmse < 0.005, "{rmse}");
 }
 
-/// Slip that has changed since the last row of the wheels is in the way of that step already.
-#[test]
-fn slip_changes_within_a_step_of_seldom_read_wheels() {
-    let rmse = rmse_of_drives(|seed| {
-        Drive {
-            seconds: 14.0,
-            speed: &|time| start(time, 1.0, 0.8),
-            slip: &|time| if time < 10.03 { 0.1 } else { 0.4 },
-            ticks_per_turn: 1000.0,
-            row_steps: 20,
-            reference_steps: 20,
-            has_poses: true,
-            sigma: 0.01,
-            late_s: 0.0,
-            has_accelerometer: false,
-            seed,
-        }
-        .rmse(10.3, 12.0)
-    });
-    println!("a jump between rows at 5 Hz: {rmse:.4}");
-    assert!(rmse < 0.07, "{rmse}");
-}
-
 /// A car that hardly moves in a bend has rims whose turn is not the robot's over its share in their speed: by that, the rims seemed
 /// to run forwards when they turned back, and the slip stayed at 1 for as long as the bend.
 #[test]

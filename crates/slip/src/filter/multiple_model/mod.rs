@@ -18,7 +18,6 @@ use model::{DRIFT, HEADING, Model, SLIP, STATES, Since, Step, TURN_ERROR, X, Y};
 pub(super) use model::{MIN_RIM_SHARE, Rim, TurnError};
 use reference_noise::{Errors, ReferenceNoise};
 
-use crate::history::whole;
 use crate::speed::Measured;
 
 /// Process noise densities of slip of the lone models, 1/√s: from firm ground to a wheel that breaks away; set by the profiles
@@ -36,9 +35,6 @@ const ROLLING_BIAS_NOISE: f64 = 0.1;
 /// How often slip jumps from one steady value to another, 1/s: once in 100 s. Twice as often finds the jumps of `known_truth` earlier
 /// by 3 % of RMSE, and takes an outlier for one so often that steady slip has more error than a trailing mean.
 const JUMPS_PER_S: f64 = 0.01;
-/// A longer step is predicted in parts, s, and at most in so many: readings of the rims a second apart.
-const MAX_PART_S: f64 = 0.025;
-const MAX_PARTS: i64 = 40;
 const GROUPS: usize = LONE_SLIP_NOISE.len() + 4;
 /// Memory of a group's evidence, s. Over logs of an independent world half as long a memory costs 2 % of RMSE, and one of 40 s
 /// costs where the ground changes.
@@ -219,9 +215,6 @@ impl MultipleModel {
         let begins = is_inertial && !self.was_inertial;
         self.was_inertial = is_inertial;
         let before = self.mean;
-        // a change of slip within a part is in the way of the next part
-        let count = whole(wheels.dt / MAX_PART_S).clamp(0, MAX_PARTS - 1) + 1;
-        let parts = count as f64;
         for group in &mut self.groups {
             if begins {
                 group.each(|model| model.follow_rim(rim));
@@ -230,20 +223,17 @@ impl MultipleModel {
                 group.each(|model| model.restart_turn_error(wheels.turn_error.sigma));
             }
             let uses = is_inertial && group.is_inertial;
-            let mut step = Step {
-                dt: wheels.dt / parts,
-                rim_way: wheels.rim_way / parts,
+            let step = Step {
+                dt: wheels.dt,
+                rim_way: wheels.rim_way,
                 direction: wheels.direction,
-                turn: wheels.turn / parts,
+                turn: wheels.turn,
                 turn_error: wheels.turn_error,
                 removed,
                 acceleration: wheels.acceleration.filter(|_| uses),
             };
-            for _ in 0..count {
-                group.mix(step.dt);
-                group.each(|model| model.predict(&step));
-                step.removed = 0.0;
-            }
+            group.mix(wheels.dt);
+            group.each(|model| model.predict(&step));
             if uses {
                 group.weigh(|model| model.tie(rim));
             }
