@@ -901,7 +901,7 @@ fn messages_are_looked_at_until_they_say_enough() {
     assert!(used(&log(&all, ""))[0].contains("by its transforms"));
 }
 
-/// Channels of a type with these messages: so many of the first, then one of the other.
+/// A channel with the given number of messages of the first value, and then one of the other.
 fn many(type_name: &'static str, first: &Value, count: usize, last: &Value) -> Intake {
     let mut preview = Preview::new(&topics(""));
     let number = preview.channel(&channel("/topic", type_name));

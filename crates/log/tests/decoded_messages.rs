@@ -7,7 +7,7 @@ use grouser_log::{Clock, Messages};
 use crate::scratch::Folder;
 use crate::written::mcap;
 
-/// A file of messages `uint8[] a` that take so many bytes, at these times.
+/// A file of messages `uint8[] a` with the given sizes (bytes) and times.
 fn bytes(messages: &[(u64, usize)]) -> Vec<u8> {
     let mut file = mcap::MAGIC.to_vec();
     mcap::schema(&mut file, 1, b"a/A", b"uint8[] a\n");

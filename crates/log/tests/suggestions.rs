@@ -239,7 +239,7 @@ fn the_whole_file_for_a_table() {
         "    { column = \"yaw_rate\", meaning = \"yaw_rate\", unit = \"rad/s\" },\n]\n",
     ];
     assert_eq!(for_table("run*.csv", text), expected.concat());
-    // what is usual is not said; counters that do not wrap are asked for
+    // defaults are left out; a counter that does not wrap is stated
     let text = for_table("a", "t\tleft_ticks\n0\t1\n1\t2\n");
     assert_eq!(values(&text, "separator"), ["\"tab\""]);
     assert_eq!(values(&text, "counter_bits"), ["64"]);

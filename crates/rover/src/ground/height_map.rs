@@ -31,9 +31,9 @@ pub struct HeightMap {
     unknown: Vec<bool>,
 }
 
-/// 1.5 · 2⁵², whose neighbours are whole numbers: a sum with it is one, in the low bits. Conversions take longer, as they
-/// allow for what does not fit.
-const WHOLE: f64 = 6_755_399_441_055_744.0;
+/// Dimensionless, 1.5 · 2⁵²: doubles beside it are 1 apart (IEEE 754), so that a sum with it is rounded to a whole number, which its low
+/// bits hold. Conversions take longer, as they allow for what does not fit.
+const ROUNDING_SUMMAND: f64 = 6_755_399_441_055_744.0;
 
 /// The cell around a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -285,13 +285,17 @@ impl HeightMap {
         let inside = at[0] >= 0.0 && at[0] <= last[0] && at[1] >= 0.0 && at[1] <= last[1];
         let at: [f64; 2] = std::array::from_fn(|i| at[i].max(0.0).min(last[i]));
         // rounded to even: on a node it is this one or the one before, with the share 1
-        let below: [f64; 2] =
-            std::array::from_fn(|i| ((at[i] - 0.5) + WHOLE).min(last[i] - 1.0 + WHOLE));
+        let below: [f64; 2] = std::array::from_fn(|i| {
+            ((at[i] - 0.5) + ROUNDING_SUMMAND).min(last[i] - 1.0 + ROUNDING_SUMMAND)
+        });
         let [column, row] = below.map(|below| below.to_bits() as u32 as usize);
         Corner {
             index: row * self.columns + column,
             columns: self.columns,
-            share: (at[0] - (below[0] - WHOLE), at[1] - (below[1] - WHOLE)),
+            share: (
+                at[0] - (below[0] - ROUNDING_SUMMAND),
+                at[1] - (below[1] - ROUNDING_SUMMAND),
+            ),
             inside,
         }
     }
