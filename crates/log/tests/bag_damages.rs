@@ -3,20 +3,7 @@
 use grouser_log::container::{Container, Event};
 
 use crate::written::bag::{MAGIC, bag_header, connection, message, record};
-use crate::written::{Packing, read};
-
-/// Times of the messages that are read, and each damage: where, how many bytes and messages, why.
-type Found = (Vec<u64>, Vec<(usize, usize, Option<u64>, String)>);
-
-fn found(bytes: &[u8]) -> Found {
-    let (rows, damages) = read(bytes.to_vec()).unwrap();
-    let damages = damages.into_iter().map(|damage| {
-        let place = usize::try_from(damage.offset).unwrap();
-        let bytes = usize::try_from(damage.bytes).unwrap();
-        (place, bytes, damage.messages, damage.what)
-    });
-    (rows.iter().map(|row| row.2).collect(), damages.collect())
-}
+use crate::written::{Packing, found};
 
 /// A chunk of one connection with messages of these times.
 fn content(times: &[u64], data: &[u8]) -> Vec<u8> {

@@ -5,20 +5,7 @@ use std::io::Cursor;
 use grouser_log::container::{Container, Event, Format};
 
 use crate::written::mcap::{MAGIC, channel, chunk, counted, message, record, schema};
-use crate::written::{Packing, read};
-
-/// Times of the messages that are read, and each damage: where, how many bytes and messages, why.
-type Found = (Vec<u64>, Vec<(usize, usize, Option<u64>, String)>);
-
-fn found(bytes: &[u8]) -> Found {
-    let (rows, damages) = read(bytes.to_vec()).unwrap();
-    let damages = damages.into_iter().map(|damage| {
-        let place = usize::try_from(damage.offset).unwrap();
-        let bytes = usize::try_from(damage.bytes).unwrap();
-        (place, bytes, damage.messages, damage.what)
-    });
-    (rows.iter().map(|row| row.2).collect(), damages.collect())
-}
+use crate::written::{Packing, found, read};
 
 fn lost(place: usize, bytes: usize, what: &str) -> (usize, usize, Option<u64>, String) {
     (place, bytes, None, what.to_owned())

@@ -204,3 +204,16 @@ pub(crate) fn cases(count: usize, step: usize) -> impl Iterator<Item = usize> {
     let step = if all { 1 } else { step | 1 };
     (0..count).step_by(step)
 }
+
+/// Times of the messages that are read, and each damage: where, how many bytes and messages, why.
+pub(crate) type Found = (Vec<u64>, Vec<(usize, usize, Option<u64>, String)>);
+
+pub(crate) fn found(bytes: &[u8]) -> Found {
+    let (rows, damages) = read(bytes.to_vec()).unwrap();
+    let damages = damages.into_iter().map(|damage| {
+        let place = usize::try_from(damage.offset).unwrap();
+        let bytes = usize::try_from(damage.bytes).unwrap();
+        (place, bytes, damage.messages, damage.what)
+    });
+    (rows.iter().map(|row| row.2).collect(), damages.collect())
+}
