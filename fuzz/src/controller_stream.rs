@@ -33,6 +33,7 @@ pub fn run(bytes: &[u8]) {
     settings.decides = match bytes.u8() % 4 {
         0 => Decides::Nothing,
         1 => Decides::Stops,
+        2 => Decides::BacksOut,
         _ => Decides::Everything,
     };
     let max_traction = settings.max_traction;

@@ -46,7 +46,7 @@ pub fn run(bytes: &[u8]) {
     control.decides = [
         Decides::Nothing,
         Decides::Stops,
-        Decides::Everything,
+        Decides::BacksOut,
         Decides::Everything,
     ][usize::from(flags % 4)];
     given.control = control;

@@ -380,6 +380,33 @@ fn on_the_level_it_drives_round_what_it_dug_into_and_further_with_every_try() {
 }
 
 #[test]
+fn what_backs_out_alone_then_goes_on_as_requested_as_often_as_it_takes() {
+    let mut settings = settings();
+    (settings.decides, settings.progress) = (Decides::BacksOut, 1e3);
+    let mut open = OpenLoop::new(&settings);
+    open.step();
+    for _ in 0..2 * settings.max_attempts {
+        dig(&mut open);
+        let end = (Action::Resume, Reason::BackedOut);
+        let (steps, way, length) = back_out(&mut open, 0.1, end);
+        assert!(at(steps, 1000), "{steps}");
+        assert!((way - 1.0).abs() < 2e-3 && close(length, 1.0), "{way}");
+        assert_eq!(open.controller.mode(), Mode::Forward);
+        assert!(close(open.step().heading, 0.0));
+    }
+    // a robot that cannot back out has ended its drive
+    dig(&mut open);
+    let stuck = (Action::End(Ending::Immobilised), Reason::NoProgress);
+    back_out(&mut open, 0.0, stuck);
+    // on a slope it does not turn aside
+    let mut open = OpenLoop::new(&settings);
+    open.pitch = Some(-0.2);
+    open.step();
+    open.each(|wheel| wheel.slip = Some(1.0));
+    open.until(Action::BackOut, Reason::DiggingIn);
+}
+
+#[test]
 fn progress_forgets_attempts_and_detours() {
     // attempts are forgotten after 1.5 m ahead, sides and widths after 4 m
     for (metres, detour) in [(1.0, Some(1)), (2.0, Some(1)), (4.2, Some(0))] {

@@ -125,8 +125,14 @@ struct Seen {
 }
 
 /// The modes that may follow each other.
-fn is_allowed(from: Mode, to: Mode) -> bool {
+fn is_allowed(decides: Decides, from: Mode, to: Mode) -> bool {
     use Mode::{BackOut, Detour, Forward, Stopped, Traverse};
+    if decides == Decides::BacksOut {
+        return matches!(
+            (from, to),
+            (Forward, BackOut | Stopped) | (BackOut, Forward | Stopped)
+        );
+    }
     matches!(
         (from, to),
         (Forward, Traverse | BackOut | Stopped)
@@ -204,7 +210,8 @@ impl Drive {
         let (mode, heading, decision) = (output.mode, output.heading, output.decision);
         // transitions, and a finite reason for each decision
         if mode != self.mode {
-            assert!(is_allowed(self.mode, mode), "{:?} to {mode:?}", self.mode);
+            let allowed = is_allowed(settings.decides, self.mode, mode);
+            assert!(allowed, "{:?} to {mode:?}", self.mode);
             seen.transitions.insert((self.mode, mode));
         }
         if settings.decides == Decides::Stops {
@@ -330,7 +337,7 @@ fn every_sequence_of_behaviours_keeps_the_promises_and_reaches_every_transition(
     ];
     for from in modes {
         for to in modes {
-            let can = from != to && is_allowed(from, to);
+            let can = from != to && is_allowed(Decides::Everything, from, to);
             assert_eq!(
                 seen.transitions.contains(&(from, to)),
                 can,
@@ -349,5 +356,22 @@ fn a_controller_that_decides_stops_alone_only_stops() {
     assert_eq!(
         seen.transitions.into_iter().collect::<Vec<_>>(),
         [(Mode::Forward, Mode::Stopped)]
+    );
+}
+
+#[test]
+fn a_controller_that_only_backs_out_goes_on_as_requested() {
+    let mut settings = settings();
+    settings.decides = Decides::BacksOut;
+    let mut seen = Seen::default();
+    search(&Drive::new(&settings), 4, &mut Vec::new(), &mut seen);
+    assert_eq!(
+        seen.transitions.into_iter().collect::<Vec<_>>(),
+        [
+            (Mode::Forward, Mode::BackOut),
+            (Mode::Forward, Mode::Stopped),
+            (Mode::BackOut, Mode::Forward),
+            (Mode::BackOut, Mode::Stopped),
+        ]
     );
 }

@@ -323,6 +323,7 @@ impl Drive {
         match self.kind.decides {
             Decides::Nothing => assert_eq!(mode, Mode::Forward),
             Decides::Stops => assert!(matches!(mode, Mode::Forward | Mode::Stopped)),
+            Decides::BacksOut => assert!(!matches!(mode, Mode::Traverse | Mode::Detour)),
             _ => {}
         }
         if let Some(decision) = self.on_board.decision() {
@@ -371,12 +372,17 @@ fn wheel_of(noise: &mut Noise) -> usize {
     (noise.bits() % 6) as usize
 }
 
-const DECIDES: [Decides; 3] = [Decides::Everything, Decides::Stops, Decides::Nothing];
+const DECIDES: [Decides; 4] = [
+    Decides::Everything,
+    Decides::BacksOut,
+    Decides::Stops,
+    Decides::Nothing,
+];
 
 fn kinds() -> impl Iterator<Item = (u64, Kind)> {
     (0..RUNS).map(|seed| {
         let kind = Kind {
-            decides: DECIDES[[0, 0, 0, 1, 2][(seed % 5) as usize]],
+            decides: DECIDES[[0, 0, 1, 2, 3][(seed % 5) as usize]],
             start_policy: if seed % 7 == 0 {
                 StartPolicy::Off
             } else {

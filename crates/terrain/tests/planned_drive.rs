@@ -62,3 +62,12 @@ fn a_hidden_soft_patch_is_learnt_and_driven_round() {
         assert!(is_soft || tile.steepest > 0.2, "{tile:?}");
     }
 }
+
+#[test]
+fn a_drive_that_is_over_before_the_goal_has_not_arrived() {
+    let mut scenario = scenario();
+    scenario.duration = 8.0;
+    let driven = driven(&scenario);
+    assert_eq!(driven.result.outcome, Outcome::TimeOut);
+    assert!(driven.to_goal > 5.0, "{}", driven.to_goal);
+}

@@ -121,8 +121,9 @@ fn read(
         legs.push(Leg {
             speed: plan.speed,
             heading: Real::atan2(plan.goal.1 - start.1, plan.goal.0 - start.0),
+            // its navigator says when it has arrived
             distance: None,
-            duration: Some(duration),
+            duration: None,
         });
     }
     let usual = Scenario::new(root.text("title")?, (robot_file, robot), ground, duration);

@@ -425,7 +425,7 @@ impl Scenario {
             });
         }
         for leg in &self.legs {
-            if leg.distance.is_none() && leg.duration.is_none() {
+            if self.plan.is_none() && leg.distance.is_none() && leg.duration.is_none() {
                 return Err(Error::Missing {
                     of: format!("a [[leg]] of {of}"),
                     what: "`distance_m` or `duration_s`".into(),

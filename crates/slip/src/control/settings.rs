@@ -17,7 +17,10 @@ pub enum Decides {
     Nothing,
     /// It ends the drive where the sensors fall silent or the robot leans too far, and changes no direction.
     Stops,
-    /// It also backs out, traverses, makes detours, and ends a drive without progress.
+    /// It also backs out of ground that is softer than the known soil or holds the robot, and goes on as requested: what
+    /// requests can plan another way meanwhile, as long as it takes. A robot that cannot back out ends the drive.
+    BacksOut,
+    /// It also traverses, makes detours, and ends a drive without progress.
     #[default]
     Everything,
 }

@@ -5,7 +5,7 @@
 
 use grouser_rover::drive::{DriveResult, Frame, Outcome, Pilot, Scenario, Simulation};
 use grouser_rover::ground::HeightMap;
-use grouser_slip::control::{Decides, Request};
+use grouser_slip::control::{Decides, Mode, Request};
 use grouser_slip::{Health, Measurement};
 
 use super::believed_map::MissionSettings;
@@ -26,10 +26,6 @@ const LOOK_AHEAD_M: f64 = 1.2;
 const GOAL_RADIUS_M: f64 = 0.5;
 /// Further off its heading than this a robot turns rather than travels, rad: nothing is learnt then.
 const ON_COURSE_RAD: f64 = 0.25;
-/// A robot that makes less than this share of the requested speed for `HELD_TIME_S` does not come on.
-const HELD_SPEED_SHARE: f64 = 0.25;
-/// Twice the time that the controller calls digging.
-const HELD_TIME_S: f64 = 2.0;
 /// How far it backs out, m, and how long it tries, s.
 const BACK_LENGTH_M: f64 = 1.0;
 /// Where no way leads on from there, it backs out further, to have room to turn, up to this length, m.
@@ -43,7 +39,7 @@ const FIX_GAIN: f64 = 0.2;
 const MAX_PLANS: usize = 200;
 /// How often a robot may be held before it stops.
 const MAX_HELD: u32 = 12;
-/// A robot that does not come on has spent seconds to find out.
+/// Ground that is soft or holds the robot weighs as much as this many metres of way.
 const HELD_WEIGHT: f64 = 4.0;
 
 /// What came of a drive that planned its way.
@@ -105,7 +101,6 @@ struct Aboard {
     speed: f64,
     phase: Phase,
     sums: Sums,
-    held_since: Option<f64>,
     held: u32,
     /// The course on which the robot came within the goal's radius, rad: towards a point under the robot there is none.
     last_course: Option<f64>,
@@ -124,8 +119,8 @@ pub fn drive(
 ) -> Result<PlannedDrive> {
     let plan = scenario.plan.ok_or(Error::NoPlan)?;
     let mut own = scenario.clone();
-    // the navigator decides: two supervisors would contradict each other
-    own.control.decides = Decides::Nothing;
+    // which way leads on is the navigator's to decide
+    own.control.decides = Decides::BacksOut;
     let mut simulation = Simulation::new(&own, Pilot::Controller, optimum, seed)?;
     let mut aboard = Aboard::new(scenario, simulation.ground().map())?;
     let start = (scenario.start.0, scenario.start.1);
@@ -219,7 +214,6 @@ impl Aboard {
             speed: plan.speed,
             phase: Phase::Follow,
             sums: Sums::default(),
-            held_since: None,
             held: 0,
             last_course: None,
         })
@@ -246,7 +240,17 @@ impl Aboard {
         let on_board = simulation.on_board();
         let heading = on_board.attitude().heading();
         let step = self.advance(&on_board.estimate().body.odometry, fix);
-        let request = match self.phase {
+        // ground that is soft or holds the robot: the controller drives back the way the robot came
+        let is_held = on_board.mode() == Mode::BackOut;
+        let request = match &mut self.phase {
+            Phase::Follow if is_held => {
+                if self.last_course.is_some() {
+                    return Ok(Some(Outcome::Arrived));
+                }
+                self.learn(true, heading)?;
+                self.back_out(now, heading);
+                self.request(heading)
+            }
             Phase::Follow => {
                 let course = self.course();
                 let course = if distance(self.place, self.goal) < GOAL_RADIUS_M {
@@ -259,30 +263,20 @@ impl Aboard {
                     return Ok(Some(Outcome::Arrived));
                 }
                 let is_on_course = turn(course - heading).abs() < ON_COURSE_RAD;
-                let is_settled = now > SETTLING_TIME_S;
-                let is_held = self.look(simulation, step, (now, is_on_course && is_settled))?;
-                if is_held && self.last_course.is_some() {
-                    return Ok(Some(Outcome::Arrived));
-                }
+                self.look(simulation, step, is_on_course && now > SETTLING_TIME_S)?;
                 // where no way leads on, the robot goes back to where it has room to turn
-                let goes_back = is_held
-                    || self.learns
-                        && self.navigator.has_changed()
-                        && self.replan(heading, false)?.is_some();
-                if goes_back {
-                    self.held += 1;
-                    self.phase = Phase::BackOut {
-                        from: self.place,
-                        since: now,
-                        heading,
-                        length: BACK_LENGTH_M,
-                    };
+                if self.learns
+                    && self.navigator.has_changed()
+                    && self.replan(heading, false)?.is_some()
+                {
+                    self.back_out(now, heading);
                 }
-                Request {
-                    speed: self.speed,
-                    heading: course,
-                    yaw_rate: None,
-                }
+                self.request(course)
+            }
+            Phase::BackOut { since, heading, .. } if is_held => {
+                *since = now;
+                let heading = *heading;
+                self.request(heading)
             }
             Phase::BackOut {
                 from,
@@ -290,25 +284,20 @@ impl Aboard {
                 heading,
                 length,
             } => {
-                if distance(self.place, from) >= length {
-                    self.held_since = None;
+                let heading = *heading;
+                if distance(self.place, *from) >= *length {
                     self.sums = Sums::default();
                     if !self.learns || self.held > MAX_HELD {
                         return Ok(Some(Outcome::NoWay));
                     }
+                    let is_last = *length >= MAX_BACK_LENGTH_M;
+                    (*since, *length) = (now, *length + BACK_LENGTH_M);
                     match self.replan(heading, true)? {
                         None => self.phase = Phase::Follow,
-                        Some(_) if length < MAX_BACK_LENGTH_M => {
-                            self.phase = Phase::BackOut {
-                                from,
-                                since: now,
-                                heading,
-                                length: length + BACK_LENGTH_M,
-                            };
-                        }
-                        Some(end) => return Ok(Some(end)),
+                        Some(end) if is_last => return Ok(Some(end)),
+                        Some(_) => {}
                     }
-                } else if now - since > MAX_BACK_TIME_S {
+                } else if now - *since > MAX_BACK_TIME_S {
                     return Ok(Some(Outcome::Immobilised));
                 }
                 Request {
@@ -320,6 +309,26 @@ impl Aboard {
         };
         simulation.set_request(request)?;
         Ok(None)
+    }
+
+    /// The way on is barred: back, to plan anew from there.
+    fn back_out(&mut self, since: f64, heading: f64) {
+        self.held += 1;
+        self.phase = Phase::BackOut {
+            from: self.place,
+            since,
+            heading,
+            length: BACK_LENGTH_M,
+        };
+    }
+
+    /// Ahead on a heading, rad.
+    const fn request(&self, heading: f64) -> Request {
+        Request {
+            speed: self.speed,
+            heading,
+            yaw_rate: None,
+        }
     }
 
     /// Moves the place by odometry, and towards a fix; gives the way since the last period, m.
@@ -362,17 +371,11 @@ impl Aboard {
         distance(self.place, self.way[self.next + 1]) < distance(self.place, self.way[self.next])
     }
 
-    /// Sums up a reading and learns from it; true where the robot does not come on.
-    fn look(
-        &mut self,
-        simulation: &Simulation,
-        step: f64,
-        (now, counts): (f64, bool),
-    ) -> Result<bool> {
+    /// Sums up a reading and learns from it, where the way of this period counts.
+    fn look(&mut self, simulation: &Simulation, step: f64, counts: bool) -> Result<()> {
         if !counts {
             self.sums = Sums::default();
-            self.held_since = None;
-            return Ok(false);
+            return Ok(());
         }
         let on_board = simulation.on_board();
         let model = simulation.vehicle().model();
@@ -394,22 +397,10 @@ impl Aboard {
         // nose down is positive there
         sums.pitch -= period * on_board.attitude().pitch();
         sums.roll += period * on_board.attitude().roll();
-        let is_slow = on_board
-            .speed()
-            .is_some_and(|speed| speed < HELD_SPEED_SHARE * self.speed);
-        let since = if is_slow {
-            *self.held_since.get_or_insert(now)
-        } else {
-            now
-        };
-        if !is_slow {
-            self.held_since = None;
+        if self.sums.way >= READING_WAY_M {
+            self.learn(false, on_board.attitude().heading())?;
         }
-        let is_held = now - since > HELD_TIME_S;
-        if is_held || self.sums.way >= READING_WAY_M {
-            self.learn(is_held, on_board.attitude().heading())?;
-        }
-        Ok(is_held)
+        Ok(())
     }
 
     /// One reading enters.

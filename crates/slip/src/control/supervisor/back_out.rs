@@ -2,7 +2,7 @@
 
 use super::super::decision::{Action, Ending, Reason};
 use super::super::observation::RobotObservation;
-use super::super::settings::ControlSettings;
+use super::super::settings::{ControlSettings, Decides};
 use super::recovery::Recovery;
 use super::slip_monitor::MAX_ACCEPTED_SLIP;
 use super::soft_ground::STANDSTILL_SPEED_M_PER_S;
@@ -83,7 +83,10 @@ impl BackOut {
         let settings = view.settings;
         let length = self.detour_length.unwrap_or(settings.back_length);
         if view.travel >= length {
-            return Some(if self.detour_length.is_some() {
+            return Some(if settings.decides == Decides::BacksOut {
+                let values = (view.travel, length);
+                Transition::to(Next::Forward, Action::Resume, Reason::BackedOut, values)
+            } else if self.detour_length.is_some() {
                 let width = recovery.detour_width(settings);
                 let values = (recovery.detour_angle(), width);
                 Transition::to(Next::Detour, Action::Detour, Reason::BackedOut, values)

@@ -221,6 +221,7 @@ impl Supervisor {
             return Some(transition);
         }
         if matches!(self.mode, ModeState::Forward)
+            && settings.decides == Decides::Everything
             && let Some(transition) = forward::turn_aside(&view, slip, recovery)
         {
             return Some(transition);

@@ -4,7 +4,7 @@ use grouser_real::{Real, wrap_angle};
 
 use super::super::decision::{Action, Ending, Reason};
 use super::super::observation::RobotObservation;
-use super::super::settings::ControlSettings;
+use super::super::settings::{ControlSettings, Decides};
 use super::slip_monitor::SlipMonitor;
 use super::soft_ground::SoftGroundMonitor;
 use super::transition::{Next, Transition, View};
@@ -119,7 +119,7 @@ impl Recovery {
         }
         let values = soft_ground.values(settings);
         self.begin_detour(soft_ground);
-        if self.detours > settings.max_attempts {
+        if self.detours > settings.max_attempts && settings.decides == Decides::Everything {
             return Some(Transition::end(Ending::NoWay, Reason::SoftGround, values));
         }
         self.progress = 0.0;
@@ -151,7 +151,7 @@ impl Recovery {
         } else {
             return None;
         };
-        if self.attempts >= settings.max_attempts {
+        if self.attempts >= settings.max_attempts && settings.decides == Decides::Everything {
             return Some(self.attempts_used(settings));
         }
         self.begin_attempt();
