@@ -11,6 +11,7 @@ use crate::error::Result;
 use crate::moment::Moment;
 use crate::path_smoother::LoggedPath;
 use crate::reversed::reversed;
+use crate::samples::rotating_wheel;
 
 /// The backward pass works on this many samples at a time, and begins this many later: that is more than the slip
 /// remembers. Memory is bounded by both: about 50 bytes a sample and 150 a wheel and time.
@@ -180,9 +181,13 @@ pub fn smoothed(
     let mut filter = SlipFilter::new(robot, settings)?;
     let mut smoother = Smoother::new(robot, settings);
     let (mut forward, mut done) = (Vec::new(), Vec::new());
+    let mut read = 0;
     for (index, sample) in samples.iter().enumerate() {
         if filter.update(*sample).is_ok() {
             smoother.add(*sample);
+        }
+        if let Some(wheel) = rotating_wheel(&sample.measurement) {
+            read |= 1 << wheel;
         }
         if samples
             .get(index + 1)
@@ -194,7 +199,8 @@ pub fn smoothed(
         forward.push(known.wheels.to_vec());
         let nothing = WindowBody::default();
         let mut moment = Moment::default();
-        moment.enter_filter((sample.time_ns, 0), known.wheels, &known.body, &nothing);
+        let time = (sample.time_ns, std::mem::take(&mut read));
+        moment.enter_filter(time, known.wheels, &known.body, &nothing);
         done.extend(smoother.push(moment)?);
     }
     done.extend(smoother.finish()?);

@@ -106,15 +106,20 @@ impl LinearSmoother {
         }
     }
 
-    /// Predicts: x_i += a x_j for each of `terms`, then `copy.0` becomes the old `copy.1`; adds `noise` to the covariance.
+    /// Predicts: x_i becomes 0 for each of `begins`, x_i += a x_j for each of `terms`, then `copy.0` becomes the old `copy.1`; adds
+    /// `noise` to the covariance.
     pub(super) fn predict(
         &mut self,
+        begins: &[usize],
         terms: &[(usize, usize, f64)],
         copy: (usize, usize),
         noise: &[(usize, usize, f64)],
         (mean, covariance): (&mut Vector, &mut Matrix),
     ) {
         let mut transition = identity();
+        for &i in begins {
+            transition[i][i] = 0.0;
+        }
         for &(i, j, a) in terms {
             transition[i][j] += a;
         }

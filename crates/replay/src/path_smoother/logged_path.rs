@@ -19,6 +19,8 @@ const COURSE_SIGMAS: f64 = 100.0;
 const COURSE_TIME_S: f64 = 4.0;
 /// The ratio of a wheel's slip to that of the rims is scaled where the filter's own is above this.
 const MIN_RATIO: f64 = 0.2;
+/// Smoothed and filtered slips that are further apart than this many of the filter's sigmas are doubted.
+const MAX_APART_SIGMA: f64 = 3.0;
 
 /// Way of the rims and positions over the log at hand.
 #[derive(Debug)]
@@ -28,6 +30,8 @@ pub(crate) struct LoggedPath {
     paths: Vec<RimPath>,
     /// Positions with the time at which they were taken, ns.
     positions: Vec<(i64, [f64; 2])>,
+    /// Are they sums of displacements?
+    is_summed: bool,
     forces: Vec<(i64, f64)>,
 }
 
@@ -42,15 +46,16 @@ impl LoggedPath {
         samples: &[Sample],
         latency_ns: i64,
     ) -> Option<Self> {
+        // between two readings of the rims their way is led on in steps
         let known = || {
-            moments
-                .iter()
-                .filter_map(|moment| Some((moment.time_ns, moment.rim_path?)))
+            let read = moments.iter().filter(|moment| moment.read != 0);
+            read.filter_map(|moment| Some((moment.time_ns, moment.rim_path?)))
         };
         let mut path = Self {
             times: known().map(|(time, _)| time).collect(),
             paths: known().map(|(_, path)| path).collect(),
             positions: Vec::new(),
+            is_summed: false,
             forces: Vec::new(),
         };
         path.times.first()?;
@@ -96,6 +101,7 @@ impl LoggedPath {
                     left,
                     turn,
                 } => {
+                    self.is_summed = true;
                     let turned = self.at(time_ns).turned;
                     let before = last_turned.replace(turned).unwrap_or(turned);
                     let turn = turn.unwrap_or(turned - before);
@@ -230,7 +236,13 @@ impl LoggedPath {
             });
         }
         let mut positions = Vec::with_capacity(self.positions.len());
+        let mut before = None;
         for &(time, place) in &self.positions {
+            let since = before.replace(place).filter(|_| self.is_summed);
+            let place = since.map_or(place, |[x, y]| [place[0] - x, place[1] - y]);
+            if self.is_summed && since.is_none() {
+                continue;
+            }
             let interval = grid.partition_point(|begin| *begin <= time) - 1;
             if let Some(end) = grid.get(interval + 1) {
                 let share = seconds(grid[interval], time) / seconds(grid[interval], *end);
@@ -238,6 +250,7 @@ impl LoggedPath {
                     interval,
                     share,
                     place,
+                    is_displacement: self.is_summed,
                 });
             }
         }
@@ -281,7 +294,9 @@ fn join(moment: &mut Moment, ratio: Ratio) {
     } else {
         (1.0 / ratio.value - 1.0, 1.0 / (ratio.value * ratio.value))
     };
-    let variance = ratio.variance * slope * slope;
+    // what a filter behind the time says contradicts by so many of its sigmas only about a jump, or where this model is wrong
+    let apart = Real::powi((slip - common.value) / MAX_APART_SIGMA, 2) - common.variance;
+    let variance = ratio.variance * slope * slope + apart.max(0.0);
     for wheel in &mut moment.wheels {
         let (Some(before), Some(sigma)) = (wheel.slip, wheel.sigma) else {
             continue;

@@ -55,12 +55,14 @@ pub(crate) struct Interval {
     pub(crate) gain: Option<f64>,
 }
 
-/// A position, m, and the share of its interval that had passed.
+/// A position, m, and the share of its interval that had passed; by displacements it is the one since the position before, whose
+/// errors are no part of it. Of those an interval has one at most.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Position {
     pub(crate) interval: usize,
     pub(crate) share: f64,
     pub(crate) place: [f64; 2],
+    pub(crate) is_displacement: bool,
 }
 
 /// The ratio v/u of an interval with its variance.
@@ -78,6 +80,28 @@ struct Learnt {
     position: f64,
     position_weights: Vec<f64>,
     gain: f64,
+    least_gain: f64,
+}
+
+/// The variance that errors of the rims' way alone give to the change of a rim speed, m²/s²: what one change has too much the
+/// next one has too little. A slip that jumps shows in one change only.
+fn rim_roughness(intervals: &[Interval]) -> f64 {
+    let speed = |interval: &Interval| interval.way / interval.dt;
+    let excess = |pair: &[Interval]| Some(speed(&pair[1]) - speed(&pair[0]) - pair[1].gain?);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for three in intervals.windows(3) {
+        if three.iter().all(|interval| interval.way != 0.0)
+            && let (Some(before), Some(after)) = (excess(&three[..2]), excess(&three[1..]))
+        {
+            sum -= before * after;
+            count += 1.0;
+        }
+    }
+    if count > 0.0 {
+        (2.0 * sum / count).max(0.0)
+    } else {
+        0.0
+    }
 }
 
 /// The ratio v/u of each interval. `sigma` is the standard deviation of a position (m) at the start; positions are in the
@@ -88,12 +112,14 @@ pub(crate) fn smooth_ratio(
     start: f64,
     sigma: f64,
 ) -> Vec<Ratio> {
+    let least_gain = rim_roughness(intervals).max(MIN_GAIN_SIGMA_M_PER_S * MIN_GAIN_SIGMA_M_PER_S);
     let mut learnt = Learnt {
         increment: START_INCREMENT * START_INCREMENT * INTERVAL_S,
         weights: vec![1.0; intervals.len()],
         position: (sigma * sigma).max(MIN_POSITION_SIGMA_M * MIN_POSITION_SIGMA_M),
         position_weights: vec![1.0; positions.len()],
-        gain: 1e-4,
+        gain: least_gain.max(1e-4),
+        least_gain,
     };
     let mut ratios = round(intervals, positions, start, &mut learnt);
     for _ in 1..MAX_ROUNDS {
@@ -141,7 +167,10 @@ fn round(
     start: f64,
     learnt: &mut Learnt,
 ) -> Vec<Ratio> {
-    let first = positions.first().map_or([0.0; 2], |first| first.place);
+    let first = positions
+        .first()
+        .filter(|first| !first.is_displacement)
+        .map_or([0.0; 2], |first| first.place);
     let mut mean = [first[0], first[1], start, start, 0.0];
     let known = [1.0, 1.0, RATIO_SIGMA, RATIO_SIGMA, BIAS_SIGMA];
     let mut covariance = [[0.0; GRID_STATES]; GRID_STATES];
@@ -153,12 +182,16 @@ fn round(
     let mut smoother = LinearSmoother::with_capacity(intervals.len());
     let mut next = 0;
     let mut last: Option<&Interval> = None;
+    // the share of the last interval behind its displacement, from which places count
+    let mut begun = None;
     for (k, interval) in intervals.iter().enumerate() {
         if let Some(last) = last {
             let [cos, sin] = last.course;
+            let way = last.way * begun.unwrap_or(1.0);
             let side = SIDE_NOISE * SIDE_NOISE * last.way * last.way / last.dt;
             smoother.predict(
-                &[(X, RATIO, cos * last.way), (Y, RATIO, sin * last.way)],
+                begun.take().map_or(&[][..], |_| &[X, Y]),
+                &[(X, RATIO, cos * way), (Y, RATIO, sin * way)],
                 (BEFORE, RATIO),
                 &[
                     (X, X, side * sin * sin),
@@ -192,6 +225,7 @@ fn round(
                     variance: learnt.position / learnt.position_weights[next],
                 });
             }
+            begun = position.is_displacement.then_some(1.0 - position.share);
             next += 1;
         }
         smoother.update(rows, (&mut mean, &mut covariance));
@@ -235,7 +269,10 @@ fn learn(
         sum += learnt.weights[k] * change;
         weights += learnt.weights[k];
         let (interval, last) = (&intervals[k], &intervals[k - 1]);
-        if let Some(gain) = interval.gain {
+        // rims that stand have no errors
+        if let Some(gain) = interval.gain
+            && (interval.way != 0.0 || last.way != 0.0)
+        {
             let row = [
                 (RATIO, interval.way / interval.dt),
                 (BEFORE, -last.way / last.dt),
@@ -251,7 +288,7 @@ fn learn(
         learnt.increment = (sum / weights).max(floor);
     }
     if gain_count > 0.0 {
-        learnt.gain = (gains / gain_count).max(MIN_GAIN_SIGMA_M_PER_S * MIN_GAIN_SIGMA_M_PER_S);
+        learnt.gain = (gains / gain_count).max(learnt.least_gain);
     }
     let mut squares = 0.0;
     for (position, weight) in positions.iter().zip(&mut learnt.position_weights) {
