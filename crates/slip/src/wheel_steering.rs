@@ -15,8 +15,9 @@ pub(crate) struct Steering {
     /// The point about which it turns, and the wheel's centre from there at no angle, m.
     pivot: [f64; 2],
     arm: [f64; 2],
-    /// The last angle, rad.
+    /// The last angle, rad, and whether it was ever another one.
     angle: Option<f64>,
+    has_turned: bool,
     /// The way of its centre along its heading by steering alone, m: in all, and at the beginning of the open window.
     swung: f64,
     from: f64,
@@ -32,6 +33,7 @@ impl Steering {
             pivot,
             arm: [wheel.x - pivot[0], wheel.y - pivot[1]],
             angle: None,
+            has_turned: false,
             swung: 0.0,
             from: 0.0,
         }
@@ -45,7 +47,9 @@ impl Steering {
         let [ahead, left] = self.arm;
         // Both the arm and the heading turn by the angle: d/dγ of the centre along the heading does not depend on it.
         let (sin, cos) = Real::sin_cos(self.heading);
-        let turned = self.angle.replace(angle).map_or(0.0, |last| angle - last);
+        let last = self.angle.replace(angle);
+        self.has_turned |= last.is_some();
+        let turned = last.map_or(0.0, |last| angle - last);
         self.swung += turned * (ahead * sin - left * cos);
         let (sin, cos) = Real::sin_cos(angle);
         self.place = [
@@ -70,6 +74,11 @@ impl Steering {
     /// Has it been steered, by any angle?
     pub(crate) const fn is_used(&self) -> bool {
         self.angle.is_some()
+    }
+
+    /// Has its angle changed?
+    pub(crate) const fn has_turned(&self) -> bool {
+        self.has_turned
     }
 
     /// The way of its centre along its heading by steering alone so far, m.

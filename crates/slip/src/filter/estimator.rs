@@ -220,8 +220,7 @@ impl Core {
             | Measurement::MotorCurrent { .. } => Ok(()),
             Measurement::SteeringAngle { wheel, angle } => {
                 Fault::check_range("steering angle", angle, -7.0, 7.0, "rad")?;
-                self.wheels.get_mut(wheel)?.steer(angle);
-                Ok(())
+                self.wheels.steer(wheel, angle)
             }
         }
     }

@@ -249,14 +249,12 @@ impl SlipFilter {
     /// ```
     pub fn set_steering_angle(&mut self, wheel: usize, angle: f64) -> Result<()> {
         check_range("steering", "angle", angle, (-7.0, 7.0), "rad")?;
-        let channels = &mut self.core.wheels.channels;
-        let wheels = channels.len();
-        let channel = channels.get_mut(wheel).ok_or(Error::UnknownWheel {
+        let wheels = self.core.wheels.channels.len();
+        let steered = self.core.wheels.steer(wheel, angle);
+        steered.map_err(|_| Error::UnknownWheel {
             index: wheel,
             wheels,
-        })?;
-        channel.steer(angle);
-        Ok(())
+        })
     }
 
     /// Sets the robot's roll (rad, either side down): across a slope it drifts downhill, which a steered wheel takes for

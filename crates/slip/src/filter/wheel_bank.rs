@@ -36,7 +36,8 @@ const TURN_SIGMA_RAD_PER_S: f64 = 10.0;
 #[derive(Clone, Debug)]
 pub(super) struct WheelBank {
     pub(super) channels: Box<[WheelChannel]>,
-    /// The direction in which a robot whose powered wheels all point one way cannot move, as a row of its speed.
+    /// The direction in which a robot whose powered wheels all point one way cannot move, as a row of its speed; where all of them
+    /// are steered, that of their mean sideways speed, as they stand now.
     pub(super) lateral: Option<[f64; 3]>,
     /// Weight of an innovation in its wheel's mean.
     pub(super) mean_weight: f64,
@@ -62,6 +63,22 @@ impl WheelBank {
         self.channels
             .get_mut(index)
             .ok_or(Fault::UnknownWheel { index, wheels })
+    }
+
+    /// Steers a wheel, rad.
+    pub(super) fn steer(&mut self, index: usize, angle: f64) -> Result<(), Fault> {
+        self.get_mut(index)?.steer(angle);
+        let count = self.powered().count() as f64;
+        if self.lateral.is_some() && self.powered().all(|wheel| wheel.steering.has_turned()) {
+            let mut sums = [0.0; 3];
+            for wheel in self.powered() {
+                for (sum, part) in sums.iter_mut().zip(wheel.steering.across()) {
+                    *sum += part / count;
+                }
+            }
+            self.lateral = Some(sums);
+        }
+        Ok(())
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &WheelChannel> {
@@ -241,4 +258,40 @@ fn lateral(channels: &[WheelChannel]) -> Option<[f64; 3]> {
     let [x, y, _] = powered.next()?.row;
     let parallel = powered.all(|wheel| (x * wheel.row[1] - y * wheel.row[0]).abs() < PARALLEL_SINE);
     parallel.then_some([-y, x, 0.0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::Wheel;
+
+    /// A robot that steers all its wheels to one side drifts across its wheels, not across its body.
+    #[test]
+    fn the_sideways_speed_is_that_of_the_wheels_as_they_stand() {
+        let places = [(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)];
+        let wheels = places.map(|(x, y)| Wheel::powered(format!("{x} {y}")).at(x, y).radius(0.1));
+        let robot = Robot::new("crab".into(), wheels.into()).unwrap();
+        let mut bank = WheelBank::new(&robot, &FilterSettings::default());
+        let is = |bank: &WheelBank, expected: [f64; 3]| {
+            let row = bank.lateral.unwrap();
+            row.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12)
+        };
+        assert!(is(&bank, [0.0, 1.0, 0.0]));
+        // as long as one of them was never turned
+        for wheel in 0..4 {
+            bank.steer(wheel, 0.0).unwrap();
+            assert!(is(&bank, [0.0, 1.0, 0.0]));
+        }
+        for wheel in 0..4 {
+            bank.steer(wheel, 0.5).unwrap();
+        }
+        assert!(is(&bank, [-f64::sin(0.5), f64::cos(0.5), 0.0]));
+        // on an arc about a point beside the robot the mean of all wheels does not move sideways
+        for (wheel, (x, y)) in places.into_iter().enumerate() {
+            bank.steer(wheel, f64::atan2(x, 2.0 - y)).unwrap();
+        }
+        let [across, along, turn] = bank.lateral.unwrap();
+        let speed = across * 2.0 + turn;
+        assert!(speed.abs() < 1e-12 && along > 0.8, "{:?}", bank.lateral);
+    }
 }
