@@ -265,6 +265,46 @@ fn json_has_a_limit() {
     assert!(matches!(error, MessageError::Long { .. }), "{error}");
 }
 
+/// The nearest `f64` of each text, as Python's `float` reads it, to the bit.
+#[test]
+fn numbers_of_json_are_the_nearest() {
+    let decoder = decoder(Encoding::Json, "", "");
+    let read = |text: &str| match decoder.decode(text.as_bytes()).unwrap() {
+        Value::Float(number) => number,
+        other => panic!("{text} is {other:?}"),
+    };
+    let known = [
+        ("51.248178375505404", 0x4049_9fc4_4f1b_2f60_u64),
+        ("-93.3113703768803", 0xc057_53ed_7e04_6939),
+        ("-36.5739948427534", 0xc042_4978_a9ba_d969),
+        ("52.31400820410624", 0x404a_2831_6bbb_a7ef),
+        ("97.45365320034685", 0x4058_5d08_a76e_cdca),
+    ];
+    for (text, bits) in known {
+        assert_eq!(read(text).to_bits(), bits, "{text}");
+    }
+    let mut state = 1_u64;
+    for _ in 0..100_000 {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let number = f64::from_bits(state ^ (state >> 29));
+        if number.is_finite() {
+            // the shortest text of a number, and one of a time with six decimals
+            for text in [
+                format!("{number:e}"),
+                format!("{}.{:06}", state >> 34, state % 1_000_000),
+            ] {
+                assert_eq!(
+                    read(&text).to_bits(),
+                    text.parse::<f64>().unwrap().to_bits(),
+                    "{text}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn trust_ends_at_its_limits() {
     assert_eq!(Trust::of(1e300), Trust::Variance(1e300));
