@@ -209,9 +209,54 @@ fn headers_are_short() {
     assert!(why("\n\n").contains("nothing"));
     assert!(why("t,n\n").contains("a header and no data"));
     assert!(why("0,1\n0,2\n").contains("no header line"));
-    // by the first 64 lines
-    let rows = |rows: usize| format!("t,n\n{}a;b\n", "0,1\n".repeat(rows));
-    assert!(sheet(&rows(62)).is_err());
-    let found = sheet(&rows(63)).unwrap();
-    assert_eq!((found.separator, found.rows, found.ragged), (b',', 63, 1));
+    // by the last two of the first 64 lines
+    let rows = |rows: usize| format!("t,n\n{}a;b\na;b\n", "0,1\n".repeat(rows));
+    assert!(sheet(&rows(61)).is_err());
+    let found = sheet(&rows(62)).unwrap();
+    assert_eq!((found.separator, found.rows, found.ragged), (b',', 62, 2));
+}
+
+#[test]
+fn a_last_row_that_is_cut_off_does_not_decide_the_layout() {
+    for (separator, decimal, names) in [
+        (b',', b'.', "t,left,right"),
+        (b';', b',', "t;left;right"),
+        (b'\t', b',', "t\tleft\tright"),
+        (b' ', b'.', "t left right"),
+        // a row in quotation marks, which a cut leaves open
+        (b';', b',', "\"t\";\"left\";\"right\""),
+    ] {
+        let mark = if names.starts_with('"') { "\"" } else { "" };
+        let fields = |time: &str, left: &str, right: &str| {
+            let all = [time, left, right].map(|text| {
+                let text = text.replace('.', &(decimal as char).to_string());
+                format!("{mark}{text}{mark}")
+            });
+            all.join(&(separator as char).to_string())
+        };
+        let begin = format!("{names}\n{}\n", fields("0.25", "1.5", "2.5"));
+        let row = fields("0.50", "3.5", "4.5");
+        for length in 0..=row.len() {
+            let text = format!("{begin}{}", &row[..length]);
+            let found = sheet(&text).unwrap();
+            assert_eq!(
+                (found.separator, found.decimal, found.header_lines),
+                (separator, decimal, 1),
+                "{text}"
+            );
+            // it is a row once its third field has begun and no quotation mark is open
+            let marks = row[..length].matches('"').count();
+            let ends = row[..length].matches(separator as char).count();
+            let is_row = ends == 2 && marks % 2 == 0;
+            let ragged = u64::from(length > 0 && !is_row);
+            assert_eq!(
+                (found.rows, found.ragged),
+                (1 + u64::from(is_row), ragged),
+                "{text}"
+            );
+        }
+    }
+    // of two rows the first may be names with numbers in them
+    let found = sheet("wheel 1 speed,wheel 2 speed\n0.5,0.75").unwrap();
+    assert_eq!((found.separator, found.rows), (b',', 1));
 }

@@ -30,15 +30,30 @@ impl Layout {
         while first.len() < LAYOUT_LINES && lines.advance()? {
             first.push(lines.text()?.to_owned());
         }
-        let empty = |what| Error::Empty {
+        let mut ends = (0..first.len()).rev().filter(|at| !first[*at].is_empty());
+        let last = ends.next().ok_or_else(|| Error::Empty {
             file: file.clone(),
+            what: "nothing",
+        })?;
+        // The last row may be cut off: the one before it decides, where that is a row.
+        if let Some(before) = ends.next()
+            && let Ok(layout) = Self::by_row(&first, &first[before], &file)
+            && layout.header_lines <= before
+        {
+            return Ok(layout);
+        }
+        Self::by_row(&first, &first[last], &file)
+    }
+
+    /// The layout of the lines `first`, of which `row` is data.
+    fn by_row(first: &[String], row: &str, file: &str) -> Result<Self> {
+        let empty = |what| Error::Empty {
+            file: file.to_owned(),
             what,
         };
-        let last = first.iter().rev().find(|line| !line.is_empty());
-        let last = last.ok_or_else(|| empty("nothing"))?;
-        // The last line is data: the separator that parts it best into numbers.
+        // The separator that parts it best into numbers.
         let parts = |separator: u8, decimal: u8| {
-            let fields = fields(last, separator);
+            let fields = fields(row, separator);
             fields
                 .iter()
                 .filter(|field| finite(field, decimal).is_ok())
@@ -56,7 +71,7 @@ impl Layout {
             }
         }
         let (_, separator, decimal) = best;
-        let width = fields(last, separator).len();
+        let width = fields(row, separator).len();
         // Names have few numbers among them, data many.
         let is_data = |line: &String| {
             let fields = fields(line, separator);
