@@ -95,6 +95,59 @@ fn what_nothing_confirms_is_searched() {
 }
 
 #[test]
+fn what_is_behind_a_message_that_holds_a_chunk_is_read_once() {
+    let inner = inner();
+    let mut file = begin();
+    let mut places = vec![MAGIC.len()];
+    for (time, data) in [
+        (1, &inner[..]),
+        (2, b"two"),
+        (3, &inner),
+        (4, b"four"),
+        (5, b"five"),
+    ] {
+        message(&mut file, 1, time, data);
+        places.push(file.len());
+    }
+    let swallowed = |from: usize, to: usize| lost(from, to - inner.len() - from, SWALLOWED);
+    let mut expected = vec![
+        swallowed(places[0], places[1]),
+        swallowed(places[1], places[3]),
+        lost(places[5], 0, NO_FOOTER),
+    ];
+    assert_eq!(
+        found(&file),
+        (vec![1, 2, 3, 4, 5, 99, 99], expected.clone())
+    );
+    // before a place that makes no sense, and a chunk behind it
+    let mut damaged = file.clone();
+    damaged.extend([0; 40]);
+    let end = damaged.len();
+    chunk(&mut damaged, Packing::None, &content(&[6], b"six"));
+    expected.truncate(2);
+    for damage in &mut expected {
+        NO_RECORD.clone_into(&mut damage.3);
+    }
+    expected.extend([
+        lost(places[5], end - places[5], NO_RECORD),
+        lost(damaged.len(), 0, NO_FOOTER),
+    ]);
+    assert_eq!(found(&damaged), (vec![1, 2, 3, 4, 5, 99, 99, 6], expected));
+    // a chunk and two messages that a length hides, and one behind them that it does not
+    let mut hidden = begin();
+    let place = hidden.len();
+    message(&mut hidden, 1, 1, b"one");
+    chunk(&mut hidden, Packing::None, &content(&[2], b"two"));
+    for time in [3, 4] {
+        message(&mut hidden, 1, time, b"later");
+    }
+    let length = hidden.len() - place - 9;
+    hidden[place + 1..place + 9].copy_from_slice(&(length as u64).to_le_bytes());
+    message(&mut hidden, 1, 5, b"later");
+    assert_eq!(found(&hidden).0, [1, 5, 2, 3, 4]);
+}
+
+#[test]
 fn records_are_known_by_their_opcode_and_length() {
     let mut rest = Vec::new();
     chunk(&mut rest, Packing::None, &content(&[2], b"two"));

@@ -55,6 +55,9 @@ impl Container {
         if self.scan.is_growing() {
             self.mcap_wait()?;
         }
+        if self.mcap_was_read()? {
+            return Ok(None);
+        }
         let offset = self.scan.offset();
         let left = self.scan.left();
         let before = self.scan.crc();
@@ -258,6 +261,30 @@ impl Container {
         }
         self.lose(from, self.scan.offset() - from, what);
         Ok(())
+    }
+
+    /// Was the record here read before the reading went back? Then so were those behind it, and it stands behind them.
+    fn mcap_was_read(&mut self) -> io::Result<bool> {
+        let here = self.scan.offset();
+        let Some((records, until)) = &mut self.read_before else {
+            return Ok(false);
+        };
+        let until = *until;
+        while records.offset() < here.min(until) {
+            let mut head = Fields(records.peek(9)?);
+            let length = head.bytes(1).and_then(|_| head.u64()).unwrap_or(0);
+            records.go_to(records.offset().saturating_add(HEAD + length));
+        }
+        let was_read = records.offset() == here && here < until;
+        if was_read {
+            // another one may have swallowed more
+            self.passed_over = Some(here);
+            self.scan.go_to(until);
+        }
+        if was_read || here >= until {
+            self.read_before = None;
+        }
+        Ok(was_read)
     }
 
     fn mcap_chunk(&mut self, offset: u64, length: u64, truncated: bool) -> io::Result<()> {

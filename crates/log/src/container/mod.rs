@@ -128,6 +128,8 @@ pub struct Container {
     ended: bool,
     /// Where the first record began whose length nothing confirms yet: it may lie.
     passed_over: Option<u64>,
+    /// The records of an MCAP file that were read before the reading went back, up to the place it went back from.
+    read_before: Option<(Scan, u64)>,
     /// Where in an MCAP file the reading is.
     section: Section,
     /// Messages of this file so far.
@@ -237,6 +239,7 @@ impl Container {
             is_complete: false,
             ended: false,
             passed_over: None,
+            read_before: None,
             section: Section::Data,
             messages: 0,
             attached: 0,
@@ -386,7 +389,11 @@ impl Container {
         reach: usize,
         fits: impl Fn(&[u8], u64) -> bool,
     ) -> std::io::Result<bool> {
-        Ok(self.scan.find(suspect + 1..offset, reach, fits)?.is_some())
+        let found = self.scan.find(suspect + 1..offset, reach, fits)?.is_some();
+        if found {
+            self.read_before = Some((self.scan.beside(suspect), offset));
+        }
+        Ok(found)
     }
 
     fn lose(&mut self, offset: u64, bytes: u64, what: impl Into<String>) {
