@@ -21,7 +21,8 @@ const IMU: &str = "sensor_msgs/Imu";
 const JOINTS: &str = "sensor_msgs/JointState";
 const ODOMETRY: &str = "nav_msgs/Odometry";
 
-fn topics(text: &str) -> Topics {
+/// The topics of a robot file with two wheels.
+pub(crate) fn topics(text: &str) -> Topics {
     let wheels = "[[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n\
                   [[wheel]]\nname = \"right\"\nx_m = 0.0\ny_m = -0.2\nradius_m = 0.1\ndrive = \"powered\"\n";
     let text = format!("format = 1\nname = \"cart\"\n[topics]\n{text}\n{wheels}");

@@ -4,13 +4,14 @@ use std::fs;
 use std::io::Cursor;
 use std::path::PathBuf;
 
+use grouser_files::Document;
 use grouser_files::columns::{self, Meaning};
 use grouser_files::topics::Topics;
-use grouser_files::{Document, robot};
 use grouser_log::container::{Container, Format};
 use grouser_log::message::{Value, build};
 use grouser_log::{Cell, Error, Log, Measures, run_files};
 
+use crate::choosing::topics;
 use crate::recordings::write;
 use crate::scratch::Folder;
 
@@ -23,15 +24,6 @@ fn map(options: &str) -> columns::ColumnMap {
          {{ column = \"g\", meaning = \"yaw_rate\", unit = \"rad/s\" }},\n]\n"
     );
     columns::parse(&Document::from_text("map.toml", text).unwrap()).unwrap()
-}
-
-fn topics(text: &str) -> Topics {
-    let wheels = "[[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n\
-                  [[wheel]]\nname = \"right\"\nx_m = 0.0\ny_m = -0.2\nradius_m = 0.1\ndrive = \"powered\"\n";
-    let text = format!("format = 1\nname = \"cart\"\n[topics]\n{text}\n{wheels}");
-    robot::parse(&Document::from_text("robot.toml", text).unwrap())
-        .unwrap()
-        .topics
 }
 
 /// Two messages of each of two topics.
