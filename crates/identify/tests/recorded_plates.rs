@@ -206,6 +206,18 @@ fn a_controllers_clock_undoes_late_lines() {
     let mut recorded = Recorded::new("controller", (-3600.0, -0.2), &["/cell"]);
     (recorded.depth.clock, recorded.depth.controller) = (2, Some((4, 1e-3)));
     check(&recorded.read().unwrap(), -3600.0, -0.2);
+    // in another unit, it runs at another rate
+    for (unit, rate) in [(1e-6, "1.001e3 s"), (1.0, "1.001e-3 s")] {
+        recorded.depth.controller = Some((4, unit));
+        let refused = recorded.refused();
+        assert!(
+            refused.contains(rate) && refused.contains("`controller_unit`"),
+            "{refused}"
+        );
+    }
+    // and the height is no clock
+    recorded.depth.controller = Some((3, 1e-3));
+    assert!(recorded.refused().contains("field 3"));
 }
 
 #[test]

@@ -1,13 +1,14 @@
 //! Clocks of two recordings of one test.
 
 /// Times of readings by a controller's own clock, put on a system clock that stamped them late and in bursts:
-/// the straight line through (controller, system), shifted so that no reading was stamped before it was made.
+/// the straight line through (controller, system), shifted so that no reading was stamped before it was made. With them its rate, system
+/// over controller.
 ///
 /// Both in s. The controller's clock may run fast or slow against the system's; the least delay is taken
 /// as none.
-pub(super) fn straightened(controller: &[f64], system: &[f64]) -> Vec<f64> {
+pub(super) fn straightened(controller: &[f64], system: &[f64]) -> (Vec<f64>, f64) {
     let (Some(&c_0), Some(&s_0)) = (controller.first(), system.first()) else {
-        return Vec::new();
+        return (Vec::new(), 1.0);
     };
     let count = controller.len() as f64;
     let mean = controller.iter().map(|c| c - c_0).sum::<f64>() / count;
@@ -19,7 +20,7 @@ pub(super) fn straightened(controller: &[f64], system: &[f64]) -> Vec<f64> {
     let least = pairs()
         .map(|(c, s)| s - rate * c)
         .fold(f64::INFINITY, f64::min);
-    centred.iter().map(|c| rate * c + least).collect()
+    (centred.iter().map(|c| rate * c + least).collect(), rate)
 }
 
 /// The difference between two clocks that show local times of different zones: the multiple of a quarter of an
@@ -59,13 +60,17 @@ mod tests {
         let late: Vec<f64> = (0..400)
             .map(|i| truth[i] + 0.005 * f64::from(u32::try_from(i % 11).unwrap()))
             .collect();
-        let found = straightened(&controller, &late);
+        let (found, rate) = straightened(&controller, &late);
+        assert!((rate - 1.001).abs() < 1e-4, "{rate}");
         for (a, b) in found.iter().zip(&truth) {
             assert!((a - b).abs() < 1e-3, "{a} {b}");
         }
         // a clock that stands has no rate: all readings are as old as the oldest
-        assert_eq!(straightened(&[7.0; 3], &[3.0, 2.0, 4.0]), [2.0; 3]);
-        assert!(straightened(&[], &[]).is_empty());
+        assert_eq!(
+            straightened(&[7.0; 3], &[3.0, 2.0, 4.0]),
+            (vec![2.0; 3], 1.0)
+        );
+        assert_eq!(straightened(&[], &[]), (vec![], 1.0));
     }
 
     #[test]

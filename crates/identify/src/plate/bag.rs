@@ -288,6 +288,9 @@ fn read_force(source: &BagSource) -> Result<(Vec<f64>, Vec<f64>)> {
     Ok((times, force))
 }
 
+/// The system's clock over the controller's: units of time differ by 1000, and stamps of a short test are late by some of its time.
+const CONTROLLER_RATES: (f64, f64) = (0.1, 10.0);
+
 /// Times (s, by the system's clock) and heights (m) of a text file.
 fn read_heights(depth: &DepthColumn) -> Result<(Vec<f64>, Vec<f64>)> {
     let mut lines = Lines::open(&depth.file)?;
@@ -321,10 +324,20 @@ fn read_heights(depth: &DepthColumn) -> Result<(Vec<f64>, Vec<f64>)> {
             controller.push(unit * field(place)?);
         }
     }
-    let times = if controller.is_empty() {
-        clock
-    } else {
-        straightened(&controller, &clock)
+    let Some((place, unit)) = depth.controller else {
+        return Ok((clock, height));
     };
+    let (times, rate) = straightened(&controller, &clock);
+    let (low, high) = CONTROLLER_RATES;
+    if !(low..=high).contains(&rate) {
+        return Err(Error::Content {
+            path: depth.file.clone(),
+            message: format!(
+                "the system's clock, field {}, runs {rate:.3e} s in a second of the controller's, field {place} in units of {unit} s \
+                 (`controller_unit`), but must run {low} to {high} s",
+                depth.clock
+            ),
+        });
+    }
     Ok((times, height))
 }
