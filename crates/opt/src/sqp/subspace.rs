@@ -146,6 +146,20 @@ impl<'a> Subspace<'a> {
         let last = columns.len() - 1;
         let mut z: Vec<f64> = (0..last).map(|i| r[i * k + last]).collect();
         back_substitute(r, k, last, &mut z);
+        // a share that is rounding would bound the length of the step, and be scaled up by it
+        let size = |i: usize| {
+            let member = &self.members[columns[i]];
+            let base = self.base.filter(|_| member.objective);
+            let base = base.map_or(0.0, |base| norm(&self.members[base].vector));
+            norm(&member.vector).max(base)
+        };
+        let parts: Vec<f64> = (0..last).map(|i| z[i].abs() * size(i)).collect();
+        let largest = parts.iter().copied().fold(size(last), f64::max);
+        for (z, part) in z.iter_mut().zip(&parts) {
+            if *part < DEPENDENT_PIVOT * largest {
+                *z = 0.0;
+            }
+        }
         let mut direction = vec![0.0; self.members.len()];
         let mut slope = b_hat[last];
         let mut objectives = 0.0;
