@@ -182,6 +182,11 @@ impl<T: Travel> WheelTrack<T> {
         self.last.is_some()
     }
 
+    /// A longer silence starts it anew, s: until then the next reading shows the whole way since the last.
+    pub(crate) const fn gap(&self) -> f64 {
+        self.gap
+    }
+
     /// How far its rim has run in all, m.
     pub(crate) const fn travel(&self) -> f64 {
         self.totals[0]

@@ -247,7 +247,7 @@ impl GroundTrack {
     ) {
         let travels = core::array::from_fn(|i| {
             let wheel = wheels.channels.get(i);
-            wheel.map_or(0.0, |wheel| travel_at(wheel, now_ns, settings.dropout))
+            wheel.map_or(0.0, |wheel| travel_at(wheel, now_ns))
         });
         let Some(last_ns) = self.stepped_ns else {
             self.stepped_ns = Some(now_ns);
@@ -279,7 +279,7 @@ impl GroundTrack {
             let gained = self.force.gained_since(from_ns, to_ns);
             Some(gained.unwrap_or(wheel.rim_lag(now_ns) * force))
         };
-        let Some(rims) = mean_rims(&step, wheels, settings, gained_since) else {
+        let Some(rims) = mean_rims(&step, wheels, gained_since) else {
             return;
         };
         self.direction = rims.direction;
@@ -549,10 +549,10 @@ impl GroundTrack {
 }
 
 /// The travel of a rim at `now_ns`, m: that of its last reading, and its speed since.
-fn travel_at(wheel: &WheelChannel, now_ns: i64, dropout: f64) -> f64 {
+fn travel_at(wheel: &WheelChannel, now_ns: i64) -> f64 {
     let since = wheel
         .silence(now_ns)
-        .filter(|silence| (0.0..=dropout).contains(silence));
+        .filter(|silence| (0.0..=wheel.track.gap()).contains(silence));
     let rim = wheel.rim.map_or(0.0, |(rim, _)| rim.value);
     wheel.track.travel() + since.unwrap_or(0.0) * rim
 }

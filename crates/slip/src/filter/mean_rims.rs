@@ -4,7 +4,6 @@ use grouser_real::Real;
 
 use super::MAX_FILTER_WHEELS;
 use super::multiple_model::MIN_RIM_SHARE;
-use super::settings::FilterSettings;
 use super::wheel_bank::WheelBank;
 use super::wheel_channel::WheelChannel;
 use crate::body::Observations;
@@ -63,13 +62,12 @@ pub(super) struct Rims {
 pub(super) fn mean_rims(
     step: &RimStep,
     wheels: &WheelBank,
-    settings: &FilterSettings,
     gained_since: impl Fn(&WheelChannel) -> Option<f64>,
 ) -> Option<Rims> {
     let RimStep {
         now_ns, dt, ways, ..
     } = *step;
-    let is_used = |wheel: &WheelChannel| !wheel.free && wheel.is_received(now_ns, settings.dropout);
+    let is_used = |wheel: &WheelChannel| !wheel.free && wheel.is_led_on(now_ns);
     let first = wheels.iter().find(|wheel| is_used(wheel))?.row;
     let parallel = wheels
         .iter()

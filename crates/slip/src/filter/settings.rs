@@ -101,7 +101,8 @@ pub struct FilterSettings {
     pub max_sigma: f64,
     /// No part of the robot moves faster than this, m/s.
     pub max_speed: f64,
-    /// A sensor silent for longer than this has dropped out, s.
+    /// A sensor silent for longer than this has dropped out, s: a wheel has no slip until it is read again. One that is silent for
+    /// longer than twice this, and than eight `wheel_window`, begins anew: wheels that are read as seldom never have a slip.
     pub dropout: f64,
     /// The filter keeps memory for sensors of at most this rate, Hz; entries of faster ones are merged. At 100 Hz six wheels
     /// need 27 kB less than at the default of 1000 Hz.

@@ -217,6 +217,11 @@ impl WheelChannel {
             .is_some_and(|silence| silence <= dropout_s)
     }
 
+    /// Will its next reading show the way since the last one? Beyond the dropout time it has no estimate, and its rim is led on.
+    pub(super) fn is_led_on(&self, now_ns: i64) -> bool {
+        self.is_received(now_ns, self.track.gap())
+    }
+
     /// Has a window just ended, or does it have no estimate so far?
     pub(super) fn has_news(&self, now_ns: i64) -> bool {
         let ended = self.rim.is_some_and(|(_, to)| to == now_ns);

@@ -99,11 +99,12 @@ impl Core {
     /// Is the last reading of every powered wheel so old that the rims' speed may have changed since? The motion over the ground
     /// then waits for the next reading instead of continuing at the speed before.
     pub(super) fn is_sparse(&self, time_ns: i64) -> bool {
-        let powered = self.wheels.iter().filter(|wheel| !wheel.free);
+        let powered = self.wheels.powered();
         powered
+            .filter(|wheel| wheel.is_led_on(time_ns))
             .filter_map(|wheel| wheel.silence(time_ns))
             .reduce(f64::min)
-            .is_some_and(|silence| (SPARSE_S..self.settings.dropout).contains(&silence))
+            .is_some_and(|silence| silence >= SPARSE_S)
     }
 
     /// Adds a reading of a wheel's rotation, and updates the state where it ends a window.
