@@ -50,6 +50,7 @@ pub fn run(bytes: &[u8]) {
         Decides::Everything,
     ][usize::from(flags % 4)];
     given.control = control;
+    given.warm_up = given.warm_up.min(control.blind_time);
     if flags & 4 != 0 {
         given.soil = TABLES.clone();
         given.learn = (flags & 8 != 0).then(SoilLearnSettings::default);

@@ -184,6 +184,26 @@ fn it_stops_when_its_sensors_fall_silent() {
     assert!(after > 0.0 && after < scenario.control.blind_time + 0.3);
 }
 
+/// A robot that may be without slips for less time than it takes to its first ones would end every drive as one whose sensors are lost.
+#[test]
+fn the_time_without_sight_outlasts_the_start() {
+    let mut short = scenario("sandbox");
+    short.duration = 3.0;
+    short.control.blind_time = 0.75;
+    short.check().unwrap();
+    let result = drive(&short, Pilot::Controller, short.seed);
+    assert_eq!(result.outcome, Outcome::TimeOut);
+    short.control.blind_time = 0.74;
+    let refused = short.check().unwrap_err().to_string();
+    assert!(
+        refused.contains("blind_time")
+            && refused.contains("0.74")
+            && refused.contains("0.75")
+            && refused.contains(" s"),
+        "{refused}"
+    );
+}
+
 #[test]
 fn the_same_seed_drives_the_same_drive() {
     let mut short = scenario("sandbox");

@@ -109,6 +109,7 @@ proptest! {
         let mut control: ControlSettings = drawn(&mut noise, ControlSettings::FIELDS);
         control.level = control.level.min(control.steep);
         settings.control = control;
+        settings.warm_up = settings.warm_up.min(control.blind_time);
         for setup in &mut settings.wheels {
             setup.max_torque = (noise.uniform() < 0.7).then_some(5.0);
             setup.max_steering_angle = if noise.uniform() < 0.5 { 0.6 } else { 0.0 };

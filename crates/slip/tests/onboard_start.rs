@@ -135,6 +135,19 @@ fn gravity_is_compared_with_its_mean_over_the_warm_up() {
 }
 
 #[test]
+fn a_warm_up_ends_before_the_controller_has_been_blind_for_too_long() {
+    let robot = robot();
+    let mut settings = OnBoardSettings::new(&robot);
+    settings.control.blind_time = settings.warm_up;
+    assert!(OnBoard::new(&robot, settings.clone()).is_ok());
+    settings.control.blind_time = 0.49;
+    let refused = OnBoard::new(&robot, settings).unwrap_err().to_string();
+    for part in ["warm_up", "0.5", "0.49", " s"] {
+        assert!(refused.contains(part), "{refused}");
+    }
+}
+
+#[test]
 fn without_an_inertial_unit_there_is_no_gravity_to_check() {
     let robot = robot();
     let mut settings = OnBoardSettings::new(&robot);

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use grouser_files::nearest;
 use grouser_slip::control::ControlSettings;
+use grouser_slip::filter::FilterSettings;
+use grouser_slip::onboard::OnBoardSettings;
 use grouser_terra::{Angle, Settings, ShearLaw, Soil, SoilParams, WheelOnSoil, catalogue};
 
 use crate::error::{Error, Result};
@@ -15,6 +17,8 @@ use crate::sensors::{Schedule, SensorSettings};
 /// wheel digs in faster than a controller can react.
 const MIN_SETPOINT_SLIP: f64 = 0.01;
 const MAX_SETPOINT_SLIP: f64 = 0.8;
+/// Of a wheel at rest the first slip is known after so many windows: four in which it has few ticks, and the next reading.
+const FIRST_SLIP_WINDOWS: f64 = 5.0;
 
 /// One stretch of the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -435,7 +439,12 @@ impl Scenario {
         Error::check(&of, "duration", self.duration, (0.1, 1e6), "s")?;
         Error::check(&of, "fixed_slip", self.fixed_slip, (0.01, 0.95), "1")?;
         self.sensors.check()?;
-        self.control.check().map_err(Error::from)
+        self.control.check()?;
+        // until then no wheel has a slip, and the drive would end as one without sensors
+        let first_slip = OnBoardSettings::new(&self.robot.robot).warm_up
+            + FIRST_SLIP_WINDOWS * FilterSettings::default().wheel_window;
+        let blind_time = self.control.blind_time;
+        Error::check(&of, "blind_time", blind_time, (first_slip, 1e3), "s")
     }
 
     /// Does the robot's own computer learn the soil? A drive that plans its way leaves that to the navigator.

@@ -66,7 +66,8 @@ pub struct OnBoardSettings {
     pub gravity: f64,
     /// Heading at the start, rad.
     pub heading: f64,
-    /// For this long after the first sample the filter waits while the attitude is found, s.
+    /// For this long after the first sample the filter waits while the attitude is found, s; at most the controller's
+    /// `blind_time`.
     pub warm_up: f64,
     /// Are poses used? Where a camera measures displacements the fixes of a receiver only add their noise.
     pub uses_poses: bool,
@@ -112,7 +113,9 @@ impl OnBoardSettings {
         check_range(of, "number of wheels", setups, (wheels, wheels), "1")?;
         check_range(of, "gravity", self.gravity, (0.01, 100.0), "m/s²")?;
         check_range(of, "heading", self.heading, (-1e6, 1e6), "rad")?;
-        check_range(of, "warm_up", self.warm_up, (0.0, 100.0), "s")?;
+        // without slips for longer the controller ends the drive
+        let blind_time = self.control.blind_time.min(100.0);
+        check_range(of, "warm_up", self.warm_up, (0.0, blind_time), "s")?;
         for (wheel, setup) in robot.wheels().iter().zip(&self.wheels) {
             let of = wheel.name.as_str();
             check_range(of, "load", setup.load, (-1e7, 1e7), "N")?;
