@@ -120,10 +120,10 @@ fn ground(draws: &mut Draws) -> GroundSpec {
         .collect();
     let soil = |name: &str, draws: &mut Draws| {
         let mut changes = SoilChanges::default();
-        for key in SoilChanges::KEYS {
+        for number in &mut changes.0 {
             if draws.next() < 0.2 {
                 // 0.2 is legal for each of them, in its unit
-                changes.set(key, Some(draws.between(0.2, 0.3)));
+                *number = Some(draws.between(0.2, 0.3));
             }
         }
         let origin = SoilOrigin::Catalogue(draws.of(&complete).to_owned());

@@ -120,9 +120,9 @@ pub enum SoilOrigin {
     File(PathBuf),
 }
 
-/// Numbers that a scenario gives in place of a soil's own, in the units of its keys.
+/// Numbers that a scenario gives in place of a soil's own, in the order and the units of [`KEYS`](Self::KEYS).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SoilChanges(pub(super) [Option<f64>; 9]);
+pub struct SoilChanges(pub [Option<f64>; 9]);
 
 impl SoilChanges {
     /// The keys, as in a scenario's `[[soil]]`.
@@ -137,15 +137,6 @@ impl SoilChanges {
         "cohesion_kpa",
         "rebound",
     ];
-
-    /// Gives the number of a key, in the key's unit; a key that is not one of [`KEYS`](Self::KEYS) changes nothing.
-    pub fn set(&mut self, key: &str, value: Option<f64>) {
-        for (slot, own) in self.0.iter_mut().zip(Self::KEYS) {
-            if own == key {
-                *slot = value;
-            }
-        }
-    }
 }
 
 impl SoilSpec {
