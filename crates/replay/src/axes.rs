@@ -6,6 +6,8 @@
 use grouser_real::Real;
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
+use crate::samples::displacement;
+
 /// Changes of speed are compared over windows of this length, s: long against a sample, short against a manoeuvre.
 const WINDOW_S: f64 = 0.5;
 /// Windows with a longer break are left out, s.
@@ -107,10 +109,7 @@ impl AxisWatch {
                 let Some(last) = self.pose.replace([x, y, yaw]) else {
                     return;
                 };
-                let turn = yaw - last[2];
-                let (sin, cos) = Real::sin_cos(last[2] + 0.5 * turn);
-                let (dx, dy) = (x - last[0], y - last[1]);
-                let passed = [cos * dx + sin * dy, cos * dy - sin * dx];
+                let (passed, turn) = displacement(last, [x, y, yaw]);
                 self.add_displacement(passed, turn, passed_s);
             }
             Measurement::Displacement {

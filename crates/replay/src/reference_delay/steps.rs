@@ -1,7 +1,8 @@
 //! What the reference measured from one stamp to the next.
 
-use grouser_real::{Real, wrap_angle};
 use grouser_slip::{Measurement, Reference};
+
+use crate::samples::displacement;
 
 /// Nothing is known between two readings that are further apart, s.
 const MAX_GAP_S: f64 = 2.0;
@@ -78,14 +79,8 @@ impl Steps {
             Measurement::Pose { x, y, yaw } if self.reference == Reference::Pose => {
                 let yaw = yaw - self.yaw_offset;
                 let last = self.pose.replace([x, y, yaw]).unwrap_or([x, y, yaw]);
-                let turn = wrap_angle(yaw - last[2]);
-                let (sin, cos) = Real::sin_cos(last[2] + 0.5 * turn);
-                let (dx, dy) = (x - last[0], y - last[1]);
-                self.add(
-                    time_s,
-                    [cos * dx + sin * dy, cos * dy - sin * dx],
-                    Some(turn),
-                )
+                let (way, turn) = displacement(last, [x, y, yaw]);
+                self.add(time_s, way, Some(turn))
             }
             _ => None,
         }
