@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::reference_delay::ReferenceDelay;
+
 /// A reference of which the filter used less than this share was locked out, not noisy.
 const MIN_USED_SHARE: f64 = 0.5;
 /// Fewer readings than this are no series.
@@ -75,6 +77,8 @@ pub enum Doubt {
     ReferenceTurned(f64),
     /// The same of the accelerations that go with speeding up.
     AccelerationTurned(f64),
+    /// The reference's stamps are apart from those of wheels and gyro by more than is corrected.
+    ClocksApart(ReferenceDelay),
     /// Between two samples lies this time, s: the clock was set, or the log consists of two drives.
     ClockJump(f64),
     /// In bends wheels of both sides show the speeds of the other side.
@@ -107,6 +111,7 @@ impl fmt::Display for Doubt {
                  is described wrongly",
                 angle.to_degrees()
             ),
+            Self::ClocksApart(delay) => write!(f, "{delay}"),
             Self::Exchanged { is_certain } => write!(
                 f,
                 "in bends wheels show the speeds of the other side: left and right encoders are exchanged{}",

@@ -168,7 +168,11 @@ impl Summary {
         let acceleration = self.axes.acceleration.filter(|_| self.fused.is_some());
         // The window estimator does not use accelerations.
         let exchange = self.exchange.as_ref();
+        let apart = self
+            .reference_delay
+            .filter(|delay| delay.is_clear && delay.is_beyond_correction());
         let axes = [
+            apart.map(Doubt::ClocksApart),
             exchange.map(|found| Doubt::Exchanged {
                 is_certain: found.is_certain,
             }),

@@ -11,7 +11,7 @@ use std::io::Cursor;
 use grouser_files::robot::RobotFile;
 use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
-use grouser_replay::{Options, ReferenceDelay, calibrate_reference_delay, run};
+use grouser_replay::{Doubt, Options, ReferenceDelay, calibrate_reference_delay, run};
 use grouser_slip::Measurement;
 use grouser_synthetic::Noise;
 
@@ -334,6 +334,49 @@ fn a_delay_that_is_found_is_used() {
         let (with, without) = (error(&case, ""), error(&case, "reference_latency_s = 0.0"));
         println!("{delay_s} s: error of slip {with:.4}, without the delay {without:.4}");
         assert!(with < 0.7 * without, "{delay_s}: {with} {without}");
+    }
+}
+
+/// Beyond the latency that the filter has, and of clocks of two computers: reported, not applied, and the run goes on.
+#[test]
+fn clocks_that_are_apart_are_reported_and_not_corrected() {
+    for (delay_s, seed) in [
+        (1.04, 1),
+        (1.2, 2),
+        (1.5, 3),
+        (3.0, 4),
+        (-0.8, 5),
+        (-4.0, 6),
+    ] {
+        for kind in [Kind::Pose, Kind::Displacement, Kind::Speed] {
+            let case = Case {
+                kind,
+                delay_s,
+                seed,
+                ..CASE
+            };
+            let case = if kind == Kind::Displacement {
+                Case {
+                    sigma: 0.002,
+                    ..case
+                }
+            } else {
+                case
+            };
+            let summary = run(
+                &drive(&case).0,
+                &cart(&case, ""),
+                &Options::default(),
+                |_| Ok(()),
+            );
+            let summary = summary.unwrap();
+            let delay = summary.reference_delay.unwrap();
+            assert!((delay.delay_s - delay_s).abs() < 0.03, "{delay_s}: {delay}");
+            assert!(!delay.is_applied && delay.is_clear);
+            let doubts = summary.doubts();
+            let is_named = |doubt: &Doubt| matches!(doubt, Doubt::ClocksApart(_));
+            assert!(doubts.iter().any(is_named), "{doubts:?}");
+        }
     }
 }
 

@@ -14,12 +14,9 @@ use super::steps::HALF_SPEED_S;
 use super::track::Track;
 use super::tracks::Passed;
 
-/// Delays are looked for from here to there, s, in these steps, and then about the likeliest in smaller ones.
-const MIN_DELAY_S: f64 = -0.5;
-const MAX_DELAY_S: f64 = 1.0;
-const STEP_S: f64 = 0.025;
+/// Delays are looked for in the steps of [`Delays`], and then about the likeliest in smaller ones.
 const FINE_STEP_S: f64 = 0.005;
-/// A multiple of the larger step, so that both meet.
+/// A multiple of the larger steps, so that both meet.
 const FINE_RANGE_S: f64 = 0.05;
 /// Slip is constant over this time, s, or this number of readings if that takes longer.
 const BLOCK_S: f64 = 4.0;
@@ -47,6 +44,16 @@ const LIKELY_NATS: f64 = 2.0;
 const CONTRADICTED_NATS: f64 = 4.5;
 /// Step for derivatives by the delay, s.
 const DERIVATIVE_STEP_S: f64 = 0.004;
+
+/// Delays that are looked for, beside what is stated, s.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Delays {
+    pub(super) min_s: f64,
+    pub(super) max_s: f64,
+    pub(super) step_s: f64,
+    /// Of a log with more readings some blocks are used.
+    pub(super) max_readings: usize,
+}
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,6 +158,8 @@ pub(super) struct Fitted {
     pub(super) possible_s: [f64; 2],
     /// Do halves of the log, or wheels and gyro, contradict it?
     pub(super) is_contradicted: bool,
+    /// Is it the first or the last that was looked for? Then a better one may lie beyond.
+    pub(super) is_at_end: bool,
 }
 
 /// Tracks with what the reference measured beside each; `stated_s` is the delay that is counted from. `None` of a log that is
@@ -158,21 +167,29 @@ pub(super) struct Fitted {
 pub(super) fn fit<'a>(
     pairs: impl Iterator<Item = (Kind, &'a Track, &'a [Passed])>,
     stated_s: f64,
+    delays: Delays,
 ) -> Option<Fitted> {
     let mut blocks: Vec<Block<'_>> = Vec::new();
     for (kind, track, passed) in pairs {
-        blocks.extend(blocks_of(kind, track, passed, stated_s));
+        blocks.extend(blocks_of(kind, track, passed, stated_s, delays));
     }
+    let readings: usize = blocks.iter().map(|block| block.passed.len()).sum();
+    let every = readings.div_ceil(delays.max_readings).max(1);
+    let mut blocks: Vec<Block<'_>> = blocks.into_iter().step_by(every).collect();
     if blocks.len() < MIN_BLOCKS {
         return None;
     }
-    let everywhere = range(MIN_DELAY_S, MAX_DELAY_S, STEP_S);
+    let everywhere = range(delays.min_s, delays.max_s, delays.step_s);
     set_variances(&mut blocks, stated_s);
     let first = Costs::of(&blocks, &everywhere, stated_s).least(|_| true);
     set_variances(&mut blocks, stated_s + first.delay_s);
     let mut costs = Costs::of(&blocks, &everywhere, stated_s);
     let coarse = costs.least(|_| true).delay_s;
-    let near = range(coarse - FINE_RANGE_S, coarse + FINE_RANGE_S, FINE_STEP_S);
+    let near = range(
+        (coarse - FINE_RANGE_S).max(delays.min_s),
+        (coarse + FINE_RANGE_S).min(delays.max_s),
+        FINE_STEP_S,
+    );
     costs.add(Costs::of(&blocks, &near, stated_s));
     let least = costs.least(|_| true);
     let dispersion = dispersion(&blocks, stated_s + least.delay_s, least.lag);
@@ -204,6 +221,8 @@ pub(super) fn fit<'a>(
         half_width_s: (least.delay_s - low).max(high - least.delay_s) + 0.5 * FINE_STEP_S,
         possible_s: within(POSSIBLE_NATS),
         is_contradicted,
+        is_at_end: least.delay_s < delays.min_s + delays.step_s
+            || least.delay_s > delays.max_s - delays.step_s,
     })
 }
 
@@ -219,11 +238,17 @@ fn range(from: f64, to: f64, step: f64) -> Vec<f64> {
 }
 
 /// The blocks of a track: of the readings that it covers at every delay.
-fn blocks_of<'a>(kind: Kind, track: &'a Track, passed: &[Passed], stated_s: f64) -> Vec<Block<'a>> {
-    let margin_s = STEP_S + HALF_SPEED_S;
+fn blocks_of<'a>(
+    kind: Kind,
+    track: &'a Track,
+    passed: &[Passed],
+    stated_s: f64,
+    delays: Delays,
+) -> Vec<Block<'a>> {
+    let margin_s = delays.step_s + HALF_SPEED_S;
     let is_covered = |one: &&Passed| {
-        let from_s = one.from_s - stated_s - MAX_DELAY_S - margin_s;
-        let to_s = one.to_s - stated_s - MIN_DELAY_S + margin_s;
+        let from_s = one.from_s - stated_s - delays.max_s - margin_s;
+        let to_s = one.to_s - stated_s - delays.min_s + margin_s;
         track.is_known(from_s, to_s) && one.amount.is_finite()
     };
     let covered: Vec<Passed> = passed.iter().filter(is_covered).copied().collect();

@@ -18,7 +18,7 @@ use grouser_log::Log;
 use crate::error::Result;
 use crate::method::Method;
 use crate::options::Options;
-use fit::{Fitted, Kind, fit};
+use fit::{Delays, Fitted, Kind, fit};
 pub(crate) use postponed::Postponed;
 use tracks::Tracks;
 
@@ -28,6 +28,20 @@ const MAX_POSSIBLE_S: f64 = 0.25;
 /// no possible one may be shorter than the tolerance.
 const TOLERANCE_S: f64 = 0.02;
 const MIN_DELAY_S: f64 = 0.03;
+/// The delays that are corrected: the filter's latency is at most 1 s.
+const CORRECTED: Delays = Delays {
+    min_s: -0.5,
+    max_s: 1.0,
+    step_s: 0.025,
+    max_readings: usize::MAX,
+};
+/// Those between clocks of two computers, which are reported. The readings limit the search to about a second of computing.
+const CLOCKS: Delays = Delays {
+    min_s: -8.0,
+    max_s: 8.0,
+    step_s: 0.05,
+    max_readings: 1500,
+};
 
 /// By how much the reference's stamps are later than those of wheels and gyro, as logs show it.
 ///
@@ -69,6 +83,13 @@ impl fmt::Display for ReferenceDelay {
         if !self.is_clear {
             return Ok(());
         }
+        if self.is_beyond_correction() {
+            return write!(
+                f,
+                ": not applied, too much for a delay. Are the clocks of two computers apart? `time = \"log\"` in `[topics]` \
+                 takes the recorder's times, `offset_s` in `time` of its table shifts those of a table"
+            );
+        }
         if self.is_stated {
             return write!(
                 f,
@@ -93,10 +114,16 @@ impl fmt::Display for ReferenceDelay {
 }
 
 impl ReferenceDelay {
+    /// Is it longer than what is corrected, −0.5 s to 1 s? Then it is of clocks that are apart.
+    #[must_use]
+    pub fn is_beyond_correction(&self) -> bool {
+        !(CORRECTED.min_s..=CORRECTED.max_s).contains(&self.delay_s)
+    }
+
     /// Uses the delay where it is clear and the file states none: as the filter's latency, or, of a reference that is early, by
     /// postponing it. Returns by how much that is, ns.
     pub(crate) fn apply(&mut self, file: &mut RobotFile, method: Method) -> i64 {
-        if !self.is_clear || self.is_stated {
+        if !self.is_clear || self.is_stated || self.is_beyond_correction() {
             return 0;
         }
         if self.delay_s < 0.0 {
@@ -159,19 +186,26 @@ pub(crate) fn reference_delay(
 
 fn delay_of(logs: &[Tracks], file: &RobotFile) -> Option<ReferenceDelay> {
     let stated_s = file.filter.reference_latency;
-    let pairs = logs.iter().flat_map(|tracks| {
-        [
-            (Kind::Way, &tracks.rims, tracks.ways.as_slice()),
-            (Kind::Turn, &tracks.gyro, tracks.turns.as_slice()),
-        ]
-    });
+    let within = |delays| {
+        let pairs = logs.iter().flat_map(|tracks| {
+            [
+                (Kind::Way, &tracks.rims, tracks.ways.as_slice()),
+                (Kind::Turn, &tracks.gyro, tracks.turns.as_slice()),
+            ]
+        });
+        let is_measured = |fitted: &Fitted| {
+            let [low, high] = fitted.possible_s;
+            high - low < MAX_POSSIBLE_S && !fitted.is_contradicted && !fitted.is_at_end
+        };
+        fit(pairs, stated_s, delays).filter(is_measured)
+    };
     let Fitted {
         delay_s,
         half_width_s,
         possible_s: [low, high],
-        is_contradicted,
-    } = fit(pairs, stated_s)?;
-    (high - low < MAX_POSSIBLE_S && !is_contradicted).then(|| ReferenceDelay {
+        ..
+    } = within(CORRECTED).or_else(|| within(CLOCKS))?;
+    Some(ReferenceDelay {
         delay_s: stated_s + delay_s,
         half_width_s,
         stated_s,

@@ -152,6 +152,9 @@ fn geometry(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated
             let (value, half) = (delay.delay_s, delay.half_width_s);
             let end = match (clear, value < 0.0) {
                 (None, _) => ", unchanged",
+                (Some(delay), _) if delay.is_beyond_correction() => {
+                    ": too much for a delay, unchanged; are the clocks of two computers apart?"
+                }
                 (Some(_), false) => "",
                 (Some(_), true) => {
                     ": it is stamped early, `offset_s` in `time` of its table states it"
@@ -169,8 +172,8 @@ fn geometry(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated
             track: found.track.map(|factor| factor.value),
             yaw_rate: found.yaw_rate.map(|factor| factor.value),
             reference_latency: clear
-                .map(|delay| delay.delay_s)
-                .filter(|delay_s| *delay_s > 0.0),
+                .filter(|delay| delay.delay_s > 0.0 && !delay.is_beyond_correction())
+                .map(|delay| delay.delay_s),
             ..Revision::default()
         },
         object: of_geometry().object((&found, delay, target)),

@@ -416,7 +416,7 @@ fn warnings(
     out.extend(summary.doubts().iter().map(ToString::to_string));
     let delay = summary
         .reference_delay
-        .filter(|delay| delay.is_clear && !delay.is_applied);
+        .filter(|delay| delay.is_clear && !delay.is_applied && !delay.is_beyond_correction());
     out.extend(delay.map(|delay| delay.to_string()));
     if summary.reference == Reference::Grip {
         out.push(

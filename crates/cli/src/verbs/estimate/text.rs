@@ -101,7 +101,9 @@ pub(super) fn text(
 fn observability(summary: &Summary) -> String {
     let doubts = summary.doubts();
     let doubts = doubts.iter().map(|doubt| format!("DOUBTFUL: {doubt}\n"));
-    let delay = summary.reference_delay.filter(|delay| delay.is_clear);
+    let delay = summary
+        .reference_delay
+        .filter(|delay| delay.is_clear && !delay.is_beyond_correction());
     let delay = delay.map_or_else(String::new, |delay| format!("{delay}\n"));
     if summary.reference == Reference::Grip {
         let differences = format!(
