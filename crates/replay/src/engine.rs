@@ -481,6 +481,7 @@ impl Engine {
             ground_changes_s: self.ground.called_s().to_vec(),
             clock_offset_s: self.clock_offset_s,
             reference_delay: self.reference_delay,
+            held_reference: None,
             odometry: self.odometry,
             fused,
             soil,

@@ -8,6 +8,7 @@ use grouser_slip::{Measurement, Reference};
 
 use crate::choice::{Inputs, robot_wheels};
 use crate::error::{Error, Result};
+use crate::held::Held;
 use crate::options::Options;
 use crate::samples::{is_used, of_robot};
 
@@ -162,8 +163,13 @@ fn blocks_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<Block
     let mut turns = Turns::default();
     let (mut ways, mut stepped_s, mut begun_s): ((f64, f64), f64, Option<f64>) =
         ((0.0, 0.0), 0.0, None);
+    let mut held = Held::of(log, file, options, &[])?;
     for sample in log.samples(&vec![0; log.clocks()])? {
-        let sample = of_robot(sample?, &wheels);
+        let sample = sample?;
+        if !held.keeps(&sample) {
+            continue;
+        }
+        let sample = of_robot(sample, &wheels);
         let start = *start_ns.get_or_insert(sample.time_ns);
         let time_s = sample.time_ns.saturating_sub(start) as f64 * 1e-9;
         if !is_used(&sample.measurement, inputs.wheel_sensor) {

@@ -32,6 +32,7 @@ mod gather;
 mod geometry;
 mod ground_change;
 mod ground_watch;
+mod held;
 mod intervals;
 mod known_ground;
 mod markers;
@@ -72,6 +73,7 @@ pub use exchange_watch::ExchangeCheck;
 pub use fusion::{EventAt, FusedSummary};
 pub use geometry::{Factor, GeometryCalibration, calibrate_geometry};
 pub use ground_change::GroundChange;
+pub use held::HeldReference;
 pub use intervals::{IntervalCalibration, calibrate_intervals};
 pub use known_ground::{
     Coverage, GroundSlip, GroundSlips, KnownGround, KnownGrounds, Roller, SlipRange, Stretch,

@@ -9,6 +9,7 @@ use crate::align::gyro_offset;
 use crate::choice::{Inputs, robot_wheels};
 use crate::engine::Engine;
 use crate::error::Result;
+use crate::held::Held;
 use crate::method::Method;
 use crate::options::Options;
 use crate::reference_delay::{Postponed, ReferenceDelay, reference_delay};
@@ -65,7 +66,7 @@ pub fn run_into(
     sink: &mut impl Sink,
 ) -> Result<Summary> {
     let clocks = Clocks::of(log, file, options)?;
-    let mut summary = run_once(log, file, options, clocks, sink)?;
+    let mut summary = run_once(log, file, options, &clocks, sink)?;
     // Where the filter's own checks fail, the window estimator's result stands beside it.
     if summary
         .fused
@@ -79,7 +80,7 @@ pub fn run_into(
             ..*options
         };
         let mut nowhere = Rows(|_: &Row<'_>| Ok(()));
-        let beside = run_once(log, file, &by_windows, clocks, &mut nowhere)?;
+        let beside = run_once(log, file, &by_windows, &clocks, &mut nowhere)?;
         for (wheel, other) in summary.wheels.iter_mut().zip(beside.wheels) {
             wheel.window_slip = Some(other.slip);
         }
@@ -87,12 +88,13 @@ pub fn run_into(
     Ok(summary)
 }
 
-/// How the clocks of a log's sensors differ, found in passes before the run.
-#[derive(Clone, Copy, Debug)]
+/// How the clocks of a log's sensors differ and which rows are readings, found in passes before the run.
+#[derive(Clone, Debug)]
 struct Clocks {
     /// How much later the gyro's clock stamps the same moment than the encoders', s, where that is to be found.
     gyro_offset_s: Option<f64>,
     reference_delay: Option<ReferenceDelay>,
+    held: Held,
 }
 
 impl Clocks {
@@ -100,6 +102,7 @@ impl Clocks {
         let mut clocks = Self {
             gyro_offset_s: None,
             reference_delay: None,
+            held: Held::of(log, file, options, &[])?,
         };
         if !log.unaligned_clocks().is_empty() {
             let wheels = robot_wheels(log, file)?;
@@ -107,7 +110,7 @@ impl Clocks {
             clocks.gyro_offset_s = gyro_offset(log, file, &wheels, sensor)?;
         }
         let shifts = clocks.shifts(log);
-        clocks.reference_delay = reference_delay(log, file, options, &shifts)?;
+        clocks.reference_delay = reference_delay(log, file, options, &shifts, &clocks.held)?;
         Ok(clocks)
     }
 
@@ -130,25 +133,32 @@ fn run_once(
     log: &Log,
     file: &RobotFile,
     options: &Options,
-    mut clocks: Clocks,
+    clocks: &Clocks,
     sink: &mut impl Sink,
 ) -> Result<Summary> {
     let wheels = robot_wheels(log, file)?;
     let inputs = Inputs::of(log, file, options)?;
     let mut file = file.clone();
     let method = options.method_for(&file.robot, inputs.reference);
-    let delay = clocks.reference_delay.as_mut();
-    let early_ns = delay.map_or(0, |delay| delay.apply(&mut file, method));
+    let mut delay = clocks.reference_delay;
+    let early_ns = (delay.as_mut()).map_or(0, |delay| delay.apply(&mut file, method));
+    let mut held = clocks.held.clone();
     let mut engine = Engine::new(&file, inputs, options)?;
-    engine.set_clocks(clocks.gyro_offset_s, clocks.reference_delay);
+    engine.set_clocks(clocks.gyro_offset_s, delay);
     let mut postponed = Postponed::by(early_ns);
     for sample in log.samples(&clocks.shifts(log))? {
-        for sample in postponed.take(of_robot(sample?, &wheels)) {
+        let sample = sample?;
+        if !held.keeps(&sample) {
+            continue;
+        }
+        for sample in postponed.take(of_robot(sample, &wheels)) {
             engine.push(sample, sink)?;
         }
     }
     for sample in postponed.finish() {
         engine.push(sample, sink)?;
     }
-    engine.finish(sink)
+    let mut summary = engine.finish(sink)?;
+    summary.held_reference = held.counts();
+    Ok(summary)
 }

@@ -8,6 +8,7 @@ use grouser_slip::start::{Progress, StartCheck};
 
 use crate::choice::{Inputs, robot_wheels};
 use crate::error::Result;
+use crate::held::Held;
 use crate::options::Options;
 use crate::samples::{is_used, of_robot};
 
@@ -57,8 +58,13 @@ pub fn check_start(log: &Log, file: &RobotFile, options: &Options) -> Result<Sta
     let mut check = StartCheck::new(&file.robot)?;
     let mut progress = Progress::Looking;
     let mut start_ns = None;
+    let mut held = Held::of(log, file, options, &[])?;
     for sample in log.samples(&vec![0; log.clocks()])? {
-        let sample = of_robot(sample?, &wheels);
+        let sample = sample?;
+        if !held.keeps(&sample) {
+            continue;
+        }
+        let sample = of_robot(sample, &wheels);
         if !is_used(&sample.measurement, inputs.wheel_sensor) {
             continue;
         }

@@ -9,6 +9,7 @@ use crate::axes::AxisCheck;
 use crate::checks::{Doubt, MAX_GAP_S};
 use crate::exchange_watch::ExchangeCheck;
 use crate::fusion::FusedSummary;
+use crate::held::HeldReference;
 use crate::method::Method;
 use crate::odometry::Odometry;
 use crate::quantiles::Quantiles;
@@ -150,6 +151,8 @@ pub struct Summary {
     pub clock_offset_s: Option<f64>,
     /// By how much the reference's stamps are later than those of wheels and gyro, where the log shows it.
     pub reference_delay: Option<ReferenceDelay>,
+    /// The reference's rows and readings, where a logger repeats it between its updates.
+    pub held_reference: Option<HeldReference>,
     /// Where the robot was at the end, counted from the beginning of the span, and the ways that led there.
     pub odometry: Option<Odometry>,
     /// What the filter says of itself, where it found the slips.

@@ -16,6 +16,7 @@ mod calibration;
 mod displacements;
 mod exchanged;
 mod five_wheel;
+mod held;
 mod jackal;
 mod kobuki;
 mod logs_that_say_nothing;

@@ -16,6 +16,7 @@ use grouser_files::robot::RobotFile;
 use grouser_log::Log;
 
 use crate::error::Result;
+use crate::held::Held;
 use crate::method::Method;
 use crate::options::Options;
 use fit::{Delays, Fitted, Kind, fit};
@@ -168,7 +169,7 @@ pub fn calibrate_reference_delay(
 ) -> Result<Option<ReferenceDelay>> {
     let tracks = logs
         .iter()
-        .map(|log| Tracks::of(log, file, options, &[]))
+        .map(|log| Tracks::of(log, file, options, &[], Held::of(log, file, options, &[])?))
         .collect::<Result<Vec<_>>>()?;
     Ok(delay_of(&tracks, file))
 }
@@ -179,8 +180,9 @@ pub(crate) fn reference_delay(
     file: &RobotFile,
     options: &Options,
     shifts: &[i64],
+    held: &Held,
 ) -> Result<Option<ReferenceDelay>> {
-    let tracks = Tracks::of(log, file, options, shifts)?;
+    let tracks = Tracks::of(log, file, options, shifts, held.clone())?;
     Ok(delay_of(&[tracks], file))
 }
 

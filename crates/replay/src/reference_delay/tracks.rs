@@ -9,6 +9,7 @@ use super::steps::{Step, Steps};
 use super::track::Track;
 use crate::choice::{Inputs, robot_wheels};
 use crate::error::Result;
+use crate::held::Held;
 use crate::options::Options;
 use crate::samples::{is_used, of_robot};
 
@@ -46,6 +47,7 @@ impl Tracks {
         file: &RobotFile,
         options: &Options,
         shifts: &[i64],
+        mut held: Held,
     ) -> Result<Self> {
         let wheels = robot_wheels(log, file)?;
         let inputs = Inputs::of(log, file, options)?;
@@ -58,7 +60,11 @@ impl Tracks {
         let mut start_ns = None;
         let mut last_rate: Option<(f64, f64)> = None;
         for sample in log.samples(shifts)? {
-            let sample = of_robot(sample?, &wheels);
+            let sample = sample?;
+            if !held.keeps(&sample) {
+                continue;
+            }
+            let sample = of_robot(sample, &wheels);
             let start = *start_ns.get_or_insert(sample.time_ns);
             let time_s = sample.time_ns.saturating_sub(start) as f64 * 1e-9;
             if time_s > MAX_LOG_S {

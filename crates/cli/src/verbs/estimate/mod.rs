@@ -418,6 +418,7 @@ fn warnings(
         .reference_delay
         .filter(|delay| delay.is_clear && !delay.is_applied && !delay.is_beyond_correction());
     out.extend(delay.map(|delay| delay.to_string()));
+    out.extend(summary.held_reference.map(|held| held.to_string()));
     if summary.reference == Reference::Grip {
         out.push(
             "slip counts from the wheel that grips best: which wheel slips is not observable here"

@@ -1,0 +1,238 @@
+//! A reference that a logger repeats in the rows between its updates.
+//!
+//! Many loggers write one row per cycle, and in it the last known pose or speed. Each repetition taken for a reading would
+//! mean that the robot stands from one update to the next, and then jumps.
+
+use std::fmt;
+
+use grouser_files::robot::RobotFile;
+use grouser_log::Log;
+use grouser_slip::{Measurement, Reference, Sample};
+
+use crate::choice::{Inputs, robot_wheels};
+use crate::error::Result;
+use crate::options::Options;
+
+/// Of this number of updates the decision is made, and not of fewer than the second number.
+const UPDATES: usize = 400;
+const MIN_UPDATES: usize = 12;
+/// An update repeats for this number of rows at least, in the median.
+const MIN_ROWS: u64 = 2;
+/// Rows from one update to the next differ from the median by one, or by this share of it, in this share of all cases: updates
+/// are steady. Readings that are equal by chance, since they have few digits, are not.
+const ROWS_TOLERANCE: f64 = 0.25;
+const STEADY_SHARE: f64 = 0.9;
+/// A value that repeats for longer than this number of intervals is a reading: the robot stands, or the sensor is frozen. One
+/// update may be missing.
+const MAX_INTERVALS: f64 = 2.2;
+/// Only so much of a log is read for it, s.
+const MAX_LOG_S: f64 = 1800.0;
+
+/// A reference whose value most rows repeat from its last update.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct HeldReference {
+    /// Rows with a value of the reference.
+    pub rows: u64,
+    /// Those whose value was another than in the row before, which are its readings.
+    pub updates: u64,
+    /// Median time from one update to the next, s.
+    pub interval_s: f64,
+}
+
+impl fmt::Display for HeldReference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the reference is held between its updates: {} of {} rows are readings",
+            self.updates, self.rows
+        )
+    }
+}
+
+/// The bits that a reading of `reference` repeats; `None` of other samples. Of a pose, its place: the yaw may be another
+/// sensor's.
+fn bits(measurement: &Measurement, reference: Reference) -> Option<[u64; 2]> {
+    let of = |a: f64, b: f64| Some([a.to_bits(), b.to_bits()]);
+    match (*measurement, reference) {
+        (Measurement::Pose { x, y, .. }, Reference::Pose) => of(x, y),
+        (Measurement::Displacement { forward, left, .. }, Reference::Displacement) => {
+            of(forward, left)
+        }
+        (Measurement::Speed { forward, left }, Reference::Speed) => {
+            of(forward, left.unwrap_or(0.0))
+        }
+        _ => None,
+    }
+}
+
+/// Leaves out the rows that repeat the last update.
+#[derive(Clone, Debug)]
+pub(crate) struct Held {
+    reference: Reference,
+    /// `None` where every row is a reading.
+    counts: Option<HeldReference>,
+    last: Option<[u64; 2]>,
+    /// When a sample was kept last, and whether it was a repetition.
+    kept_ns: i64,
+    repeats: bool,
+}
+
+impl Held {
+    /// For a log, to whose clocks `shifts` are added, ns.
+    pub(crate) fn of(
+        log: &Log,
+        file: &RobotFile,
+        options: &Options,
+        shifts: &[i64],
+    ) -> Result<Self> {
+        robot_wheels(log, file)?; // a wheel that the robot lacks is the first error to report
+        let reference = Inputs::of(log, file, options)?.reference;
+        let mut found = Self {
+            reference,
+            counts: None,
+            last: None,
+            kept_ns: 0,
+            repeats: false,
+        };
+        if matches!(reference, Reference::FreeWheel | Reference::Grip) {
+            return Ok(found);
+        }
+        let mut updates = Updates::default();
+        for sample in log.samples(shifts)? {
+            let sample = sample?;
+            if let Some(bits) = bits(&sample.measurement, reference)
+                && updates.is_done(sample.time_ns, bits)
+            {
+                break;
+            }
+        }
+        found.counts = updates.interval_s().map(|interval_s| HeldReference {
+            rows: 0,
+            updates: 0,
+            interval_s,
+        });
+        Ok(found)
+    }
+
+    /// Is a sample a reading?
+    pub(crate) fn keeps(&mut self, sample: &Sample) -> bool {
+        let Some(counts) = &mut self.counts else {
+            return true;
+        };
+        let Some(bits) = bits(&sample.measurement, self.reference) else {
+            return true;
+        };
+        let is_update = self.last.replace(bits) != Some(bits);
+        counts.rows += 1;
+        counts.updates += u64::from(is_update);
+        let since_s = sample.time_ns.saturating_sub(self.kept_ns) as f64 * 1e-9;
+        let intervals = if self.repeats { 1.0 } else { MAX_INTERVALS };
+        let keeps = is_update || since_s >= intervals * counts.interval_s;
+        if keeps {
+            self.kept_ns = sample.time_ns;
+            self.repeats = !is_update;
+        }
+        keeps
+    }
+
+    /// What was left out.
+    pub(crate) const fn counts(&self) -> Option<HeldReference> {
+        self.counts
+    }
+}
+
+/// The rows and the time from one update to the next.
+#[derive(Clone, Debug, Default)]
+struct Updates {
+    start_ns: Option<i64>,
+    last: Option<([u64; 2], i64)>,
+    rows: u64,
+    intervals: Vec<(u64, f64)>,
+}
+
+impl Updates {
+    /// Takes a row; are there enough of them?
+    fn is_done(&mut self, time_ns: i64, bits: [u64; 2]) -> bool {
+        let seconds = |from: i64| time_ns.saturating_sub(from) as f64 * 1e-9;
+        let is_over = seconds(*self.start_ns.get_or_insert(time_ns)) > MAX_LOG_S;
+        self.rows += 1;
+        match self.last {
+            Some((same, _)) if same == bits => {}
+            last => {
+                if let Some((_, since_ns)) = last {
+                    self.intervals.push((self.rows, seconds(since_ns)));
+                }
+                self.rows = 0;
+                self.last = Some((bits, time_ns));
+            }
+        }
+        is_over || self.intervals.len() >= UPDATES
+    }
+
+    /// The median interval of updates, s; `None` where rows are readings.
+    fn interval_s(mut self) -> Option<f64> {
+        if self.intervals.len() < MIN_UPDATES {
+            return None;
+        }
+        self.intervals.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let (_, interval_s) = self.intervals[self.intervals.len() / 2];
+        self.intervals.sort_by_key(|(rows, _)| *rows);
+        let (rows, _) = self.intervals[self.intervals.len() / 2];
+        let tolerance = (ROWS_TOLERANCE * rows as f64).max(1.0);
+        let is_near = |(other, _): &&(u64, f64)| other.abs_diff(rows) as f64 <= tolerance;
+        let near = self.intervals.iter().filter(is_near).count() as f64;
+        let is_steady = near >= STEADY_SHARE * self.intervals.len() as f64;
+        (rows >= MIN_ROWS && is_steady).then_some(interval_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Updates each half second in rows of 20 ms, then a rest of four seconds whose updates are equal to the bit.
+    #[test]
+    fn a_rest_remains_observable_at_the_pace_of_the_updates() {
+        let row = |row: i64| {
+            let x = (row / 25).min(40) as f64;
+            let measurement = Measurement::Pose {
+                x,
+                y: 0.0,
+                yaw: 0.0,
+            };
+            Sample {
+                time_ns: 20_000_000 * row,
+                measurement,
+            }
+        };
+        let mut updates = Updates::default();
+        for sample in (0..1200).map(row) {
+            let bits = bits(&sample.measurement, Reference::Pose).unwrap();
+            assert!(!updates.is_done(sample.time_ns, bits));
+        }
+        let interval_s = updates.interval_s().unwrap();
+        assert!((interval_s - 0.5).abs() < 1e-9);
+        let mut held = Held {
+            reference: Reference::Pose,
+            counts: Some(HeldReference {
+                rows: 0,
+                updates: 0,
+                interval_s,
+            }),
+            last: None,
+            kept_ns: 0,
+            repeats: false,
+        };
+        let kept: Vec<i64> = (0..1200).filter(|i| held.keeps(&row(*i))).collect();
+        let (driving, resting) = kept.split_at(41);
+        assert!(
+            driving
+                .iter()
+                .zip(0..)
+                .all(|(row, update)| *row == 25 * update)
+        );
+        // one update may be missing
+        assert_eq!(resting, [1055, 1080, 1105, 1130, 1155, 1180]);
+    }
+}
