@@ -63,6 +63,8 @@ impl WayCheck {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Doubt {
+    /// The filter used no reading of its only reference.
+    ReferenceUnused,
     /// The filter refused most readings of its only reference.
     ReferenceRefused(ReferenceUse),
     /// The filter's way differs from the reference's.
@@ -91,6 +93,10 @@ pub enum Doubt {
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::ReferenceUnused => write!(
+                f,
+                "no reading of the reference could be used: how fast the robot travels is not known, and no slip is"
+            ),
             Self::ReferenceRefused(ReferenceUse { readings, used }) => write!(
                 f,
                 "the filter used {used} of {readings} readings of its reference: its slips do not follow from this log"

@@ -7,10 +7,11 @@ use grouser_slip::window::{WindowBody, WindowEstimator, WindowMeans, WindowSetti
 use grouser_slip::{Measurement, Motion, Reference, Robot, Sample, Slip, WheelRole};
 
 use crate::axes::AxisWatch;
+use crate::checks::Doubt;
 use crate::choice::Inputs;
 use crate::error::{Error, Result};
 use crate::exchange_watch::ExchangeWatch;
-use crate::fusion::Fusion;
+use crate::fusion::{FusedSummary, Fusion};
 use crate::ground_watch::GroundWatch;
 use crate::method::Method;
 use crate::moment::{Moment, side_slip_angle};
@@ -21,7 +22,7 @@ use crate::reference_delay::ReferenceDelay;
 use crate::samples::{is_used, rotating_wheel};
 use crate::sink::{Row, Sink, Step};
 use crate::steering::WheelSteering;
-use crate::summary::{Status, Summary};
+use crate::summary::{Spread, Status, Summary};
 use crate::tally::Tally;
 use crate::turn_watch::TurnWatch;
 use crate::ways::Ways;
@@ -452,6 +453,13 @@ impl Engine {
             // The difference is wiring: no wheel slips by it.
             turns.wheel = None;
         }
+        // Where nothing of an absolute reference was used, there is no way and no absolute slip.
+        let is_unused = fused.as_ref().is_some_and(|fused: &FusedSummary| {
+            fused
+                .doubts
+                .iter()
+                .any(|doubt| matches!(doubt, Doubt::ReferenceUnused))
+        });
         Summary {
             status: if self.tallies.iter().any(Tally::has_slip) {
                 Status::Done
@@ -470,10 +478,14 @@ impl Engine {
             wheels: wheels
                 .map(|(wheel, tally)| {
                     let is_free = wheel.role == WheelRole::Free;
-                    tally.summary(wheel, is_free && reference == Reference::FreeWheel)
+                    let mut of = tally.summary(wheel, is_free && reference == Reference::FreeWheel);
+                    if is_unused {
+                        of.slip = Spread::default();
+                    }
+                    of
                 })
                 .collect(),
-            along: self.ways.along(reference != Reference::Grip),
+            along: self.ways.along(reference != Reference::Grip && !is_unused),
             yaw: self.ways.yaw(),
             turns,
             exchange,
@@ -482,7 +494,7 @@ impl Engine {
             clock_offset_s: self.clock_offset_s,
             reference_delay: self.reference_delay,
             held_reference: None,
-            odometry: self.odometry,
+            odometry: self.odometry.filter(|_| !is_unused),
             fused,
             soil,
             rejected,

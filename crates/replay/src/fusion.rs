@@ -235,10 +235,16 @@ impl Fusion {
                 .reference_readings
                 .saturating_sub(known.reference_refused),
         });
+        let is_absolute = matches!(
+            self.reference,
+            Reference::Displacement | Reference::Pose | Reference::Speed
+        );
+        let is_unused = is_absolute && reference.is_none_or(|of| of.used == 0);
+        let unused = is_unused.then_some(Doubt::ReferenceUnused);
         FusedSummary {
             reference,
             ways,
-            doubts: doubts(reference, &ways),
+            doubts: unused.into_iter().chain(doubts(reference, &ways)).collect(),
             is_smoothed: self.is_smoothed,
             consistency: self.residuals.summary(),
             dropped: known.dropped,

@@ -150,3 +150,25 @@ fn an_acceleration_forwards_alone_is_of_use() {
     );
     assert!(forward.1 < 1.1 * both && forward.1 < 0.7 * without);
 }
+
+/// Poses of which none is a number: no way and no slip, instead of the slip that was expected beforehand.
+#[test]
+fn a_reference_without_a_usable_reading_leaves_no_slip() {
+    let (summary, _) = run(false, false, "", |measurement| {
+        if let Measurement::Pose { yaw, .. } = measurement {
+            *yaw = f64::NAN;
+        }
+    });
+    assert!(summary.doubts().contains(&Doubt::ReferenceUnused));
+    assert_eq!(
+        (summary.along.overall, summary.along.travel_reference),
+        (None, None)
+    );
+    assert!(
+        summary
+            .wheels
+            .iter()
+            .all(|wheel| wheel.slip.median.is_none())
+    );
+    assert!(summary.odometry.is_none() && summary.rejected.total() > 0);
+}
