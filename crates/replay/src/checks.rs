@@ -2,7 +2,9 @@
 
 use std::fmt;
 
+use crate::pose_watch::PoseFault;
 use crate::reference_delay::ReferenceDelay;
+use crate::steering::SteeringFault;
 
 /// A reference of which the filter used less than this share was locked out, not noisy.
 const MIN_USED_SHARE: f64 = 0.5;
@@ -65,6 +67,12 @@ impl WayCheck {
 pub enum Doubt {
     /// The filter used no reading of its only reference.
     ReferenceUnused,
+    /// The pose disagrees with gyro or wheels.
+    Pose(PoseFault),
+    /// The gyro turns by this multiple of what pose and wheels turn by.
+    YawRateScale(f64),
+    /// The angle of the steering disagrees with the gyro.
+    Steering(SteeringFault),
     /// The filter refused most readings of its only reference.
     ReferenceRefused(ReferenceUse),
     /// The filter's way differs from the reference's.
@@ -97,6 +105,41 @@ impl fmt::Display for Doubt {
                 f,
                 "no reading of the reference could be used: how fast the robot travels is not known, and no slip is"
             ),
+            Self::Pose(PoseFault::YawConstant) => write!(
+                f,
+                "`pose_yaw` stays the same while the robot turns: the orientation is not measured (an identity), or another \
+                 axis of the pose points up"
+            ),
+            Self::Pose(PoseFault::YawMirrored) => write!(
+                f,
+                "`pose_yaw` turns against gyro or wheels: it counts to the right (`scale = -1.0` in its column turns it round), \
+                 or the axis that points up is another"
+            ),
+            Self::Pose(PoseFault::YawUnit(scale)) => write!(
+                f,
+                "`pose_yaw` turns by {scale:.1} times what gyro or wheels turn by: is its unit another than described (rad, deg)?"
+            ),
+            Self::Pose(PoseFault::PlaceMirrored) => write!(
+                f,
+                "the places of the pose turn against its yaw: `pose_x` and `pose_y` are exchanged, or one of them has the wrong \
+                 sign (`scale = -1.0` in its column)"
+            ),
+            Self::Pose(PoseFault::Unit(scale)) => write!(
+                f,
+                "the pose moves {scale:.3} times as far as the wheels: is it in another unit than described (cm, mm)?"
+            ),
+            Self::YawRateScale(scale) => write!(
+                f,
+                "the gyro turns by {scale:.2} times what pose and wheels turn by: its unit or its sign is described wrongly"
+            ),
+            Self::Steering(SteeringFault::Reversed) => write!(
+                f,
+                "the gyro turns against the steering: the sign of `steering_angle` is wrong (`scale = -1.0` in its column)"
+            ),
+            Self::Steering(SteeringFault::Unit) => write!(
+                f,
+                "`steering_angle` does not fit the gyro's turns: is its unit another than described (rad, deg)?"
+            ),
             Self::ReferenceRefused(ReferenceUse { readings, used }) => write!(
                 f,
                 "the filter used {used} of {readings} readings of its reference: its slips do not follow from this log"
@@ -108,8 +151,9 @@ impl fmt::Display for Doubt {
             Self::ReferenceTurned(angle) => write!(
                 f,
                 "the reference moves {:.0}° to the left of the direction in which the wheels drive: its axes or its yaw \
-                 are described wrongly (`pose_yaw_offset_deg` in the robot file corrects a pose)",
-                angle.to_degrees()
+                 are described wrongly (`pose_yaw_offset_deg` in the robot file corrects a pose: {:.0} more than there)",
+                angle.to_degrees(),
+                -angle.to_degrees()
             ),
             Self::AccelerationTurned(angle) => write!(
                 f,
@@ -132,6 +176,22 @@ impl fmt::Display for Doubt {
                 "the times of the log jump by {gap_s:.0} s: its clock was set, or it holds more than one drive"
             ),
         }
+    }
+}
+
+impl Doubt {
+    /// Is it about how a sensor is described: its unit, its sign or its axes?
+    #[must_use]
+    pub const fn is_description(&self) -> bool {
+        matches!(
+            self,
+            Self::Pose(_)
+                | Self::YawRateScale(_)
+                | Self::Steering(_)
+                | Self::ReferenceTurned(_)
+                | Self::AccelerationTurned(_)
+                | Self::Exchanged { .. }
+        )
     }
 }
 

@@ -17,11 +17,12 @@ use crate::method::Method;
 use crate::moment::{Moment, side_slip_angle};
 use crate::odometry::Odometry;
 use crate::options::Options;
+use crate::pose_watch::PoseWatch;
 use crate::reckoning::Reckoning;
 use crate::reference_delay::ReferenceDelay;
 use crate::samples::{is_used, rotating_wheel};
 use crate::sink::{Row, Sink, Step};
-use crate::steering::WheelSteering;
+use crate::steering::{SteeringWatch, WheelSteering};
 use crate::summary::{Spread, Status, Summary};
 use crate::tally::Tally;
 use crate::turn_watch::TurnWatch;
@@ -82,6 +83,8 @@ pub struct Engine {
     ground: GroundWatch,
     corrections: Corrections,
     steering: Option<WheelSteering>,
+    pose: PoseWatch,
+    steered: Option<SteeringWatch>,
     reckoning: Reckoning,
     odometry: Option<Odometry>,
     clock_offset_s: Option<f64>,
@@ -170,8 +173,17 @@ impl Engine {
             Method::Window if options.smooth => return Err(Error::NothingToSmooth),
             Method::Window => Slips::Window(Box::new(WindowEstimator::new(&robot, settings)?)),
         };
+        let steering =
+            (file.steering.as_ref()).map(|steering| WheelSteering::new(steering, &file.robot));
         Ok(Self {
             slips,
+            pose: PoseWatch::new(
+                &robot,
+                steering.is_some(),
+                settings.low_speed,
+                settings.position_sigma,
+            ),
+            steered: steering.as_ref().and_then(SteeringWatch::new),
             // Steered wheels turn the robot otherwise than by the speeds of its sides.
             turns: if file.steering.is_none() {
                 TurnWatch::new(&robot, settings.low_speed, settings.window)
@@ -182,10 +194,7 @@ impl Engine {
             axes: AxisWatch::new(&robot, settings.low_speed),
             ground: GroundWatch::new(&robot, settings.low_speed),
             corrections: file.corrections,
-            steering: file
-                .steering
-                .as_ref()
-                .map(|steering| WheelSteering::new(steering, &file.robot)),
+            steering,
             reckoning: Reckoning::new(settings.window),
             odometry: None,
             span: (
@@ -250,6 +259,10 @@ impl Engine {
         }
         if is_used(&sample.measurement, self.inputs.wheel_sensor) {
             self.axes.take(&sample);
+            self.pose.take(&sample);
+            if let Some(steered) = &mut self.steered {
+                steered.take(&sample);
+            }
             if let Some(exchange) = &mut self.exchange {
                 exchange.take(&sample);
             }
@@ -346,6 +359,11 @@ impl Engine {
                 (rims.clone()).fold((0.0, 0.0), |(sum, count), rim| (sum + rim, count + 1.0));
             if count > 0.0 {
                 self.axes.step(now, sum / count);
+                let wheels_yaw_rate = body.wheels_yaw_rate.map(|rate| rate.value);
+                self.pose.step(now, sum / count, wheels_yaw_rate);
+                if let Some(steered) = &mut self.steered {
+                    steered.step(now, sum / count);
+                }
                 let size: f64 = rims.clone().map(f64::abs).sum();
                 self.ground.step(now, time_s, size / count);
             }
@@ -490,6 +508,8 @@ impl Engine {
             turns,
             exchange,
             axes: self.axes.summary(),
+            pose: self.pose.summary(),
+            steering: self.steered.as_ref().and_then(SteeringWatch::fault),
             ground_changes_s: self.ground.called_s().to_vec(),
             clock_offset_s: self.clock_offset_s,
             reference_delay: self.reference_delay,

@@ -6,11 +6,13 @@ use grouser_slip::Fault;
 use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::start::{Progress, StartCheck};
 
+use crate::checks::Doubt;
 use crate::choice::{Inputs, robot_wheels};
 use crate::error::Result;
 use crate::held::Held;
 use crate::options::Options;
 use crate::samples::{is_used, of_robot};
+use crate::summary::Summary;
 
 /// What [`check_start`] found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +22,8 @@ pub enum StartOutcome {
     Plausible,
     /// The log does not show every sensor at work: the robot has to rest, drive, turn and speed up.
     Incomplete,
+    /// A sensor disagrees with others over the whole log.
+    Contradicted(Doubt),
     /// A sensor disagrees: another unit, another sign, another axis.
     Implausible {
         /// What disagrees, how much, and what that looks like.
@@ -27,6 +31,19 @@ pub enum StartOutcome {
         /// When that was certain, s from the log's start.
         time_s: f64,
     },
+}
+
+impl StartOutcome {
+    /// With what a run through the estimator found of how the sensors are described.
+    #[must_use]
+    pub fn beside(self, summary: &Summary) -> Self {
+        if matches!(self, Self::Implausible { .. }) {
+            return self;
+        }
+        let mut doubts = summary.doubts().into_iter();
+        let small = summary.pose.small_unit().map(Doubt::Pose);
+        (doubts.find(Doubt::is_description).or(small)).map_or(self, Self::Contradicted)
+    }
 }
 
 /// Holds the sensors of a log against each other: units, signs and axes.

@@ -12,8 +12,10 @@ use crate::fusion::FusedSummary;
 use crate::held::HeldReference;
 use crate::method::Method;
 use crate::odometry::Odometry;
+use crate::pose_watch::PoseCheck;
 use crate::quantiles::Quantiles;
 use crate::reference_delay::ReferenceDelay;
+use crate::steering::SteeringFault;
 use crate::turn_watch::TurnCheck;
 
 /// Median and the middle 90 % of something; `None` where there was nothing.
@@ -143,6 +145,10 @@ pub struct Summary {
     pub exchange: Option<ExchangeCheck>,
     /// Whether accelerometer and reference point in the direction in which the wheels drive.
     pub axes: AxisCheck,
+    /// Whether the pose turns as gyro and wheels do, and moves where its yaw points.
+    pub pose: PoseCheck,
+    /// How the angle of the steering disagrees with the gyro.
+    pub steering: Option<SteeringFault>,
     /// When torques or motor currents and the speed of the wheels showed another ground under one command, s from the log's
     /// start; a change between grounds that draw the same current is not observable.
     pub ground_changes_s: Vec<f64>,
@@ -171,6 +177,7 @@ impl Summary {
         let acceleration = self.axes.acceleration.filter(|_| self.fused.is_some());
         // The window estimator does not use accelerations.
         let exchange = self.exchange.as_ref();
+        let course = (self.pose.course).filter(|_| self.reference == Reference::Pose);
         let apart = self
             .reference_delay
             .filter(|delay| delay.is_clear && delay.is_beyond_correction());
@@ -179,7 +186,14 @@ impl Summary {
             exchange.map(|found| Doubt::Exchanged {
                 is_certain: found.is_certain,
             }),
-            self.axes.reference.map(Doubt::ReferenceTurned),
+            (self.pose.fault)
+                .filter(|_| self.reference == Reference::Pose)
+                .map(Doubt::Pose),
+            (self.pose.gyro_scale)
+                .filter(|_| exchange.is_none())
+                .map(Doubt::YawRateScale),
+            self.steering.map(Doubt::Steering),
+            self.axes.reference.or(course).map(Doubt::ReferenceTurned),
             acceleration.map(Doubt::AccelerationTurned),
             (self.longest_gap_s > MAX_GAP_S).then_some(Doubt::ClockJump(self.longest_gap_s)),
         ];

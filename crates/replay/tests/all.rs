@@ -13,6 +13,7 @@ mod shipped;
 mod articulated;
 mod axes;
 mod calibration;
+mod descriptions;
 mod displacements;
 mod exchanged;
 mod five_wheel;

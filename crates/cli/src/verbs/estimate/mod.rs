@@ -180,7 +180,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let start = arguments
         .check
         .then(|| check_start(&log, &request.robot, &request.options))
-        .transpose()?;
+        .transpose()?
+        .map(|start| start.beside(&summary));
     let readings = match &soil {
         Some(chosen) => soil_readings(&summary, &request.robot.robot, &chosen.soil)?,
         None => Vec::new(),
@@ -211,7 +212,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         let shown = Object::from_iter([("runs".to_owned(), vec![run].into())]);
         text.push_str(&file.write(&title, shown, session)?);
     }
-    let is_implausible = matches!(start, Some(StartOutcome::Implausible { .. }));
+    let is_implausible = matches!(
+        start,
+        Some(StartOutcome::Implausible { .. } | StartOutcome::Contradicted(_))
+    );
     Ok(Report {
         outcome: match summary.status {
             Status::Done if summary.doubts().is_empty() && !is_implausible => Outcome::Done,
@@ -390,6 +394,7 @@ fn topics(log: &Log) -> String {
 fn start_words(start: &StartOutcome) -> String {
     match start {
         StartOutcome::Plausible => "units, signs and axes agree".to_owned(),
+        StartOutcome::Contradicted(doubt) => doubt.to_string(),
         StartOutcome::Implausible { fault, time_s } => format!("{fault} (at {time_s:.1} s)"),
         _ => "not every sensor was seen at work: the robot has to rest, drive, turn and speed up"
             .to_owned(),

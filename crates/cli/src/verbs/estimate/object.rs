@@ -278,11 +278,12 @@ fn start_check<'a>() -> Fields<'a, StartOutcome> {
     fields! { |start: StartOutcome|
         "status" "`plausible`, `incomplete` or `implausible`" = match start {
             StartOutcome::Plausible => "plausible",
-            StartOutcome::Implausible { .. } => "implausible",
+            StartOutcome::Implausible { .. } | StartOutcome::Contradicted(_) => "implausible",
             _ => "incomplete",
         };
         "message" "what disagrees" = match start {
             StartOutcome::Implausible { fault, .. } => Some(fault.to_string()),
+            StartOutcome::Contradicted(doubt) => Some(doubt.to_string()),
             _ => None,
         };
         "time_s" "when that was certain" = match start {

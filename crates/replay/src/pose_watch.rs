@@ -1,0 +1,479 @@
+//! Does a pose turn as gyro and wheels do, does its place move where its yaw points, and as far as the wheels drive?
+//!
+//! A pose whose axes, yaw or unit are described wrongly makes slips of turns and of straight ways; here the fault itself is
+//! measured, so that the output can name the cause.
+
+use std::f64::consts::PI;
+use std::ops::RangeInclusive;
+
+use grouser_real::{Real, wrap_angle};
+use grouser_slip::{Measurement, Robot, Sample, WheelRole};
+
+use crate::axes::common_heading;
+use crate::ground_change::solve;
+
+/// Turns are compared over this time, s: long against the delay of a reference; and not over a longer one than the second.
+const TURN_TIME_S: f64 = 3.0;
+const MAX_TURN_TIME_S: f64 = 6.0;
+/// Nothing is known of a turn between two readings of a gyro that are further apart, s.
+const MAX_GYRO_GAP_S: f64 = 0.5;
+/// Turns that must have been compared, and the sum of their squares about their mean, rad²: the bias of a gyro is in the mean.
+const MIN_TURNS: f64 = 6.0;
+const MIN_TURNS_SQUARE: f64 = 0.5;
+/// Two sensors turn alike, or against each other, with this correlation at least, and with a scale from half to twice.
+const MIN_CORRELATION: f64 = 0.7;
+const MAX_SCALE: f64 = 2.0;
+/// Wheels that slip in bends show the sense of the turn.
+const MIN_WHEELS_CORRELATION: f64 = 0.4;
+/// Multiples of the wheels' turn that a robot turns by: wheels of a skid-steered one turn it by less than without slip.
+const WHEELS_SCALES: RangeInclusive<f64> = 0.1..=2.0;
+/// A yaw that turns by less than this share of the gyro's turns is constant.
+const CONSTANT_SHARE: f64 = 0.1;
+/// No robot turns by more between two poses, rad: a yaw that was turned round does.
+const MAX_JUMP_RAD: f64 = 2.5;
+/// A sensor in degrees that is taken for one in radians turns by this multiple, within this share.
+const DEGREES: f64 = 57.295_78;
+const DEGREES_TOLERANCE: f64 = 0.2;
+/// Straight ways: their length, m, and in standard deviations of a place; how far they turn, rad, and their longest time, s.
+const WAY_M: f64 = 0.5;
+const WAY_SIGMAS: f64 = 6.0;
+const MAX_BEND_RAD: f64 = 0.05;
+const MAX_WAY_TIME_S: f64 = 20.0;
+/// Ways that are kept and that must have been, at least.
+const MAX_WAYS: usize = 4000;
+const MIN_WAYS: usize = 8;
+/// Directions of ways agree where the mean of their unit vectors is at least this long.
+const AGREED_LENGTH: f64 = 0.85;
+/// The headings of ways show a mirrored place where the mean of their unit vectors, at twice the angle, is not longer.
+const MAX_HEADINGS_LENGTH: f64 = 0.7;
+/// An offset of the yaw is reported beyond this angle (5°) and this number of standard deviations.
+const MIN_OFFSET_RAD: f64 = 0.087;
+const OFFSET_SIGMAS: f64 = 5.0;
+/// Standard deviation of a robot's drift on a side slope, rad, which changes with the heading as an offset of the yaw does not.
+const DRIFT_RAD: f64 = 0.3;
+/// Ways in succession have errors alike: this times their variance, and not less than the second number, rad².
+const WAY_VARIANCE_FACTOR: f64 = 2.0;
+const MIN_WAY_VARIANCE: f64 = 4e-4;
+/// A reference that goes this much farther than the wheels, or that share of it, in the median has another unit.
+const MAX_WAY_SCALE: f64 = 3.0;
+
+/// How a pose disagrees with the robot's other sensors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PoseFault {
+    /// Its yaw stays the same while the gyro turns.
+    YawConstant,
+    /// Its yaw turns against the gyro.
+    YawMirrored,
+    /// Its yaw turns by this multiple of the gyro's or the wheels' turn.
+    YawUnit(f64),
+    /// Its place turns against its yaw: an axis is mirrored, or both are exchanged.
+    PlaceMirrored,
+    /// Its ways are this many times those of the wheels.
+    Unit(f64),
+}
+
+/// What was found of a pose.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PoseCheck {
+    /// How it disagrees with other sensors.
+    pub fault: Option<PoseFault>,
+    /// Its median way as a multiple of the wheels'.
+    pub way_scale: Option<f64>,
+    /// The gyro's turn as a multiple of the pose's, where wheels and pose agree and the gyro does not.
+    pub gyro_scale: Option<f64>,
+    /// The angle from its yaw to the course of straight ways, rad, where it is clear.
+    pub course: Option<f64>,
+}
+
+impl PoseCheck {
+    /// Ways of the pose that are far shorter than the wheels': another unit, or a slip that no check on firm ground has.
+    pub(crate) fn small_unit(&self) -> Option<PoseFault> {
+        let is_small = |scale: &f64| *scale < 1.0 / MAX_WAY_SCALE;
+        self.way_scale.filter(is_small).map(PoseFault::Unit)
+    }
+}
+
+/// Is it the scale of degrees that are taken for radians?
+fn is_degrees(scale: f64) -> bool {
+    (scale.abs() / DEGREES - 1.0).abs() < DEGREES_TOLERANCE
+}
+
+/// Sums of two sensors' turns.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct TurnPair {
+    count: f64,
+    a: f64,
+    b: f64,
+    aa: f64,
+    ab: f64,
+    bb: f64,
+}
+
+impl TurnPair {
+    pub(crate) fn add(&mut self, a: f64, b: f64) {
+        if (a + b).is_finite() {
+            self.count += 1.0;
+            self.a += a;
+            self.b += b;
+            self.aa += a * a;
+            self.ab += a * b;
+            self.bb += b * b;
+        }
+    }
+
+    /// Squares and product about the means.
+    fn central(&self) -> [f64; 3] {
+        let n = self.count.max(1.0);
+        [
+            self.aa - self.a * self.a / n,
+            self.ab - self.a * self.b / n,
+            self.bb - self.b * self.b / n,
+        ]
+    }
+
+    /// Did the first turn enough?
+    pub(crate) fn is_known(&self) -> bool {
+        self.count >= MIN_TURNS && self.central()[0] > MIN_TURNS_SQUARE
+    }
+
+    /// The second's turn as a multiple of the first's.
+    pub(crate) fn scale(&self) -> f64 {
+        let [aa, ab, _] = self.central();
+        ab / aa
+    }
+
+    pub(crate) fn correlation(&self) -> f64 {
+        let [aa, ab, bb] = self.central();
+        if aa * bb > 0.0 {
+            ab / (aa * bb).sqrt()
+        } else {
+            0.0
+        }
+    }
+
+    /// Do both turn alike or against each other, at any scale?
+    pub(crate) fn agrees_but_for_scale(&self) -> bool {
+        self.correlation().abs() > MIN_CORRELATION
+    }
+
+    /// Do both turn alike, times `sign`?
+    pub(crate) fn agrees(&self, sign: f64) -> bool {
+        let is_correlated = sign * self.correlation() > MIN_CORRELATION;
+        is_correlated && (1.0 / MAX_SCALE..=MAX_SCALE).contains(&(sign * self.scale()))
+    }
+}
+
+/// The turn by a gyro.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct GyroTurn {
+    last: Option<(i64, f64)>,
+    pub(crate) turn: f64,
+}
+
+impl GyroTurn {
+    pub(crate) fn take(&mut self, now_ns: i64, rate: f64) {
+        if let Some((last_ns, last)) = self.last.replace((now_ns, rate)) {
+            let passed = now_ns.saturating_sub(last_ns) as f64 * 1e-9;
+            // NaN: what is compared across a gap is left out
+            self.turn += if passed < MAX_GYRO_GAP_S {
+                0.5 * (last + rate) * passed
+            } else {
+                f64::NAN
+            };
+        }
+    }
+
+    /// The turn since it was taken last.
+    pub(crate) fn pass(&mut self) -> f64 {
+        std::mem::take(&mut self.turn)
+    }
+}
+
+/// Where a way begins.
+#[derive(Clone, Copy, Debug)]
+struct Begun {
+    time_ns: i64,
+    place: [f64; 2],
+    yaw: f64,
+    rims: f64,
+    sign: f64,
+}
+
+/// Compares a pose with gyro and wheels over a log.
+#[derive(Clone, Debug)]
+pub(crate) struct PoseWatch {
+    /// Heading of wheels that all point one way and are not steered, rad.
+    heading: Option<f64>,
+    low_speed: f64,
+    way: f64,
+    gyro: GyroTurn,
+    has_gyro: bool,
+    /// Mean speed of the rims, m/s, their way, m, the turn by the wheels, rad, and when they were read.
+    rim: f64,
+    rims: f64,
+    wheels: f64,
+    stepped_ns: Option<i64>,
+    /// Time and yaw of the last pose; begin of the turn, and the pose's turn since.
+    last_yaw: Option<f64>,
+    turn_ns: Option<i64>,
+    turn: f64,
+    gyro_pose: TurnPair,
+    gyro_wheels: TurnPair,
+    wheels_pose: TurnPair,
+    straight: Option<Begun>,
+    /// Course less yaw, and the direction along the yaw in which the wheels drove, of straight ways, rad.
+    courses: Vec<[f64; 2]>,
+    any: Option<Begun>,
+    scales: Vec<f64>,
+}
+
+impl PoseWatch {
+    pub(crate) fn new(robot: &Robot, is_steered: bool, low_speed: f64, sigma: f64) -> Self {
+        let powered = robot
+            .wheels()
+            .iter()
+            .filter(|wheel| wheel.role == WheelRole::Powered);
+        let is_fixed = !is_steered && powered.clone().all(|wheel| wheel.steers_about.is_none());
+        let heading = common_heading(robot, Real::cos(0.02)).filter(|_| is_fixed);
+        Self {
+            heading: heading.map(|[cos, sin]| Real::atan2(sin, cos)),
+            low_speed,
+            way: WAY_M.max(WAY_SIGMAS * sigma),
+            gyro: GyroTurn::default(),
+            has_gyro: false,
+            rim: 0.0,
+            rims: 0.0,
+            wheels: 0.0,
+            stepped_ns: None,
+            last_yaw: None,
+            turn_ns: None,
+            turn: 0.0,
+            gyro_pose: TurnPair::default(),
+            gyro_wheels: TurnPair::default(),
+            wheels_pose: TurnPair::default(),
+            straight: None,
+            courses: Vec::new(),
+            any: None,
+            scales: Vec::new(),
+        }
+    }
+
+    /// Takes a reading of the gyro or a pose; others have no effect.
+    pub(crate) fn take(&mut self, sample: &Sample) {
+        match sample.measurement {
+            Measurement::YawRate { rate } => {
+                self.has_gyro = true;
+                self.gyro.take(sample.time_ns, rate);
+            }
+            Measurement::Pose { x, y, yaw } if (x + y + yaw).is_finite() => {
+                self.take_turn(sample.time_ns, yaw);
+                self.take_place(sample.time_ns, [x, y], yaw);
+            }
+            _ => {}
+        }
+    }
+
+    /// Takes the mean speed of the powered rims, m/s, and the yaw rate by the wheels, rad/s.
+    pub(crate) fn step(&mut self, now_ns: i64, rim: f64, wheels_yaw_rate: Option<f64>) {
+        self.rim = rim;
+        if let Some(last_ns) = self.stepped_ns.replace(now_ns) {
+            let passed = now_ns.saturating_sub(last_ns) as f64 * 1e-9;
+            self.rims += rim * passed;
+            self.wheels += wheels_yaw_rate.unwrap_or(f64::NAN) * passed;
+        }
+    }
+
+    fn take_turn(&mut self, now_ns: i64, yaw: f64) {
+        let last = self.last_yaw.replace(yaw).unwrap_or(yaw);
+        let turn = wrap_angle(yaw - last);
+        // NaN: a turn with a yaw that was turned round is left out
+        self.turn += if turn.abs() < MAX_JUMP_RAD {
+            turn
+        } else {
+            f64::NAN
+        };
+        let passed = self.turn_ns.map_or(f64::INFINITY, |from| {
+            now_ns.saturating_sub(from) as f64 * 1e-9
+        });
+        if passed < TURN_TIME_S {
+            return;
+        }
+        self.turn_ns = Some(now_ns);
+        let (pose, gyro) = (std::mem::take(&mut self.turn), self.gyro.pass());
+        let wheels = std::mem::take(&mut self.wheels);
+        if passed < MAX_TURN_TIME_S {
+            if self.has_gyro {
+                self.gyro_pose.add(gyro, pose);
+                self.gyro_wheels.add(gyro, wheels);
+            }
+            self.wheels_pose.add(wheels, pose);
+        }
+    }
+
+    fn take_place(&mut self, now_ns: i64, place: [f64; 2], yaw: f64) {
+        let sign = if self.rim.abs() > self.low_speed {
+            self.rim.signum()
+        } else {
+            0.0
+        };
+        let here = Begun {
+            time_ns: now_ns,
+            place,
+            yaw,
+            rims: self.rims,
+            sign,
+        };
+        let passed = |begun: &Begun| now_ns.saturating_sub(begun.time_ns) as f64 * 1e-9;
+        let (mut straight, mut any) = (self.straight, self.any);
+        let is_straight = |begun: &Begun| {
+            begun.sign == sign
+                && wrap_angle(yaw - begun.yaw).abs() < MAX_BEND_RAD
+                && passed(begun) < MAX_WAY_TIME_S
+        };
+        straight = straight.filter(is_straight);
+        if let Some(begun) = straight {
+            let [dx, dy] = [place[0] - begun.place[0], place[1] - begun.place[1]];
+            if Real::hypot(dx, dy) >= self.way {
+                let backwards = if sign < 0.0 { PI } else { 0.0 };
+                let ahead = begun.yaw + 0.5 * wrap_angle(yaw - begun.yaw) + backwards;
+                let course = Real::atan2(dy, dx);
+                if self.courses.len() < MAX_WAYS {
+                    self.courses.push([wrap_angle(course - ahead), ahead]);
+                }
+                straight = None;
+            }
+        }
+        self.straight = straight.or((sign != 0.0).then_some(here));
+        any = any.filter(|begun| passed(begun) < MAX_WAY_TIME_S);
+        if let Some(begun) = any {
+            let rims = (self.rims - begun.rims).abs();
+            if rims >= self.way {
+                let passed = Real::hypot(place[0] - begun.place[0], place[1] - begun.place[1]);
+                if self.scales.len() < MAX_WAYS {
+                    self.scales.push(passed / rims);
+                }
+                any = None;
+            }
+        }
+        self.any = any.or(Some(here));
+    }
+
+    /// What was found.
+    pub(crate) fn summary(&self) -> PoseCheck {
+        let mut scales = self.scales.clone();
+        scales.sort_by(f64::total_cmp);
+        let way_scale = (scales.len() >= MIN_WAYS).then(|| scales[scales.len() / 2]);
+        let (yaw, gyro_scale) = self.yaw();
+        let fault = yaw
+            .or_else(|| self.is_mirrored().then_some(PoseFault::PlaceMirrored))
+            .or_else(|| {
+                way_scale
+                    .filter(|scale| *scale > MAX_WAY_SCALE)
+                    .map(PoseFault::Unit)
+            });
+        PoseCheck {
+            course: self.offset().filter(|_| fault.is_none()),
+            fault,
+            way_scale,
+            gyro_scale,
+        }
+    }
+
+    /// Does the yaw or the gyro turn otherwise than the others?
+    fn yaw(&self) -> (Option<PoseFault>, Option<f64>) {
+        let (gyro, wheels) = (&self.gyro_pose, &self.wheels_pose);
+        if gyro.is_known() {
+            if gyro.agrees(1.0) {
+                return (None, None);
+            }
+            let known = self.gyro_wheels.is_known();
+            let wheels_turn = self.gyro_wheels.correlation();
+            let is_apart = gyro.agrees_but_for_scale();
+            let gyro_scale = 1.0 / gyro.scale();
+            let wheels_agree = known && wheels.correlation() > MIN_CORRELATION;
+            let is_like_wheels = wheels_agree && WHEELS_SCALES.contains(&wheels.scale());
+            if is_apart && (is_degrees(gyro_scale) || is_like_wheels) {
+                return (None, Some(gyro_scale));
+            }
+            if known && !(wheels_turn > MIN_WHEELS_CORRELATION) {
+                return (None, None);
+            }
+        }
+        let by = if self.has_gyro { gyro } else { wheels };
+        if !by.is_known() {
+            return (None, None);
+        }
+        let [aa, _, bb] = by.central();
+        if bb < CONSTANT_SHARE * CONSTANT_SHARE * aa && !by.agrees_but_for_scale() {
+            (Some(PoseFault::YawConstant), None)
+        } else if by.agrees(-1.0) {
+            (Some(PoseFault::YawMirrored), None)
+        } else if by.agrees_but_for_scale() && is_degrees(by.scale()) {
+            (Some(PoseFault::YawUnit(by.scale())), None)
+        } else {
+            (None, None)
+        }
+    }
+
+    /// Length of the mean unit vector of an angle of the ways.
+    fn length(&self, angle: impl Fn(&[f64; 2]) -> f64) -> f64 {
+        let (mut x, mut y) = (0.0, 0.0);
+        for way in &self.courses {
+            let (sin, cos) = Real::sin_cos(angle(way));
+            x += cos;
+            y += sin;
+        }
+        Real::hypot(x, y) / self.courses.len() as f64
+    }
+
+    /// Does the course turn against the yaw?
+    fn is_mirrored(&self) -> bool {
+        self.courses.len() >= MIN_WAYS
+            && self.length(|[_, yaw]| 2.0 * yaw) < MAX_HEADINGS_LENGTH
+            && self.length(|[angle, yaw]| angle + 2.0 * yaw) > AGREED_LENGTH
+            && self.length(|[angle, _]| *angle) < AGREED_LENGTH
+    }
+
+    /// The angle a from the yaw ψ to the course, of angle = a + b cos ψ + c sin ψ: b and c are the drift on a slope.
+    fn offset(&self) -> Option<f64> {
+        let heading = self.heading?;
+        let count = self.courses.len();
+        if count < MIN_WAYS || self.length(|[angle, _]| *angle) < AGREED_LENGTH {
+            return None;
+        }
+        let (mut x, mut y) = (0.0, 0.0);
+        for [angle, _] in &self.courses {
+            x += Real::cos(*angle);
+            y += Real::sin(*angle);
+        }
+        let mean = Real::atan2(y, x);
+        let rest = |way: &[f64; 2]| wrap_angle(way[0] - mean);
+        let squares: f64 = self
+            .courses
+            .iter()
+            .map(|way| Real::powi(rest(way), 2))
+            .sum();
+        let variance = (squares / count as f64).max(MIN_WAY_VARIANCE) * WAY_VARIANCE_FACTOR;
+        let prior = variance / (DRIFT_RAD * DRIFT_RAD);
+        let mut normal = vec![
+            vec![0.0, 0.0, 0.0],
+            vec![0.0, prior, 0.0],
+            vec![0.0, 0.0, prior],
+        ];
+        let mut right = vec![0.0; 3];
+        for way in &self.courses {
+            let (sin, cos) = Real::sin_cos(way[1]);
+            let row = [1.0, cos, sin];
+            for (i, line) in normal.iter_mut().enumerate() {
+                for (slot, other) in line.iter_mut().zip(row) {
+                    *slot += row[i] * other;
+                }
+                right[i] += row[i] * (mean + rest(way));
+            }
+        }
+        let angle = solve(normal.clone(), right)?[0] - heading;
+        let sigma = (solve(normal, vec![1.0, 0.0, 0.0])?[0] * variance).sqrt();
+        (angle.abs() > MIN_OFFSET_RAD + OFFSET_SIGMAS * sigma).then_some(angle)
+    }
+}
