@@ -205,6 +205,8 @@ struct Begun {
 pub(crate) struct PoseWatch {
     /// Heading of wheels that all point one way and are not steered, rad.
     heading: Option<f64>,
+    /// Do the powered wheels point one way, so that their mean is the robot's speed?
+    is_parallel: bool,
     low_speed: f64,
     way: f64,
     gyro: GyroTurn,
@@ -235,8 +237,10 @@ impl PoseWatch {
             .iter()
             .filter(|wheel| wheel.role == WheelRole::Powered);
         let is_fixed = !is_steered && powered.clone().all(|wheel| wheel.steers_about.is_none());
-        let heading = common_heading(robot, Real::cos(0.02)).filter(|_| is_fixed);
+        let along = common_heading(robot, Real::cos(0.02));
+        let heading = along.filter(|_| is_fixed);
         Self {
+            is_parallel: along.is_some(),
             heading: heading.map(|[cos, sin]| Real::atan2(sin, cos)),
             low_speed,
             way: WAY_M.max(WAY_SIGMAS * sigma),
@@ -259,7 +263,7 @@ impl PoseWatch {
         }
     }
 
-    /// Takes a reading of the gyro or a pose; others have no effect.
+    /// Takes a reading of the gyro, a pose, or that wheels are steered; others have no effect.
     pub(crate) fn take(&mut self, sample: &Sample) {
         match sample.measurement {
             Measurement::YawRate { rate } => {
@@ -270,6 +274,7 @@ impl PoseWatch {
                 self.take_turn(sample.time_ns, yaw);
                 self.take_place(sample.time_ns, [x, y], yaw);
             }
+            Measurement::SteeringAngle { .. } => self.heading = None,
             _ => {}
         }
     }
@@ -363,7 +368,8 @@ impl PoseWatch {
     pub(crate) fn summary(&self) -> PoseCheck {
         let mut scales = self.scales.clone();
         scales.sort_by(f64::total_cmp);
-        let way_scale = (scales.len() >= MIN_WAYS).then(|| scales[scales.len() / 2]);
+        let is_known = self.is_parallel && scales.len() >= MIN_WAYS;
+        let way_scale = is_known.then(|| scales[scales.len() / 2]);
         let (yaw, gyro_scale) = self.yaw();
         let fault = yaw
             .or_else(|| self.is_mirrored().then_some(PoseFault::PlaceMirrored))
@@ -475,5 +481,48 @@ impl PoseWatch {
         let angle = solve(normal.clone(), right)?[0] - heading;
         let sigma = (solve(normal, vec![1.0, 0.0, 0.0])?[0] * variance).sqrt();
         (angle.abs() > MIN_OFFSET_RAD + OFFSET_SIGMAS * sigma).then_some(angle)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grouser_slip::Wheel;
+    use grouser_terra::Angle;
+
+    /// Straight ahead at ten times the mean speed of the rims, as a robot with omni wheels may drive.
+    fn scale(headings_deg: [f64; 3]) -> Option<f64> {
+        let wheels = headings_deg
+            .into_iter()
+            .enumerate()
+            .map(|(index, heading)| {
+                let wheel = Wheel::powered(format!("wheel {index}")).radius(0.1);
+                wheel
+                    .at(0.1 * index as f64, 0.0)
+                    .heading(Angle::from_deg(heading))
+            });
+        let robot = Robot::new("cart".into(), wheels.collect()).unwrap();
+        let mut watch = PoseWatch::new(&robot, false, 0.01, 0.01);
+        for step in 0..400 {
+            let time_ns = i64::from(step) * 100_000_000;
+            watch.step(time_ns, 0.2, None);
+            let x = 0.2 * f64::from(step);
+            let measurement = Measurement::Pose {
+                x,
+                y: 0.0,
+                yaw: 0.0,
+            };
+            watch.take(&Sample {
+                time_ns,
+                measurement,
+            });
+        }
+        watch.summary().way_scale
+    }
+
+    #[test]
+    fn ways_are_compared_with_wheels_that_point_one_way() {
+        assert!((scale([0.0; 3]).unwrap() - 10.0).abs() < 1e-6);
+        assert_eq!(scale([0.0, 120.0, 240.0]), None);
     }
 }

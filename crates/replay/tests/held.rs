@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 use std::io::Cursor;
 
-use grouser_files::{Document, columns, robot, topics::Topics};
+use grouser_files::columns::{self, ColumnMap};
+use grouser_files::robot::{self, RobotFile};
+use grouser_files::{Document, topics::Topics};
 use grouser_log::Log;
 use grouser_replay::{Options, Summary, run};
 use grouser_synthetic::Noise;
@@ -30,54 +32,8 @@ struct Case {
     digits: usize,
 }
 
-/// The root mean square error of the slips, and the summary, of a drive that stops and goes on ground whose slip changes.
-fn drive(case: Case) -> (f64, Summary) {
-    let mut noise = Noise::new(3);
-    let mut rows = String::from("t,left,right,gyro,a,b,c");
-    let (mut speed, mut slip, mut yaw, mut place, mut angles) =
-        (0.0, 0.1, 0.0_f64, [0.0; 2], [0.0; 2]);
-    let mut passed = [0.0; 3];
-    let mut held = String::from(",,");
-    let mut slips = Vec::new();
-    for row in 0..ROWS {
-        let time_s = row as f64 * STEP_S;
-        let level = [0.0, 0.5, 0.25, 0.5][row / 350 % 4];
-        let turn = if level > 0.0 {
-            [0.15, -0.2, 0.0][row / 250 % 3]
-        } else {
-            0.0
-        };
-        speed += (level - speed) * STEP_S / 0.3;
-        slip += ([0.1, 0.3][row / 600 % 2] - slip) * STEP_S / 0.2;
-        if row % case.rows == 0 {
-            let [a, b, c] = match case.kind {
-                Kind::Pose => [place[0], place[1], yaw],
-                Kind::Displacement => std::mem::take(&mut passed),
-                Kind::Speed => [speed, 0.0, 0.0],
-            }
-            .map(|value| value + case.sigma * noise.normal());
-            let digits = case.digits;
-            held = format!("{a:.digits$},{b:.digits$},{c:.digits$}");
-        }
-        let is_written = case.is_held || row % case.rows == 0;
-        let reference = if is_written { held.as_str() } else { ",," };
-        let gyro = turn + 0.002 + 0.003 * noise.normal();
-        let [left, right] = angles;
-        write!(
-            rows,
-            "\n{time_s:.3},{left:.5},{right:.5},{gyro:.5},{reference}"
-        )
-        .unwrap();
-        slips.push(slip);
-        for (angle, side) in angles.iter_mut().zip([1.0, -1.0]) {
-            *angle += (speed - side * HALF_TRACK_M * turn) / (1.0 - slip) * STEP_S / RADIUS_M;
-        }
-        passed[0] += speed * STEP_S;
-        passed[2] += turn * STEP_S;
-        place[0] += speed * yaw.cos() * STEP_S;
-        place[1] += speed * yaw.sin() * STEP_S;
-        yaw += turn * STEP_S;
-    }
+/// The columns of the table, and the robot.
+fn description(case: Case) -> (ColumnMap, RobotFile) {
     let mut map = String::from(
         "format = 1\n[[table]]\ntime = { column = \"t\", unit = \"s\" }\ncolumns = [\n\
         { column = \"left\", meaning = \"wheel_angle\", wheel = \"left\", unit = \"rad\" },\n\
@@ -118,6 +74,58 @@ fn drive(case: Case) -> (f64, Summary) {
         .unwrap();
     }
     let file = robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap();
+    (map, file)
+}
+
+/// The root mean square error of the slips, and the summary, of a drive that stops and goes on ground whose slip changes.
+fn drive(case: Case) -> (f64, Summary) {
+    let mut noise = Noise::new(3);
+    let mut rows = String::from("t,left,right,gyro,a,b,c");
+    let (mut speed, mut slip, mut yaw, mut place, mut angles) =
+        (0.0, 0.1, 0.0_f64, [0.0; 2], [0.0; 2]);
+    let mut passed = [0.0; 3];
+    let mut held = String::from(",,");
+    let mut slips = Vec::new();
+    for row in 0..ROWS {
+        let time_s = row as f64 * STEP_S;
+        let level = [0.0, 0.5, 0.25, 0.5][row / 350 % 4];
+        let turn = if level > 0.0 {
+            [0.15, -0.2, 0.0][row / 250 % 3]
+        } else {
+            0.0
+        };
+        speed += (level - speed) * STEP_S / 0.3;
+        slip += ([0.1, 0.3][row / 600 % 2] - slip) * STEP_S / 0.2;
+        if row % case.rows == 0 {
+            let [a, b, c] = match case.kind {
+                Kind::Pose => [place[0], place[1], yaw],
+                Kind::Displacement => std::mem::take(&mut passed),
+                Kind::Speed => [speed, 0.0, 0.0],
+            }
+            .map(|value| value + case.sigma * noise.normal());
+            let digits = case.digits;
+            held = format!("{a:.digits$},{b:.digits$},{c:.digits$}");
+        }
+        let is_written = case.is_held || row % case.rows == 0;
+        let reference = if is_written { held.as_str() } else { ",," };
+        let gyro = turn + 0.002 + 0.003 * noise.normal();
+        let [left, right] = angles;
+        write!(
+            rows,
+            "\n{time_s:.3},{left:.5},{right:.5},{gyro:.5},{reference}"
+        )
+        .unwrap();
+        slips.push((time_s, slip));
+        for (angle, side) in angles.iter_mut().zip([1.0, -1.0]) {
+            *angle += (speed - side * HALF_TRACK_M * turn) / (1.0 - slip) * STEP_S / RADIUS_M;
+        }
+        passed[0] += speed * STEP_S;
+        passed[2] += turn * STEP_S;
+        place[0] += speed * yaw.cos() * STEP_S;
+        place[1] += speed * yaw.sin() * STEP_S;
+        yaw += turn * STEP_S;
+    }
+    let (map, file) = description(case);
     let log = Log::over(
         "log.csv".as_ref(),
         Cursor::new(rows),
@@ -127,8 +135,10 @@ fn drive(case: Case) -> (f64, Summary) {
     .unwrap();
     let (mut square, mut count) = (0.0, 0.0);
     let summary = run(&log, &file, &Options::default(), |row| {
-        let index = (row.time_s / STEP_S).round() as usize;
-        if let (Some(found), true, Some(truth)) = (row.slip, row.time_s > 10.0, slips.get(index)) {
+        let same = slips.partition_point(|(time_s, _)| *time_s < row.time_s - 0.5 * STEP_S);
+        if let (Some(found), true, Some((_, truth))) =
+            (row.slip, row.time_s > 10.0, slips.get(same))
+        {
             square += (found - truth).powi(2);
             count += 1.0;
         }
