@@ -71,6 +71,8 @@ pub enum Doubt {
     Pose(PoseFault),
     /// The gyro turns by this multiple of what pose and wheels turn by.
     YawRateScale(f64),
+    /// These wheels turn against the motion by the reference, bit by bit in the robot's order, and others with it.
+    Reversed(u64),
     /// The angle of the steering disagrees with the gyro.
     Steering(SteeringFault),
     /// The filter refused most readings of its only reference.
@@ -132,6 +134,20 @@ impl fmt::Display for Doubt {
                 f,
                 "the gyro turns by {scale:.2} times what pose and wheels turn by: its unit or its sign is described wrongly"
             ),
+            Self::Reversed(wheels) => {
+                let places = (0..u64::BITS).filter(|index| wheels >> index & 1 == 1);
+                let places: Vec<String> = places.map(|index| (index + 1).to_string()).collect();
+                let (noun, verb) = match places.len() {
+                    1 => ("wheel", "turns"),
+                    _ => ("wheels", "turn"),
+                };
+                write!(
+                    f,
+                    "{noun} {} of the robot file {verb} against the robot's motion and others with it: `reversed = true` says so \
+                     of an encoder",
+                    places.join(", ")
+                )
+            }
             Self::Steering(SteeringFault::Reversed) => write!(
                 f,
                 "the gyro turns against the steering: the sign of `steering_angle` is wrong (`scale = -1.0` in its column)"
@@ -188,6 +204,7 @@ impl Doubt {
             Self::Pose(_)
                 | Self::YawRateScale(_)
                 | Self::Steering(_)
+                | Self::Reversed(_)
                 | Self::ReferenceTurned(_)
                 | Self::AccelerationTurned(_)
                 | Self::Exchanged { .. }

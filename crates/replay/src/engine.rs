@@ -9,6 +9,7 @@ use grouser_slip::{Measurement, Motion, Reference, Robot, Sample, Slip, WheelRol
 use crate::axes::AxisWatch;
 use crate::checks::Doubt;
 use crate::choice::Inputs;
+use crate::encoder_signs::EncoderSigns;
 use crate::error::{Error, Result};
 use crate::exchange_watch::ExchangeWatch;
 use crate::fusion::{FusedSummary, Fusion};
@@ -84,6 +85,8 @@ pub struct Engine {
     corrections: Corrections,
     steering: Option<WheelSteering>,
     pose: PoseWatch,
+    /// `None` of a robot that steers by one angle.
+    signs: Option<EncoderSigns>,
     steered: Option<SteeringWatch>,
     reckoning: Reckoning,
     odometry: Option<Odometry>,
@@ -183,6 +186,7 @@ impl Engine {
                 settings.low_speed,
                 settings.position_sigma,
             ),
+            signs: (steering.is_none()).then(|| EncoderSigns::new(&robot, settings.low_speed)),
             steered: steering.as_ref().and_then(SteeringWatch::new),
             // Steered wheels turn the robot otherwise than by the speeds of its sides.
             turns: if file.steering.is_none() {
@@ -352,6 +356,9 @@ impl Engine {
             if let Some(exchange) = &mut self.exchange {
                 exchange.step(&body, |wheel| rims[wheel]);
             }
+            if let Some(signs) = &mut self.signs {
+                signs.step(&body, rims);
+            }
             let wheels = self.robot.wheels().iter().enumerate();
             let powered = wheels.filter(|(_, wheel)| wheel.role == WheelRole::Powered);
             let rims = powered.filter_map(|(index, _)| rims[index]);
@@ -509,6 +516,7 @@ impl Engine {
             exchange,
             axes: self.axes.summary(),
             pose: self.pose.summary(),
+            reversed: self.signs.as_ref().and_then(EncoderSigns::reversed),
             steering: self.steered.as_ref().and_then(SteeringWatch::fault),
             ground_changes_s: self.ground.called_s().to_vec(),
             clock_offset_s: self.clock_offset_s,

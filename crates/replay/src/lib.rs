@@ -24,6 +24,7 @@ mod checks;
 mod choice;
 mod consistency;
 mod effort;
+mod encoder_signs;
 mod engine;
 mod error;
 mod exchange_watch;

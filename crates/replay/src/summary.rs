@@ -147,6 +147,8 @@ pub struct Summary {
     pub axes: AxisCheck,
     /// Whether the pose turns as gyro and wheels do, and moves where its yaw points.
     pub pose: PoseCheck,
+    /// Wheels that turn against the reference while others turn with it, bit by bit in the robot's order.
+    pub reversed: Option<u64>,
     /// How the angle of the steering disagrees with the gyro.
     pub steering: Option<SteeringFault>,
     /// When torques or motor currents and the speed of the wheels showed another ground under one command, s from the log's
@@ -193,6 +195,7 @@ impl Summary {
                 .filter(|_| exchange.is_none())
                 .map(Doubt::YawRateScale),
             self.steering.map(Doubt::Steering),
+            self.reversed.map(Doubt::Reversed),
             self.axes.reference.or(course).map(Doubt::ReferenceTurned),
             acceleration.map(Doubt::AccelerationTurned),
             (self.longest_gap_s > MAX_GAP_S).then_some(Doubt::ClockJump(self.longest_gap_s)),

@@ -221,3 +221,18 @@ fn a_yaw_that_is_turned_round_at_times_is_no_wrong_description() {
     });
     assert!(!found.iter().any(Doubt::is_description), "{found:?}");
 }
+
+#[test]
+fn encoders_that_are_reversed_are_named() {
+    for (reversed, mask) in [(vec![2], 0b100), (vec![0, 2], 0b101)] {
+        let summary = drive(SKID, 0.0, |measurement| {
+            if let Measurement::WheelRate { wheel, rate } = measurement
+                && reversed.contains(wheel)
+            {
+                *rate = -*rate;
+            }
+        });
+        let doubts = summary.doubts();
+        assert!(doubts.contains(&Doubt::Reversed(mask)), "{doubts:?}");
+    }
+}
