@@ -212,4 +212,45 @@ mod tests {
         let sum = chord_resistance(&strength, gamma, radius, core::f64::consts::FRAC_PI_2);
         assert!((sum - exact).abs() < 1e-12 * exact, "{sum} {exact}");
     }
+
+    #[test]
+    fn of_a_wheel_that_moves_sideways_the_disc_takes_over() {
+        let strength = MohrCoulomb {
+            cohesion: 500.0,
+            phi: 0.5,
+        };
+        let at = |law: Bulldozing, theta_1: f64| {
+            let angles = ContactAngles::new(theta_1, 0.2, 0.4);
+            law.resistance(&strength, 13e3, 0.1, &angles)
+        };
+        let right = core::f64::consts::FRAC_PI_2;
+        let chord = chord_resistance(&strength, 13e3, 0.1, 0.9);
+        assert_eq!(
+            (at(Bulldozing::Disc, 0.9), at(Bulldozing::Chord, 0.9)),
+            (chord, chord)
+        );
+        // to the hub and no further
+        let hub = chord_resistance(&strength, 13e3, 0.1, right);
+        assert!((at(Bulldozing::Disc, 1.8) - hub).abs() < 1e-12 * hub);
+        assert_eq!(chord_resistance(&strength, 13e3, 0.1, 0.0), 0.0);
+
+        let kappa = |law: Bulldozing| {
+            law.kappa(&Motion {
+                slip: 0.0,
+                q_y: 1.0,
+                slip_angle: 1.2_f64,
+            })
+        };
+        let sine = 1.2_f64.sin();
+        assert_eq!(
+            (kappa(Bulldozing::Off), kappa(Bulldozing::Full)),
+            (0.0, 1.0)
+        );
+        assert_eq!(
+            (kappa(Bulldozing::Scaled), kappa(Bulldozing::Chord)),
+            (sine, sine)
+        );
+        let disc = sine * (1.0 - sine.powi(24));
+        assert!((kappa(Bulldozing::Disc) - disc).abs() < 1e-15);
+    }
 }

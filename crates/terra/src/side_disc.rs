@@ -179,7 +179,8 @@ fn parts<R: Scalar>(from: R, to: R, at: Option<f64>) -> impl Iterator<Item = (R,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Angle, Kinematics, Soil, SoilParams};
+    use crate::contact::Contact;
+    use crate::{Angle, Bulldozing, Kinematics, Soil, SoilParams};
 
     /// By nested Gauss-Legendre quadrature over the angle of the depth and the forward place (mpmath with 34 digits, split
     /// where nothing slides and at nine more places; 18 and 26 nodes a part agree to 17 digits). r, z (m), φ (deg), c (Pa),
@@ -270,5 +271,70 @@ mod tests {
                 assert!(off < 1e-9, "{beta}° {rim}: {got} {expected} {off:e}");
             }
         }
+    }
+
+    /// What the disc adds to the forces of the rim.
+    #[test]
+    fn forces_of_rim_and_disc_add_up() {
+        for ([r, z, phi, c, gamma, beta, rim], [lift, pull, torque, side]) in CASES {
+            let params = SoilParams {
+                unit_weight: Some(gamma),
+                ..Soil::bekker(0.0, 8e6, 1.3)
+                    .cohesion(c)
+                    .phi(Angle::from_deg(phi))
+                    .k_shear(0.02)
+                    .stress_position(0.3, 0.3)
+                    .params()
+                    .unwrap()
+            };
+            let mut laws = Soil::new(params).unwrap().laws();
+            let beta = beta.to_radians();
+            let motion = Kinematics::from_speeds(beta.cos().max(1e-17), beta.sin(), rim).unwrap();
+            let size = WheelSize::smooth(r, 0.05);
+            let mut forces = |bulldozing| {
+                laws.choice.bulldozing = Some(bulldozing);
+                let law = crate::ShearLaw::Independent;
+                let theta_1 = (1.0 - z / r).acos();
+                Contact::new(&size, &laws, law, &motion.motion(), theta_1).forces()
+            };
+            let (with, without) = (forces(Bulldozing::Disc), forces(Bulldozing::Off));
+            for (both, rim, disc) in [
+                (with.vertical_force, without.vertical_force, lift),
+                (with.drawbar_pull, without.drawbar_pull, pull),
+                (with.thrust, without.thrust, pull),
+                (with.torque, without.torque, torque),
+            ] {
+                let off = both - rim - disc;
+                assert!(
+                    off.abs() < 1e-8 * side + 1e-12 * rim.abs(),
+                    "{off} {both} {rim} {disc}"
+                );
+            }
+            assert_eq!(with.side_shear, without.side_shear);
+            let scale = with.torque.abs() + with.drawbar_pull.abs() * r;
+            assert!((with.energy_residual).abs() < 1e-10 * scale);
+            // sliding soil takes work, and no more than the side and the rim do together
+            let lost = with.lost_work - without.lost_work;
+            let moved = motion.motion::<f64>().speeds();
+            let work = torque * moved.rim - pull * r * moved.forward + side * r * moved.sideways;
+            assert!((lost - work).abs() < 1e-8 * work, "{lost} {work}");
+        }
+    }
+
+    #[test]
+    fn without_drift_or_depth_there_is_no_disc() {
+        let soil = Soil::bekker(0.0, 8e6, 1.3)
+            .cohesion(200.0)
+            .phi(Angle::from_deg(30.0))
+            .k_shear(0.02)
+            .stress_position(0.3, 0.3)
+            .soil()
+            .unwrap();
+        let size = WheelSize::smooth(0.1, 0.05);
+        let of = |v_y, theta_1| {
+            let motion = Kinematics::from_speeds(0.5, v_y, 1.0).unwrap();
+            SideDisc::of(&size, &soil.laws(), &motion.motion(), theta_1).is_some()
+        };
+        assert!(of(0.5, 0.4) && !of(0.0, 0.4) && !of(0.5, 0.0));
     }
 }

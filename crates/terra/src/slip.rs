@@ -167,7 +167,7 @@ impl WheelMotion {
                 slip,
                 reversed: forward < 0.0 || rim < 0.0,
             }),
-            Err(_) if forward == 0.0 && rim == 0.0 => Ok(Self::Standstill),
+            Err(_) if forward == 0.0 => Ok(Self::Standstill),
             Err(_) => Ok(Self::RollBack),
         }
     }

@@ -143,10 +143,8 @@ pub fn slip_model(
 
 /// S(θ, x) for x > 0, from S_0 plus −(K/r) ln(1 − x)/(sin θ_1 − sin θ).
 fn slip_mobilised<R: Scalar>(theta: R, theta_1: R, share: R, k_over_r: R) -> Result<R> {
-    if theta.value() >= theta_1.value() {
-        let limits = (-core::f64::consts::FRAC_PI_2, theta_1.value());
-        OutOfRange::check("theta", theta.value(), limits, "rad")?;
-    }
+    let limits = (-core::f64::consts::FRAC_PI_2, theta_1.value());
+    OutOfRange::check("theta", theta.value(), limits, "rad")?;
     let half = R::from_f64(0.5);
     let difference =
         R::from_f64(2.0) * (half * (theta_1 + theta)).cos() * (half * (theta_1 - theta)).sin();

@@ -410,3 +410,6 @@ pub(crate) fn root_near(
     }
     Ok(None)
 }
+
+#[cfg(test)]
+mod tests;

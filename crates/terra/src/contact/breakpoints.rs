@@ -194,7 +194,7 @@ impl<R: Scalar> ShearState<R> {
         let (least, most) = self.values().slope_range(arc.value());
         let steady = least > 0.25 * most || most < 0.25 * least;
         let across = self.q_y.value().abs() > 2.0 * least.abs().max(most.abs());
-        !(across || steady && least * most > 0.0)
+        !(across || steady)
     }
 
     /// How fast the shear grows along the contact, in multiples of K over its whole arc if it went on
@@ -283,3 +283,6 @@ fn level_crossing(shear: &ShearState<f64>, range: (f64, f64), (level, close): (f
     }
     b
 }
+
+#[cfg(test)]
+mod tests;

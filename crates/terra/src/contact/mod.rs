@@ -3,7 +3,7 @@
 mod angles;
 mod breakpoints;
 #[cfg(all(test, feature = "std"))]
-mod effort;
+mod effort_tests;
 mod integrals;
 mod jump;
 pub(crate) mod ladder;
@@ -409,5 +409,136 @@ impl<R: Real> Contact<R> {
         let positive = R::ZERO.lt(drop);
         let base = R::select(positive, drop, R::ONE);
         R::select(positive, self.amplitude * base.powf(self.n), R::ZERO)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Pressure, Soil, SoilParams, catalogue};
+
+    #[test]
+    fn tips_and_rim_share_the_pressure() {
+        let size = WheelSize {
+            rim_radius: 0.1,
+            tip_share: 0.3,
+            ..WheelSize::smooth(0.12, 0.05)
+        };
+        let expected = 0.3 * 0.12_f64.powf(1.2) + 0.7 * 0.1_f64.powf(1.2);
+        assert!((size.radius_power(1.2) - expected).abs() < 1e-15);
+        let smooth = WheelSize::smooth(0.12_f64, 0.05);
+        assert!((smooth.radius_power(1.2) - 0.12_f64.powf(1.2)).abs() < 1e-15);
+    }
+
+    /// The stresses as the formulas are printed, with rebound and drift.
+    #[test]
+    fn stresses_by_their_formulas() {
+        let soil = Soil::new(SoilParams {
+            rebound: 0.3,
+            ..*catalogue::find("dry-sand")
+                .unwrap()
+                .soil()
+                .unwrap()
+                .params()
+        })
+        .unwrap();
+        let (p, r, b) = (soil.params(), 0.1, 0.05);
+        let (theta_1, slip, q_y) = (0.6_f64, 0.2, 0.3);
+        let motion = Motion {
+            slip,
+            q_y,
+            slip_angle: f64::atan(q_y / 0.8),
+        };
+        let size = WheelSize::smooth(r, b);
+        let contact = Contact::new(&size, &soil.laws(), ShearLaw::Coupled, &motion, theta_1);
+        let theta_2 = -2.0 * f64::asin(0.3_f64.sqrt() * f64::sin(0.3));
+        let theta_m = (p.c_1 + p.c_2 * slip) * theta_1;
+        let Pressure::Bekker(law) = p.pressure else {
+            panic!("the catalogue has Bekker's numbers");
+        };
+        let modulus = law.k_c / b + law.k_phi;
+        for i in 1..100 {
+            let theta = theta_2 + (theta_1 - theta_2) * f64::from(i) / 100.0;
+            let front = if theta >= theta_m {
+                theta
+            } else {
+                theta_1 - (theta - theta_2) / (theta_m - theta_2) * (theta_1 - theta_m)
+            };
+            let sigma = modulus * (r * (front.cos() - theta_1.cos())).powf(p.n);
+            assert!((contact.normal_stress(theta) - sigma).abs() < 1e-9 * sigma);
+            let strength = p.cohesion + sigma * p.phi.tan();
+            assert!((contact.strength_at(theta) - strength).abs() < 1e-9 * strength);
+            let j = r * (theta_1 - theta - 0.8 * (theta_1.sin() - theta.sin()));
+            let j_y = r * q_y * (theta_1 - theta);
+            let tau = strength * (1.0 - f64::exp(-j.hypot(j_y) / p.k_shear));
+            let (along, across) = contact.shear_stress(theta);
+            assert!((along - tau * j / j.hypot(j_y)).abs() < 1e-9 * strength);
+            assert!((across - tau * j_y / j.hypot(j_y)).abs() < 1e-9 * strength);
+        }
+        // outside the contact there is nothing, however far the angle goes round
+        for i in 1..4000 {
+            let beyond = 0.005 * f64::from(i);
+            for theta in [theta_1 + beyond, theta_2 - beyond] {
+                assert_eq!(contact.normal_stress(theta), 0.0);
+                assert_eq!(contact.shear_stress(theta), (0.0, 0.0));
+            }
+        }
+        assert!(contact.shear_stress(theta_2).0 > 100.0);
+    }
+
+    /// K across grows with the slip angle as K along does, and has the factor of the soil's history.
+    #[test]
+    fn the_shear_modulus_grows_with_the_slip_angle() {
+        let soil = Soil::new(SoilParams {
+            k_shear_1: 0.01,
+            k_shear_side: Some(0.03),
+            k_shear_side_1: 0.05,
+            ..*catalogue::find("dry-sand")
+                .unwrap()
+                .soil()
+                .unwrap()
+                .params()
+        })
+        .unwrap();
+        let motion = Motion {
+            slip: 0.2,
+            q_y: 0.3,
+            slip_angle: 0.4,
+        };
+        let laws = soil.laws();
+        let constants = ContactConstants {
+            tan_phi: 0.5,
+            radius_power: None,
+        };
+        let dug = Dug {
+            by: &motion,
+            k_shear_factor: 0.5,
+        };
+        let size = WheelSize::smooth(0.1, 0.05);
+        let law = ShearLaw::Independent;
+        let contact = Contact::digging(&size, (&laws, &constants), law, (&motion, &dug), 0.6);
+        assert!((contact.shear.k_shear - 0.5 * (soil.params().k_shear + 0.004)).abs() < 1e-15);
+        assert!((contact.shear.k_side - 0.5 * (0.03 + 0.02)).abs() < 1e-15);
+    }
+
+    /// Only the whole law of Wong and Reece puts the greatest stress at the transition angle.
+    #[test]
+    fn towed_laws_differ_in_where_the_stress_is_greatest() {
+        let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
+        let motion = Motion {
+            slip: -0.2,
+            q_y: 0.0,
+            slip_angle: 0.0,
+        };
+        let of = |law| {
+            let size = WheelSize::smooth(0.1, 0.05);
+            Contact::new(&size, &soil.laws(), law, &motion, 0.6)
+                .angles()
+                .theta_m
+        };
+        let plain = (soil.params().c_1 - 0.2 * soil.params().c_2) * 0.6;
+        assert!((of(ShearLaw::TowedRestart) - plain).abs() < 1e-15);
+        let theta_0 = transition_angle_wong_reece(soil.params().phi.rad(), 1.25).unwrap();
+        assert!((of(ShearLaw::TowedWongReece) - theta_0).abs() < 1e-15);
     }
 }

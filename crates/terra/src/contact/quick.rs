@@ -491,3 +491,6 @@ impl Contact<f64> {
         Integrals { lost, ..integrals }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -224,3 +224,79 @@ fn directed<R: Real>(share: R, x: R, y: R) -> (R, R) {
     let scale = R::select(known, share / R::select(known, length, R::ONE), R::ZERO);
     (scale * x, scale * y)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// θ_1 = 0.8 and K = 1.
+    fn state(law: ShearLaw, q: f64, q_y: f64, locked: bool) -> ShearState<f64> {
+        ShearState {
+            law,
+            displacement: Displacement {
+                theta_1: 0.8,
+                q,
+                one_minus_q: 1.0 - q,
+            },
+            radius: 1.0,
+            k_shear: 1.0,
+            k_side: 1.0,
+            q_y,
+            locked,
+            sideways: q_y != 0.0,
+            restart: None,
+        }
+    }
+
+    fn check((x, y): (f64, f64), direction: (f64, f64), width: f64, share: f64) {
+        let length = (direction.0 * direction.0 + direction.1 * direction.1 + width * width).sqrt();
+        assert!(
+            (x - share * direction.0 / length).abs() < 1e-14,
+            "{x} {direction:?}"
+        );
+        assert!(
+            (y - share * direction.1 / length).abs() < 1e-14,
+            "{y} {direction:?}"
+        );
+    }
+
+    /// All of the strength, along what the rim's displacement or its velocity tends to as its speed vanishes.
+    #[test]
+    fn a_locked_wheel_drags_the_soil_forwards() {
+        let (w, cos) = (0.3, 0.5_f64.cos());
+        for q_y in [0.0, 0.4, -0.4] {
+            let at = |law| state(law, 1.0, q_y, true).mobilised(w);
+            check(at(ShearLaw::SlipVelocity), (-cos, q_y), 0.0, 1.0);
+            check(at(ShearLaw::SlipVelocityRegular), (-cos, q_y), 0.02, 1.0);
+            let chord = 0.8_f64.sin() - 0.5_f64.sin();
+            for law in [
+                ShearLaw::Coupled,
+                ShearLaw::TowedRestart,
+                ShearLaw::TowedWongReece,
+            ] {
+                check(at(law), (-chord, q_y * w), 0.0, 1.0);
+            }
+            let side = if q_y == 0.0 { 0.0 } else { q_y.signum() };
+            assert_eq!(at(ShearLaw::Independent), (-1.0, side));
+        }
+    }
+
+    /// A width of 0.02 of the rim's speed, or of the greater forward speed.
+    #[test]
+    fn the_regular_law_has_a_width() {
+        for (q, width) in [(0.7, 0.02), (2.5, 0.05)] {
+            for q_y in [0.0, 0.3] {
+                let state = state(ShearLaw::SlipVelocityRegular, q, q_y, false);
+                let w = 0.3;
+                let j = w - q * (0.8_f64.sin() - 0.5_f64.sin());
+                let share = 1.0 - f64::exp(-j.hypot(q_y * w));
+                check(
+                    state.mobilised(w),
+                    (1.0 - q * 0.5_f64.cos(), q_y),
+                    width,
+                    share,
+                );
+            }
+        }
+    }
+}
