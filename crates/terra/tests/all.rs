@@ -7,13 +7,16 @@
 )]
 
 mod batches;
+mod by_hand;
 mod derivative_oracles;
 mod effort;
 mod faults;
 mod literature;
 mod loaded;
+mod loads_and_slopes;
 mod lug_cases;
 mod number_kinds;
+mod points;
 mod properties;
 mod reference_cases;
 mod side_disc;
