@@ -411,7 +411,12 @@ impl PoseWatch {
             return (None, None);
         }
         let [aa, _, bb] = by.central();
-        if bb < CONSTANT_SHARE * CONSTANT_SHARE * aa && !by.agrees_but_for_scale() {
+        // wheels that slip unequally turn where a robot drives straight on
+        let is_constant = bb < CONSTANT_SHARE * CONSTANT_SHARE * aa;
+        if is_constant && !self.has_gyro {
+            return (None, None);
+        }
+        if is_constant && !by.agrees_but_for_scale() {
             (Some(PoseFault::YawConstant), None)
         } else if by.agrees(-1.0) {
             (Some(PoseFault::YawMirrored), None)
