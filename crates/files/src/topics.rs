@@ -10,8 +10,10 @@
 //! imu_up = "z"                          # its axis that points up: x, y, z, -x, -y or -z
 //! imu_forward = "x"                     # its axis that points forwards
 //! # imu_roll_deg, imu_pitch_deg, imu_yaw_deg: instead of the axes, its turn in the robot's frame, as in a URDF
-//! pose = "/vicon/pose"                  # where the robot is: nav_msgs/Odometry, geometry_msgs/PoseStamped
-//! speed = "/gps/velocity"               # speed over ground: nav_msgs/Odometry, geometry_msgs/TwistStamped
+//! pose = "/vicon/pose"                  # where the robot is: nav_msgs/Odometry; geometry_msgs/PoseStamped,
+//!                                       # PoseWithCovarianceStamped, TransformStamped, PointStamped
+//! speed = "/gps/velocity"               # speed over ground: nav_msgs/Odometry; geometry_msgs/TwistStamped,
+//!                                       # TwistWithCovarianceStamped
 //! fix = "/gps/fix"                      # sensor_msgs/NavSatFix
 //! antenna_x_m = 0.2                     # its antenna, forwards of the robot's origin
 //! antenna_y_m = 0.0                     # and to the left of it
@@ -119,6 +121,8 @@ pub struct Topics {
     pub fields: Vec<TopicFields>,
     /// The wheels' joints, in the robot's order.
     pub joints: Vec<Joint>,
+    /// The standard deviation of a place by the reference, m, where `[estimator]` states it.
+    pub position_sigma: Option<f64>,
 }
 
 impl Topics {
@@ -220,6 +224,7 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
         ignore: ignore.into_iter().map(str::to_owned).collect(),
         fields,
         joints: Vec::new(),
+        position_sigma: None,
     };
     if let (Some(up), Some(forward)) = (topics.imu_up, topics.imu_forward)
         && topics.imu_mounting.is_none()

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::message::known::TRUTH;
 use crate::message::{Decoders, Elements, SharedDecoder, Spare, Value, View, decode};
 use crate::messages::stamp_of;
-use crate::recording::{is_command, is_over_ground};
+use crate::recording::{is_asked_for, is_command, is_over_ground};
 
 /// Intervals are counted in bins, this many to a doubling.
 const BINS_PER_DOUBLING: f64 = 8.0;
@@ -377,7 +377,10 @@ fn use_of(view: &View<'_>, topic: &str) -> Option<Use> {
             imu.angular_rate?;
             Use::YawRate
         }
-        View::Odometry(_) | View::Pose { .. } | View::Displacement { .. } => Use::Motion,
+        View::Pose { .. } | View::Point(_) if is_asked_for(topic) => return None,
+        View::Odometry(_) | View::Pose { .. } | View::Point(_) | View::Displacement { .. } => {
+            Use::Motion
+        }
         View::Twist { .. } if is_over_ground(topic) => Use::Motion,
         View::Twist { .. } if is_command(topic) => Use::Command,
         View::Twist { .. } => return None,

@@ -1011,3 +1011,166 @@ fn a_preview_of_a_file() {
     assert!(preview.is_complete());
     assert_eq!(Encoding::Cdr, channel("/a", IMU).encoding);
 }
+
+fn amcl(name: &'static str, variance: f64) -> Message {
+    let pose = build::message([
+        ("pose", build::pose(1.0, 2.0, 0.5)),
+        ("covariance", build::numbers(&[variance; 36])),
+    ]);
+    let value = build::message([("header", build::header(5, "map")), ("pose", pose)]);
+    (name, "geometry_msgs/PoseWithCovarianceStamped", 5, value)
+}
+
+fn vicon(name: &'static str) -> Message {
+    let transform = build::message([
+        ("translation", build::vector([1.0, 2.0, 0.0])),
+        ("rotation", build::turn(0.5)),
+    ]);
+    let value = build::message([
+        ("header", build::header(5, "world")),
+        ("child_frame_id", Value::Text("robot".into())),
+        ("transform", transform),
+    ]);
+    (name, "geometry_msgs/TransformStamped", 5, value)
+}
+
+fn point(name: &'static str, time_ns: i64, place: [f64; 2]) -> Message {
+    let [x, y] = place;
+    let value = build::message([
+        ("header", build::header(time_ns, "map")),
+        ("point", build::vector([x, y, 0.3])),
+    ]);
+    (name, "geometry_msgs/PointStamped", time_ns, value)
+}
+
+fn twist_of(name: &'static str, variance: f64) -> Message {
+    let twist = build::message([
+        ("twist", build::twist([0.3, 0.4, 0.0], [0.0; 3])),
+        ("covariance", build::numbers(&[variance; 36])),
+    ]);
+    let value = build::message([("header", build::header(5, "")), ("twist", twist)]);
+    (name, "geometry_msgs/TwistWithCovarianceStamped", 5, value)
+}
+
+#[test]
+fn poses_of_every_type_are_poses() {
+    for message in [amcl("/amcl_pose", 0.01), vicon("/vicon/robot/robot")] {
+        let found = log(std::slice::from_ref(&message), "");
+        assert_eq!(used(&found), [format!("{}: pose", message.0)]);
+        assert!(found.notes().is_empty(), "{:?}", found.notes());
+        let [M::Pose { x, y, yaw }] = readings(&found)[..] else {
+            panic!("{:?}", readings(&found))
+        };
+        assert!((x, y) == (1.0, 2.0) && (yaw - 0.5).abs() < 1e-12);
+    }
+    // what was chosen before is chosen still, and the covariance counts as that of an odometry
+    let both = [amcl("/amcl_pose", 0.01), pose("/pose")];
+    assert_eq!(chosen(&both, ""), ["/pose: pose"]);
+    assert_eq!(chosen(&both, "pose = \"/amcl_pose\""), ["/amcl_pose: pose"]);
+    for variance in [-1.0, f64::MAX] {
+        assert_eq!(readings(&log(&[amcl("/amcl_pose", variance)], "")), []);
+    }
+    // names that say of what it is not, or do not say that it is of the robot
+    for message in [
+        amcl("/robot_pose_ekf/odom_combined", 0.01),
+        vicon("/tool/transform"),
+        point("/lookahead", 5, [1.0, 2.0]),
+    ] {
+        let found = log(std::slice::from_ref(&message), "");
+        assert_eq!(used(&found), [""; 0]);
+        let note = format!(
+            "`{}` is not used: name it in `[topics]` of the robot file as `pose` if it measures where the robot is, or \
+             under `ignore`",
+            message.0
+        );
+        assert_eq!(found.notes(), [note]);
+        let wanted = format!("ignore = [\"{}\"]", message.0);
+        assert!(log(&[message], &wanted).notes().is_empty());
+    }
+    for message in [
+        amcl("/initialpose", 0.01),
+        point("/clicked_point", 5, [0.0; 2]),
+    ] {
+        let found = log(&[message], "");
+        assert_eq!((used(&found).len(), found.notes().len()), (0, 0));
+    }
+}
+
+#[test]
+fn a_speed_of_unknown_origin_is_named() {
+    let found = log(&[twist_of("/radar", 0.01), twist("/teleop")], "");
+    assert_eq!(used(&found), [""; 0]);
+    assert_eq!(
+        found.notes(),
+        [
+            "`/radar` is not used: name it in `[topics]` of the robot file as `speed` if it measures the ground, as \
+             `command` if it was commanded, or under `ignore`"
+        ]
+    );
+    let found = log(&[twist_of("/radar", 0.01)], "speed = \"/radar\"");
+    let left = Some(0.4);
+    assert_eq!(readings(&found), [M::Speed { forward: 0.3, left }]);
+    let found = log(&[twist_of("/radar", f64::MAX)], "speed = \"/radar\"");
+    assert_eq!(readings(&found), []);
+    assert_eq!(
+        chosen(&[twist_of("/cmd_vel", 0.0)], ""),
+        ["/cmd_vel: commanded speed"]
+    );
+}
+
+#[test]
+fn places_without_a_heading_are_ways_along_the_course() {
+    // north-east, from the third place on the course is known: over 0.2 m
+    let step = 0.15 * std::f64::consts::FRAC_1_SQRT_2;
+    let places: Vec<Message> = (0..5)
+        .map(|k| {
+            let at = step * f64::from(k);
+            point("/leica/point", 100_000_000 * i64::from(k) + 5, [at, at])
+        })
+        .collect();
+    for (wanted, sigma) in [("", 0.05), ("pose = \"/leica/point\"", 0.05)] {
+        let found = log(&places, wanted);
+        assert_eq!(used(&found), ["/leica/point: way between places"]);
+        assert_eq!(found.position_sigma(), Some(sigma));
+        assert_eq!(
+            found.notes(),
+            [
+                "`/leica/point` does not say how accurate its places are: 0.05 m is assumed; `position_sigma_m` in \
+                 `[estimator]` states it"
+            ]
+        );
+        assert!(found.measures(Meaning::DisplacementForward) && !found.measures(Meaning::PoseX));
+        let ways = readings(&found);
+        assert_eq!(ways.len(), 3);
+        for way in ways {
+            let M::Displacement {
+                forward,
+                left,
+                turn,
+            } = way
+            else {
+                panic!("{way:?}")
+            };
+            assert!((forward - 0.15).abs() < 1e-12 && left.abs() < 1e-12 && turn.is_none());
+        }
+    }
+    // the robot file states the accuracy, and the course is taken over four of it
+    let text = "format = 1\nname = \"cart\"\n[estimator]\nposition_sigma_m = 0.1\n[[wheel]]\nname = \"left\"\n\
+                x_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n";
+    let document = Document::from_text("robot.toml", text.into()).unwrap();
+    let stated = robot::parse(&document).unwrap().topics;
+    let bytes = Cursor::new(file(&places));
+    let found = Log::over("log.mcap".as_ref(), bytes, None, &stated).unwrap();
+    assert_eq!(
+        (found.position_sigma(), found.notes().len()),
+        (Some(0.1), 0)
+    );
+    assert_eq!(readings(&found).len(), 2);
+    // what measures the motion itself is used instead, and places are used instead of fixes
+    let mut all = places.clone();
+    all.push(pose("/pose"));
+    assert_eq!(chosen(&all, ""), ["/pose: pose"]);
+    all[5] = fix("/fix", 1e-4);
+    assert_eq!(chosen(&all, ""), ["/leica/point: way between places"]);
+    assert_eq!(chosen(&all, "fix = \"/fix\""), ["/fix: way between fixes"]);
+}

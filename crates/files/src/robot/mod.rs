@@ -170,6 +170,7 @@ impl Corrections {
 
 /// The key of [`FilterSettings::reference_latency`].
 const REFERENCE_LATENCY_KEY: &str = "reference_latency_s";
+const POSITION_SIGMA_KEY: &str = "position_sigma_m";
 
 /// Wide enough for any sensible value; the robot itself checks more closely.
 const POSITIVE: (f64, f64) = (1e-12, 1e12);
@@ -201,8 +202,10 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let mut wheel_sensor = None;
         let mut corrections = Corrections::default();
         let mut contact_sigmas = default_contact_sigmas();
+        let mut is_position_sigma_stated = false;
         root.section("estimator", |section| {
             (reference, corrections) = read_estimator(section, &mut settings)?;
+            is_position_sigma_stated = section.has(POSITION_SIGMA_KEY);
             wheel_sensor = section.optional_choice("wheel_sensor", &WheelSensor::NAMES)?;
             if let Some(sigma) = section.optional_number("sinkage_sigma_m", (1e-6, 1.0))? {
                 contact_sigmas[0] = sigma;
@@ -218,6 +221,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
             .map_err(|source| Error::Robot { at, source })?;
         let (filter, is_reference_latency_stated) = read_filter(root, &settings)?;
         let (mut topics, columns) = read_meanings(root)?;
+        topics.position_sigma = is_position_sigma_stated.then_some(settings.position_sigma);
         let steering = root.section("steering", read_section)?;
         let (mut joints, mut torque_per_ampere) = (Vec::new(), Vec::new());
         let wheels = root.sections("wheel", |section| {

@@ -4,7 +4,9 @@ use grouser_slip::window::WindowSettings;
 use grouser_slip::{Shaft, Wheel, WheelRole};
 use grouser_terra::{GrouserRule, Grousers};
 
-use super::{REFERENCE_LATENCY_KEY, RobotFile, default_contact_sigmas, filter_of};
+use super::{
+    POSITION_SIGMA_KEY, REFERENCE_LATENCY_KEY, RobotFile, default_contact_sigmas, filter_of,
+};
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
 use crate::columns::{meaning, write_table};
 use crate::fields::write_fields;
@@ -60,6 +62,10 @@ pub fn to_toml(file: &RobotFile) -> String {
     }
     let usual = WindowSettings::default();
     write_fields(&mut out, &file.settings, &usual, WindowSettings::FIELDS);
+    let sigma = file.settings.position_sigma;
+    if file.topics.position_sigma.is_some() && sigma == usual.position_sigma {
+        out.number(POSITION_SIGMA_KEY, sigma);
+    }
     out.header("[filter]");
     let usual = filter_of(&file.settings);
     write_fields(

@@ -72,6 +72,16 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
         &["geometry_msgs/Pose"],
     ),
     (
+        "geometry_msgs/PoseWithCovarianceStamped",
+        "std_msgs/Header header\nPoseWithCovariance pose\n",
+        &["std_msgs/Header", "geometry_msgs/PoseWithCovariance"],
+    ),
+    (
+        "geometry_msgs/PointStamped",
+        "std_msgs/Header header\nPoint point\n",
+        &["std_msgs/Header", "geometry_msgs/Point"],
+    ),
+    (
         "geometry_msgs/Twist",
         "Vector3 linear\nVector3 angular\n",
         &["geometry_msgs/Vector3"],

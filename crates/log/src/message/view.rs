@@ -17,22 +17,28 @@ pub enum View<'a> {
     Imu(Imu<'a>),
     /// `nav_msgs/Odometry`.
     Odometry(Odometry<'a>),
-    /// `geometry_msgs/Twist` or `TwistStamped`: linear m/s, angular rad/s.
+    /// `geometry_msgs/Twist`, `TwistStamped` or `TwistWithCovarianceStamped`: linear m/s, angular rad/s.
     Twist {
         /// m/s.
         linear: [f64; 3],
         /// rad/s.
         angular: [f64; 3],
+        /// What the variances say of the speed forwards, to the left, and of the yaw rate.
+        trust: [Trust; 3],
     },
     /// `sensor_msgs/NavSatFix`.
     NavSatFix(NavSatFix),
-    /// `geometry_msgs/PoseStamped`.
+    /// `geometry_msgs/PoseStamped`, `PoseWithCovarianceStamped` or `TransformStamped`.
     Pose {
         /// m.
         position: [f64; 3],
         /// x, y, z, w.
         orientation: [f64; 4],
+        /// What the variances say of x, y and yaw.
+        trust: [Trust; 3],
     },
+    /// `geometry_msgs/PointStamped`, m.
+    Point([f64; 3]),
     /// `tf2_msgs/TFMessage` or `tf/tfMessage`.
     Transforms(Elements<'a, Transform<'a>>),
     /// `grouser_msgs/WheelTicks`: counters by joint, their bits as 64-bit numbers without sign.
@@ -222,8 +228,12 @@ impl<'a> View<'a> {
                 | "nav_msgs/Odometry"
                 | "geometry_msgs/Twist"
                 | "geometry_msgs/TwistStamped"
+                | "geometry_msgs/TwistWithCovarianceStamped"
                 | "sensor_msgs/NavSatFix"
                 | "geometry_msgs/PoseStamped"
+                | "geometry_msgs/PoseWithCovarianceStamped"
+                | "geometry_msgs/TransformStamped"
+                | "geometry_msgs/PointStamped"
                 | "tf2_msgs/TFMessage"
                 | "tf/tfMessage"
                 | known::WHEEL_TICKS
@@ -236,10 +246,18 @@ impl<'a> View<'a> {
     #[must_use]
     #[allow(clippy::too_many_lines, reason = "one arm a type")]
     pub fn new(type_name: &str, value: &'a Value) -> Option<Self> {
-        let twist = |value: &Value| {
+        let twist = |twist: &Value, around: &Value| {
             Some(Self::Twist {
-                linear: vector(value, "linear")?,
-                angular: vector(value, "angular")?,
+                linear: vector(twist, "linear")?,
+                angular: vector(twist, "angular")?,
+                trust: trust(around, "covariance", [0, 7, 35]),
+            })
+        };
+        let pose = |pose: &Value, around: &Value| {
+            Some(Self::Pose {
+                position: vector(pose, "position")?,
+                orientation: quaternion(pose, "orientation")?,
+                trust: trust(around, "covariance", [0, 7, 35]),
             })
         };
         match &*short(type_name) {
@@ -278,8 +296,12 @@ impl<'a> View<'a> {
                 pose_trust: trust(value, "pose.covariance", [0, 7, 35]),
                 twist_trust: trust(value, "twist.covariance", [0, 7, 35]),
             })),
-            "geometry_msgs/Twist" => twist(value),
-            "geometry_msgs/TwistStamped" => twist(value.at("twist")?),
+            "geometry_msgs/Twist" => twist(value, value),
+            "geometry_msgs/TwistStamped" => twist(value.at("twist")?, value),
+            "geometry_msgs/TwistWithCovarianceStamped" => {
+                let around = value.at("twist")?;
+                twist(around.at("twist")?, around)
+            }
             "sensor_msgs/NavSatFix" => {
                 let at = |name| value.at(name)?.number();
                 let status = at("status.status")?;
@@ -302,10 +324,20 @@ impl<'a> View<'a> {
                     variance: east.zip(north).map(|(a, b)| a.max(b)).filter(|_| known),
                 }))
             }
-            "geometry_msgs/PoseStamped" => Some(Self::Pose {
-                position: vector(value, "pose.position")?,
-                orientation: quaternion(value, "pose.orientation")?,
-            }),
+            "geometry_msgs/PoseStamped" => pose(value.at("pose")?, value),
+            "geometry_msgs/PoseWithCovarianceStamped" => {
+                let around = value.at("pose")?;
+                pose(around.at("pose")?, around)
+            }
+            "geometry_msgs/TransformStamped" => {
+                let transform = transform(value)?;
+                Some(Self::Pose {
+                    position: transform.translation,
+                    orientation: transform.rotation,
+                    trust: [Trust::Unknown; 3],
+                })
+            }
+            "geometry_msgs/PointStamped" => vector(value, "point").map(Self::Point),
             "tf2_msgs/TFMessage" | "tf/tfMessage" => {
                 let all = Elements::new(value.at("transforms")?, transform);
                 all.map(Self::Transforms)

@@ -59,9 +59,9 @@ pub struct Intake {
     choice: Arc<Choice>,
     /// What is added to the times of each topic, ns.
     shifts_ns: Vec<i64>,
-    /// The antenna's track, where a satellite receiver is used.
+    /// The track of an antenna or a prism, where places without a heading are used.
     track: Track,
-    has_fixes: bool,
+    has_places: bool,
     channels: Vec<Known>,
     decoders: Decoders,
     ordered: Ordered<Sample>,
@@ -87,10 +87,10 @@ impl Intake {
     pub(crate) fn new(choice: Arc<Choice>, shifts_ns: Vec<i64>) -> Self {
         Self {
             track: Track::new(choice.antenna),
-            has_fixes: choice
-                .topics
-                .iter()
-                .any(|topic| topic.jobs.iter().any(|job| matches!(job, Job::Fix))),
+            has_places: choice.topics.iter().any(|topic| {
+                let mut jobs = topic.jobs.iter();
+                jobs.any(|job| matches!(job, Job::Fix | Job::Place(_)))
+            }),
             choice,
             shifts_ns,
             channels: Vec::new(),
@@ -182,23 +182,31 @@ impl Intake {
         }
         let view = View::new(&known.type_name, &known.value);
         for job in &self.choice.topics[known.topic].jobs {
-            if let (Job::Fix, Some(View::NavSatFix(fix))) = (job, &view) {
-                match fix.fault() {
-                    Some(fault) => self.left_out.exclude(fault),
-                    None => {
-                        if let Some(measurement) = self.track.displacement(time_ns, fix) {
-                            self.ordered.push(Sample {
-                                time_ns,
-                                measurement,
-                            });
-                        }
+            let moved = match (job, &view) {
+                (Job::Fix, Some(View::NavSatFix(fix))) => match fix.fault() {
+                    Some(fault) => {
+                        self.left_out.exclude(fault);
+                        None
                     }
+                    None => self.track.displacement(time_ns, fix),
+                },
+                (Job::Place(sigma), Some(View::Point([x, y, _])))
+                    if x.is_finite() && y.is_finite() =>
+                {
+                    self.track.moved(time_ns, [*x, *y], *sigma)
                 }
+                _ => None,
+            };
+            if let Some(measurement) = moved {
+                self.ordered.push(Sample {
+                    time_ns,
+                    measurement,
+                });
             }
-            let (track, has_fixes) = (&mut self.track, self.has_fixes);
+            let (track, has_places) = (&mut self.track, self.has_places);
             job.measurements(view.as_ref(), &known.value, |measurement| {
                 if let Measurement::YawRate { rate } = measurement
-                    && has_fixes
+                    && has_places
                 {
                     track.turn(time_ns, rate);
                 }

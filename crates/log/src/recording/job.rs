@@ -28,6 +28,8 @@ pub(crate) enum Job {
     SpeedOnEarth,
     /// Fixes of a satellite receiver, whose motion [`Intake`](super::Intake) follows.
     Fix,
+    /// Places without a heading, whose motion it follows likewise; their standard deviation, m.
+    Place(f64),
     /// A way since the last message.
     Displacement,
     /// A commanded speed.
@@ -95,9 +97,10 @@ impl Job {
                 Some(View::Pose {
                     position,
                     orientation,
+                    trust,
                 }),
             ) => {
-                if let Some(yaw) = yaw(*orientation) {
+                if let Some(yaw) = yaw(*orientation).filter(|_| usable(trust)) {
                     let [x, y, _] = *position;
                     push(Measurement::Pose { x, y, yaw });
                 }
@@ -109,14 +112,18 @@ impl Job {
                     left: odometry.twist_trust[1].is_usable().then_some(left),
                 });
             }
-            (Job::Speed, Some(View::Twist { linear, .. })) => push(Measurement::Speed {
-                forward: linear[0],
-                left: Some(linear[1]),
-            }),
-            (Job::SpeedOnEarth, Some(View::Twist { linear, .. })) => push(Measurement::Speed {
-                forward: Real::hypot(linear[0], linear[1]),
-                left: None,
-            }),
+            (Job::Speed, Some(View::Twist { linear, trust, .. })) if trust[0].is_usable() => {
+                push(Measurement::Speed {
+                    forward: linear[0],
+                    left: trust[1].is_usable().then_some(linear[1]),
+                });
+            }
+            (Job::SpeedOnEarth, Some(View::Twist { linear, trust, .. })) if usable(&trust[..2]) => {
+                push(Measurement::Speed {
+                    forward: Real::hypot(linear[0], linear[1]),
+                    left: None,
+                });
+            }
             (Job::Command, Some(View::Twist { linear, .. })) => push(Measurement::Command {
                 forward: linear[0],
                 left: linear[1],

@@ -167,16 +167,28 @@ impl Track {
         }
     }
 
-    /// The displacement of the robot's origin since the last fix in the robot's frame, once its heading is known.
+    /// The displacement of the robot's origin since the last fix in the robot's frame, as [`Track::moved`].
+    pub(super) fn displacement(&mut self, time_ns: i64, fix: &NavSatFix) -> Option<Measurement> {
+        let place = self.on_plane(fix);
+        self.moved(time_ns, place, fix.sigma())
+    }
+
+    /// The displacement of the robot's origin since the last place of its antenna in the robot's frame, once its heading is
+    /// known. Places are on a plane, m, with a standard deviation.
     ///
     /// Assumes: the robot begins forwards and does not drift sideways in the mean; without a gyro it does not turn on the
     /// spot, and an antenna beside its origin shows the turns as motion.
-    pub(super) fn displacement(&mut self, time_ns: i64, fix: &NavSatFix) -> Option<Measurement> {
+    pub(super) fn moved(
+        &mut self,
+        time_ns: i64,
+        place: [f64; 2],
+        sigma: f64,
+    ) -> Option<Measurement> {
         let now = Placed {
             time_ns,
-            place: self.on_plane(fix),
+            place,
             turn: self.turn_at(time_ns),
-            sigma: fix.sigma(),
+            sigma,
         };
         let last = self.last.replace(now)?;
         let passed = seconds(last.time_ns, time_ns);

@@ -169,7 +169,7 @@ fn lacks(survey: &Survey) -> Vec<&'static str> {
         (Use::YawRate, "a yaw rate (sensor_msgs/Imu)"),
         (
             Use::Motion,
-            "a pose or speed over ground (nav_msgs/Odometry, geometry_msgs/PoseStamped)",
+            "a pose, place or speed over ground (nav_msgs/Odometry, geometry_msgs/PoseStamped, PointStamped, …)",
         ),
     ];
     let missing = needs.into_iter().filter(|(wanted, _)| !survey.has(*wanted));

@@ -14,7 +14,7 @@ use super::preview::{Preview, TopicPreview};
 use crate::error::{Error, Result};
 use crate::message::known::{OUTPUT, TRUTH};
 use crate::messages::Clock;
-pub(crate) use names::{is_command, is_over_ground};
+pub(crate) use names::{is_asked_for, is_command, is_over_ground};
 
 /// One topic that is used.
 #[derive(Clone, Debug)]

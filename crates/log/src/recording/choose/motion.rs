@@ -2,13 +2,16 @@
 
 use grouser_files::columns::Meaning;
 
-use super::names::{is_command, is_over_ground, words};
+use super::names::{is_asked_for, is_command, is_of_wheels, is_over_ground, words};
 use super::{Choosing, Job, TopicPreview};
 use crate::error::Result;
-use crate::message::View;
+use crate::message::{View, short};
 
 /// Words in the name of a topic whose velocity is to the east, north and up, as satellite receivers send it.
 const ON_EARTH: &[&str] = &["gps", "gnss", "fix", "navsat", "ublox"];
+
+/// The standard deviation of a place without a heading where the robot file states none, m: a good one of ultra-wideband.
+const PLACE_SIGMA_M: f64 = 0.05;
 
 const POSE: [(Meaning, Option<usize>); 3] = [
     (Meaning::PoseX, None),
@@ -28,18 +31,32 @@ const WAY: [(Meaning, Option<usize>); 2] = [
 
 impl Choosing<'_> {
     pub(super) fn motion(&mut self) -> Result<()> {
+        self.named_motion()?;
+        self.free_motion();
+        Ok(())
+    }
+
+    /// What the robot file names.
+    fn named_motion(&mut self) -> Result<()> {
         if let Some(name) = &self.topics.pose {
             let seen = self.named("pose", name)?;
-            if !matches!(seen.view(), Some(View::Odometry(_) | View::Pose { .. })) {
-                let wanted = "nav_msgs/Odometry or geometry_msgs/PoseStamped";
-                return Err(self.unfit("pose", seen, wanted));
+            match seen.view() {
+                Some(View::Odometry(_) | View::Pose { .. }) => {
+                    self.take(seen, Job::Pose, "pose", POSE);
+                }
+                Some(View::Point(_)) => self.places(seen),
+                _ => {
+                    let wanted = "nav_msgs/Odometry or, of geometry_msgs, PoseStamped, PoseWithCovarianceStamped, \
+                                  TransformStamped or PointStamped";
+                    return Err(self.unfit("pose", seen, wanted));
+                }
             }
-            self.take(seen, Job::Pose, "pose", POSE);
         }
         if let Some(name) = &self.topics.speed {
             let seen = self.named("speed", name)?;
             if !matches!(seen.view(), Some(View::Odometry(_) | View::Twist { .. })) {
-                let wanted = "nav_msgs/Odometry or geometry_msgs/TwistStamped";
+                let wanted =
+                    "nav_msgs/Odometry or geometry_msgs/TwistStamped or TwistWithCovarianceStamped";
                 return Err(self.unfit("speed", seen, wanted));
             }
             self.take(seen, Job::Speed, "speed over ground", SPEED);
@@ -51,6 +68,11 @@ impl Choosing<'_> {
             }
             self.fixes(Some(seen));
         }
+        Ok(())
+    }
+
+    /// What is chosen by type and name.
+    fn free_motion(&mut self) {
         let free: Vec<&TopicPreview> = self.free().collect();
         let first = |fits: fn(&View, &str) -> bool| {
             let mut all = free.iter();
@@ -60,22 +82,44 @@ impl Choosing<'_> {
             })
             .copied()
         };
+        let pose_of = |type_name: &str, fits: fn(&str) -> bool| {
+            let mut all = free.iter();
+            all.find(|seen| {
+                let (own, topic) = (short(&seen.channel.type_name), &seen.channel.topic);
+                seen.view().is_some() && own == type_name && !is_asked_for(topic) && fits(topic)
+            })
+            .copied()
+        };
         if !self.measures(Meaning::DisplacementForward)
             && let Some(seen) = first(|view, _| matches!(view, View::Displacement { .. }))
         {
             self.take(seen, Job::Displacement, "way since the last message", WAY);
         }
         if !self.measures(Meaning::PoseX)
-            && let Some(seen) = first(|view, topic| match view {
-                View::Odometry(_) => is_over_ground(topic),
-                View::Pose { .. } => !words(topic).any(|word| word == "goal"),
-                _ => false,
-            })
+            && let Some(seen) = free
+                .iter()
+                .find(|seen| match seen.view() {
+                    Some(View::Odometry(_)) => is_over_ground(&seen.channel.topic),
+                    Some(View::Pose { .. }) => {
+                        short(&seen.channel.type_name) == "geometry_msgs/PoseStamped"
+                            && !is_asked_for(&seen.channel.topic)
+                    }
+                    _ => false,
+                })
+                .copied()
+                .or_else(|| {
+                    let type_name = "geometry_msgs/PoseWithCovarianceStamped";
+                    pose_of(type_name, |topic| !is_of_wheels(topic))
+                })
+                .or_else(|| pose_of("geometry_msgs/TransformStamped", is_over_ground))
         {
             self.take(seen, Job::Pose, "pose", POSE);
         }
         if !self.measures(Meaning::DisplacementForward) && !self.measures(Meaning::PoseX) {
-            self.fixes(first(|view, _| matches!(view, View::NavSatFix(_))));
+            match pose_of("geometry_msgs/PointStamped", is_over_ground) {
+                Some(seen) => self.places(seen),
+                None => self.fixes(first(|view, _| matches!(view, View::NavSatFix(_)))),
+            }
         }
         if self.topics.antenna != [0.0; 2]
             && self.choice.position_sigma.is_some()
@@ -103,7 +147,20 @@ impl Choosing<'_> {
                 self.take(seen, Job::Speed, "speed over ground", SPEED);
             }
         }
-        Ok(())
+    }
+
+    /// Places without a heading, whose accuracy the robot file states.
+    fn places(&mut self, seen: &TopicPreview) {
+        let sigma = self.topics.position_sigma.unwrap_or(PLACE_SIGMA_M);
+        if self.topics.position_sigma.is_none() {
+            self.choice.notes.push(format!(
+                "`{}` does not say how accurate its places are: {PLACE_SIGMA_M} m is assumed; `position_sigma_m` in \
+                 `[estimator]` states it",
+                seen.channel.topic
+            ));
+        }
+        self.choice.position_sigma = Some(sigma);
+        self.take(seen, Job::Place(sigma), "way between places", WAY);
     }
 
     /// Fixes of a satellite receiver that are accurate enough to measure slip.
@@ -146,23 +203,33 @@ impl Choosing<'_> {
     }
 
     /// Odometry that says nothing of where it comes from is not believed to measure the ground: most is
-    /// made of the wheels, and would show no slip.
+    /// made of the wheels, and would show no slip. Nor are poses, places and speeds whose names do not say what they are of.
     pub(super) fn say_unused(&mut self) {
-        let unused = self.free().filter(|seen| {
-            matches!(seen.view(), Some(View::Odometry(_)))
-                && !self
-                    .choice
-                    .topics
-                    .iter()
-                    .any(|c| c.topic == seen.channel.topic)
-        });
+        let used = &self.choice.topics;
+        let unused = self
+            .free()
+            .filter(|seen| !used.iter().any(|chosen| chosen.topic == seen.channel.topic));
         let notes: Vec<String> = unused
-            .map(|seen| {
-                format!(
-                    "`{}` is not used: name it in `[topics]` of the robot file as `pose` or `speed` if it \
-                     measures the ground, as `wheel_odometry` if it was made of the wheels, or under `ignore`",
-                    seen.channel.topic
-                )
+            .filter_map(|seen| {
+                let topic = &seen.channel.topic;
+                let keys = match seen.view()? {
+                    View::Odometry(_) => {
+                        "`pose` or `speed` if it measures the ground, as `wheel_odometry` if it was made of the wheels"
+                    }
+                    View::Pose { .. } | View::Point(_) if !is_asked_for(topic) => {
+                        "`pose` if it measures where the robot is"
+                    }
+                    View::Twist { .. }
+                        if !is_command(topic)
+                            && short(&seen.channel.type_name) != "geometry_msgs/Twist" =>
+                    {
+                        "`speed` if it measures the ground, as `command` if it was commanded"
+                    }
+                    _ => return None,
+                };
+                Some(format!(
+                    "`{topic}` is not used: name it in `[topics]` of the robot file as {keys}, or under `ignore`"
+                ))
             })
             .collect();
         self.choice.notes.extend(notes);

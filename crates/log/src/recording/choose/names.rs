@@ -29,7 +29,27 @@ const OVER_GROUND: &[&str] = &[
     "ground",
     "fix",
     "navsat",
+    "amcl",
+    "uwb",
+    "leica",
+    "prism",
+    "totalstation",
+    // a total station
+    "total",
 ];
+/// Words in the name of a pose or a point at which nothing is yet: it is a wish, or a first guess.
+const ASKED_FOR: &[&str] = &[
+    "goal",
+    "initialpose",
+    "initial",
+    "clicked",
+    "setpoint",
+    "target",
+    "waypoint",
+];
+/// Words in the name of a pose that a filter made of the wheels, among others.
+const OF_WHEELS: &[&str] = &["odom", "odometry", "ekf", "ukf"];
+
 /// The words of a name: `/vicon/robot_1` is `vicon`, `robot`, `1`.
 pub(super) fn words(name: &str) -> impl Iterator<Item = String> + '_ {
     name.split(|letter: char| !letter.is_alphanumeric())
@@ -40,6 +60,16 @@ pub(super) fn words(name: &str) -> impl Iterator<Item = String> + '_ {
 pub(crate) fn is_over_ground(topic: &str) -> bool {
     let mut words = words(topic);
     words.any(|word| OVER_GROUND.contains(&word.as_str()))
+}
+
+/// Does a topic's name say that the robot is to go there, or that somebody guesses it to be there?
+pub(crate) fn is_asked_for(topic: &str) -> bool {
+    words(topic).any(|word| ASKED_FOR.contains(&word.as_str()))
+}
+
+/// Does a topic's name say that wheels have a part in it?
+pub(super) fn is_of_wheels(topic: &str) -> bool {
+    !is_over_ground(topic) && words(topic).any(|word| OF_WHEELS.contains(&word.as_str()))
 }
 
 /// Does a topic's name say that it is a commanded speed?
