@@ -108,13 +108,68 @@ fn fixes_are_used_once_the_receiver_has_its_solution() {
 }
 
 #[test]
+fn fixes_of_metres_are_used_where_there_are_no_better_ones() {
+    let folder = Folder::new("metres");
+    // a covariance of 0 is an unknown one, and satellites alone are no better than metres
+    for (variance, sigma, says) in [
+        (
+            0.36,
+            0.6,
+            "`/gps/fix` has fixes with a standard deviation of 0.6 m: ",
+        ),
+        (
+            100.0,
+            10.0,
+            "`/gps/fix` has fixes with a standard deviation of 10.0 m: ",
+        ),
+        (
+            0.0,
+            2.5,
+            "`/gps/fix` does not say how accurate its fixes are, assumed is a standard deviation of 2.5 m: ",
+        ),
+    ] {
+        let found = log(&folder, "", &drive(0, variance));
+        assert!(found.measures(Meaning::DisplacementForward));
+        assert!((found.position_sigma().unwrap() - sigma).abs() < 1e-12);
+        let [note] = found.notes() else {
+            panic!("{:?}", found.notes())
+        };
+        assert!(note.starts_with(says), "{note}");
+        // the course is taken over four standard deviations
+        let ways = readings(&found).len();
+        assert!(
+            if sigma < 2.0 { ways > 0 } else { ways == 0 },
+            "{sigma}: {ways}"
+        );
+        assert_eq!(found.left_out().excluded, 0);
+    }
+    // one accurate fix in ten
+    for (poor, are_left_out) in [(9, true), (10, false)] {
+        let mut messages = drive(0, 1.44)[..poor].to_vec();
+        messages.push(fix(3 * SECOND_NS, 2, 45.0, 0.25));
+        let found = log(&folder, "", &messages);
+        let sigma = if are_left_out { 0.5 } else { 1.2 };
+        assert!((found.position_sigma().unwrap() - sigma).abs() < 1e-12);
+        assert_eq!(found.notes().is_empty(), are_left_out);
+        readings(&found);
+        let left_out = found.left_out();
+        let count = if are_left_out { poor as u64 } else { 0 };
+        assert_eq!(left_out.excluded, count, "{:?}", left_out.exclusion);
+        assert!(
+            left_out
+                .exclusion
+                .is_none_or(|why| why.contains("that has better ones"))
+        );
+    }
+}
+
+#[test]
 fn fixes_that_measure_nothing_are_excluded_with_their_reason() {
     for (name, message, reason) in [
         ("latitude", fix(5, 2, 91.0, 4e-4), "out of range"),
         ("no-fix", fix(5, -1, 45.0, 4e-4), "without a position"),
         ("altitude", fix(5, 2, f64::NAN, 4e-4), "or missing"),
-        // A covariance of 0 is an unknown one, and satellites alone are no better than metres.
-        ("covariance", fix(5, 0, 45.0, 0.0), "above 0.5 m"),
+        ("covariance", fix(5, 0, 45.0, 100.1), "above 10 m"),
     ] {
         let folder = Folder::new(name);
         // alone the topic is not used, with a note

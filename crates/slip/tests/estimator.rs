@@ -428,6 +428,42 @@ fn displacement_pose_and_speed_agree() {
 }
 
 #[test]
+fn the_way_of_a_poor_reference_is_its_own() {
+    let robot = robot(32);
+    let drivers = Drivers {
+        speed: 0.4,
+        yaw_rate: 0.0,
+        slip: 0.3,
+    };
+    let way_by = |position_sigma: f64| {
+        let settings = WindowSettings {
+            reference: Reference::Displacement,
+            position_sigma,
+            ..settings()
+        };
+        let mut estimator = WindowEstimator::new(&robot, settings).unwrap();
+        for row in 0..200 {
+            let displacement = Measurement::Displacement {
+                forward: 0.4 * ROW as f64 * 1e-9,
+                left: 0.0,
+                turn: None,
+            };
+            update(&mut estimator, row * ROW, displacement).unwrap();
+            for sample in drivers.row(&robot, row * ROW, 0) {
+                estimator.update(sample).unwrap();
+            }
+        }
+        estimator.latest().unwrap().body.travel_reference
+    };
+    let expected = way_by(0.001);
+    assert!(expected > 1.0);
+    for sigma in [0.5, 2.5, 10.0] {
+        let found = way_by(sigma) / expected;
+        assert!((found - 1.0).abs() < 1e-3, "{sigma}: {found}");
+    }
+}
+
+#[test]
 fn a_refused_displacement_leaves_no_wrong_slip_and_a_pose_that_jumps_is_followed() {
     let robot = robot(32);
     let drivers = Drivers {

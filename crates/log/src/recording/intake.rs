@@ -89,7 +89,7 @@ impl Intake {
             track: Track::new(choice.antenna),
             has_places: choice.topics.iter().any(|topic| {
                 let mut jobs = topic.jobs.iter();
-                jobs.any(|job| matches!(job, Job::Fix | Job::Place(_)))
+                jobs.any(|job| matches!(job, Job::Fix(_) | Job::Place(_)))
             }),
             choice,
             shifts_ns,
@@ -183,7 +183,7 @@ impl Intake {
         let view = View::new(&known.type_name, &known.value);
         for job in &self.choice.topics[known.topic].jobs {
             let moved = match (job, &view) {
-                (Job::Fix, Some(View::NavSatFix(fix))) => match fix.fault() {
+                (Job::Fix(limit), Some(View::NavSatFix(fix))) => match fix.fault(*limit) {
                     Some(fault) => {
                         self.left_out.exclude(fault);
                         None

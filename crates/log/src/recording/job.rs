@@ -26,8 +26,9 @@ pub(crate) enum Job {
     Speed,
     /// A speed over ground to the east and north, whose size is the robot's speed.
     SpeedOnEarth,
-    /// Fixes of a satellite receiver, whose motion [`Intake`](super::Intake) follows.
-    Fix,
+    /// Fixes of a satellite receiver, whose motion [`Intake`](super::Intake) follows; the largest standard deviation that is
+    /// used, m.
+    Fix(f64),
     /// Places without a heading, whose motion it follows likewise; their standard deviation, m.
     Place(f64),
     /// A way since the last message.

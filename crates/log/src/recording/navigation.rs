@@ -26,8 +26,11 @@ const TURN_NOISE_RAD_SQRT_S: f64 = 0.5;
 const MAX_GYRO_GAP_S: f64 = 0.5;
 /// Readings of the gyro that are kept for fixes which come later than they were measured: 2 s at 1 kHz.
 const MAX_TURNS: usize = 2048;
-/// A fix whose horizontal standard deviation is larger than this does not measure slip, m.
-const MAX_SIGMA_M: f64 = 0.5;
+/// A receiver that has fixes of at most this horizontal standard deviation is used by these alone, m: one with worse ones
+/// between them changes its kind of solution.
+pub(super) const ACCURATE_SIGMA_M: f64 = 0.5;
+/// A fix whose horizontal standard deviation is larger than this is never used, m.
+pub(super) const MAX_SIGMA_M: f64 = 10.0;
 /// Where the standard deviation changes by more than this factor, the receiver changed its kind of solution, and the
 /// position jumps with it.
 const MAX_SIGMA_RATIO: f64 = 3.0;
@@ -35,14 +38,16 @@ const MAX_SIGMA_RATIO: f64 = 3.0;
 const MAX_OUTAGE_S: f64 = 5.0;
 
 impl NavSatFix {
-    /// Why the fix is not used, if it is not.
-    pub(crate) fn fault(&self) -> Option<&'static str> {
+    /// Why the fix is not used, if it is not; `limit` is the largest standard deviation that is, m.
+    pub(super) fn fault(&self, limit: f64) -> Option<&'static str> {
         if !self.is_fixed {
             Some("fixes without a position (status below 0)")
         } else if !(self.latitude_deg.abs() <= 90.0 && self.longitude_deg.abs() <= 180.0) {
             Some("fixes whose latitude or longitude is out of range, or missing")
         } else if !(self.sigma() <= MAX_SIGMA_M) {
-            Some("fixes with a standard deviation above 0.5 m")
+            Some("fixes with a standard deviation above 10 m")
+        } else if self.sigma() > limit {
+            Some("fixes with a standard deviation above 0.5 m, of a receiver that has better ones")
         } else {
             None
         }
@@ -88,6 +93,11 @@ pub(super) struct Track {
     last: Option<Placed>,
     /// Where the course was taken last.
     anchor: Option<Placed>,
+    /// The antenna's way since then, each step turned back by the gyro's turn: in a winding drive it points along the
+    /// heading that the robot had where the gyro began.
+    way: [f64; 2],
+    /// What the antenna moved aside of the robot by its turns on that way, m.
+    aside: f64,
     /// The robot's heading less the gyro's turn, from east to north, rad, with its variance.
     heading: Option<(f64, f64)>,
     /// The gyro's turn since the start, rad, over time.
@@ -137,6 +147,7 @@ impl Track {
                 // What was turned in the gap is unknown.
                 self.turns.clear();
                 (self.heading, self.anchor, self.last) = (None, None, None);
+                (self.way, self.aside) = ([0.0; 2], 0.0);
                 0.0
             }
             None => 0.0,
@@ -198,7 +209,7 @@ impl Track {
             && passed < MAX_OUTAGE_S
             && now.turn.is_some() == last.turn.is_some();
         if !is_continued {
-            self.anchor = Some(now);
+            self.begin_course(now);
             return None;
         }
         let density = if now.turn.is_some() {
@@ -210,14 +221,11 @@ impl Track {
             *variance += density * density * passed;
         }
         let anchor = *self.anchor.get_or_insert(last);
-        let way = [
-            now.place[0] - anchor.place[0],
-            now.place[1] - anchor.place[1],
-        ];
-        let size = Real::hypot(way[0], way[1]);
+        self.add_step(&last, &now);
+        let size = Real::hypot(self.way[0], self.way[1]);
         if size >= MIN_COURSE_M.max(COURSE_SIGMAS * now.sigma) {
-            self.correct_heading(&anchor, &now, way, size);
-            self.anchor = Some(now);
+            self.correct_heading(&anchor, &now);
+            self.begin_course(now);
         }
         let (heading, _) = self.heading?;
         let (turned, middle) = between(&last, &now);
@@ -231,15 +239,29 @@ impl Track {
         })
     }
 
-    /// Corrects the heading by the course of a way of the antenna, whose own turn about the robot's origin is taken out.
-    fn correct_heading(&mut self, from: &Placed, to: &Placed, way: [f64; 2], size: f64) {
+    fn begin_course(&mut self, from: Placed) {
+        (self.anchor, self.way, self.aside) = (Some(from), [0.0; 2], 0.0);
+    }
+
+    /// Adds a step of the antenna to its way.
+    fn add_step(&mut self, from: &Placed, to: &Placed) {
         let (turned, middle) = between(from, to);
-        let aside = 2.0 * Real::sin(0.5 * turned) * self.antenna[0];
+        let (sin, cos) = Real::sin_cos(middle);
+        let (dx, dy) = (to.place[0] - from.place[0], to.place[1] - from.place[1]);
+        self.way[0] += cos * dx + sin * dy;
+        self.way[1] += cos * dy - sin * dx;
+        self.aside += 2.0 * Real::sin(0.5 * turned) * self.antenna[0];
+    }
+
+    /// Corrects the heading by the course of the antenna's way, whose own turn about the robot's origin is taken out.
+    fn correct_heading(&mut self, from: &Placed, to: &Placed) {
+        let ([x, y], aside) = (self.way, self.aside);
+        let size = Real::hypot(x, y);
         if aside.abs() >= 0.7 * size {
             return;
         }
         let along = (size * size - aside * aside).sqrt();
-        let course = Real::atan2(way[1], way[0]) - middle;
+        let course = Real::atan2(y, x);
         let (forwards, backwards) = (
             course - Real::atan2(aside, along),
             course - Real::atan2(aside, -along),

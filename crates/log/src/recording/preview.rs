@@ -8,6 +8,7 @@ use grouser_files::topics::Topics;
 
 use super::choose::{Choice, choose};
 use super::intake::Intake;
+use super::navigation::{ACCURATE_SIGMA_M, MAX_SIGMA_M};
 use super::mounting::{Accelerations, Tree, enter};
 use crate::container::{Channel, Container, Event};
 use crate::error::Result;
@@ -81,21 +82,39 @@ pub(super) struct Fixes {
     pub(super) fault: Option<&'static str>,
 }
 
+    /// How many of them state none.
+    unstated: usize,
 impl Fixes {
     fn add(&mut self, fix: &NavSatFix) {
-        match fix.fault() {
-            None => self.sigmas.push(fix.sigma()),
+        match fix.fault(MAX_SIGMA_M) {
+            None => {
+                self.sigmas.push(fix.sigma());
+                self.unstated += usize::from(fix.variance.is_none());
+            }
             Some(fault) => {
                 self.fault.get_or_insert(fault);
             }
         }
     }
 
-    /// The median of the standard deviations, m; `None` where no fix can be used.
-    pub(super) fn sigma(&self) -> Option<f64> {
+    /// The median of the standard deviations of the fixes to be used, and the largest that is, m; `None` where no fix can
+    /// be used. A receiver with one accurate fix in ten is used by its accurate ones.
+    pub(super) fn sigma(&self) -> Option<(f64, f64)> {
         let mut sorted = self.sigmas.clone();
         sorted.sort_unstable_by(f64::total_cmp);
-        sorted.get(sorted.len() / 2).copied()
+        let accurate = sorted.partition_point(|sigma| *sigma <= ACCURATE_SIGMA_M);
+        let limit = if accurate > 0 && 10 * accurate >= sorted.len() {
+            sorted.truncate(accurate);
+            ACCURATE_SIGMA_M
+        } else {
+            MAX_SIGMA_M
+        };
+        Some((*sorted.get(sorted.len() / 2)?, limit))
+    }
+
+    /// Do most of them state no standard deviation?
+    pub(super) const fn are_unstated(&self) -> bool {
+        2 * self.unstated > self.sigmas.len()
     }
 }
 

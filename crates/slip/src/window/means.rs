@@ -24,6 +24,8 @@ use crate::wheel_track::WheelTrack;
 const PARALLEL_SINE: f64 = 0.02;
 /// A robot without any knowledge of a speed may move at up to about this, m/s and rad/s.
 const UNKNOWN_SPEED_SIGMA: f64 = 10.0;
+/// And by so many times what a reference says of a speed by its two places, which is else drawn towards 0.
+const UNKNOWN_SIGMAS: f64 = 100.0;
 /// Distances grow in steps of this share of the window: in shorter ones the sensors' resolution would
 /// weigh too little against the priors.
 const TRAVEL_STEP: f64 = 0.25;
@@ -309,7 +311,8 @@ impl WindowMeans {
     pub(super) fn reference_motion(&self) -> Option<BodyMotion> {
         let (from, until) = self.measured;
         let mut seen = Observations::default();
-        seen.add([1.0, 0.0, 0.0], prior(UNKNOWN_SPEED_SIGMA));
+        let poor = UNKNOWN_SIGMAS * self.settings.position_sigma / self.settings.window;
+        seen.add([1.0, 0.0, 0.0], prior(UNKNOWN_SPEED_SIGMA.max(poor)));
         // What is measured needs no assumption.
         self.hold_sideways(&mut seen, !self.reference.measures_displacement());
         let yaw = self.reference.yaw_rate(from, until);

@@ -6,6 +6,7 @@ use super::names::{is_asked_for, is_command, is_of_wheels, is_over_ground, words
 use super::{Choosing, Job, TopicPreview};
 use crate::error::Result;
 use crate::message::{View, short};
+use crate::recording::navigation::ACCURATE_SIGMA_M;
 
 /// Words in the name of a topic whose velocity is to the east, north and up, as satellite receivers send it.
 const ON_EARTH: &[&str] = &["gps", "gnss", "fix", "navsat", "ublox"];
@@ -163,22 +164,31 @@ impl Choosing<'_> {
         self.take(seen, Job::Place(sigma), "way between places", WAY);
     }
 
-    /// Fixes of a satellite receiver that are accurate enough to measure slip.
+    /// Fixes of a satellite receiver, with their accuracy where it is poor.
     fn fixes(&mut self, seen: Option<&TopicPreview>) {
         let Some(seen) = seen else {
             return;
         };
-        match seen.fixes.sigma() {
-            Some(sigma) => {
-                self.take(seen, Job::Fix, "way between fixes", WAY);
-                self.choice.position_sigma = Some(sigma);
-            }
-            None => self.choice.notes.push(format!(
-                "`{}` is not used: it holds only {}",
-                seen.channel.topic,
+        let topic = &seen.channel.topic;
+        let Some((sigma, limit)) = seen.fixes.sigma() else {
+            self.choice.notes.push(format!(
+                "`{topic}` is not used: it holds only {}",
                 seen.fixes.fault.unwrap_or("fixes that cannot be decoded")
-            )),
+            ));
+            return;
+        };
+        if sigma > ACCURATE_SIGMA_M {
+            let says = if seen.fixes.are_unstated() {
+                "does not say how accurate its fixes are, assumed is a standard deviation of"
+            } else {
+                "has fixes with a standard deviation of"
+            };
+            self.choice.notes.push(format!(
+                "`{topic}` {says} {sigma:.1} m: slips follow slowly, over many metres"
+            ));
         }
+        self.take(seen, Job::Fix(limit), "way between fixes", WAY);
+        self.choice.position_sigma = Some(sigma);
     }
 
     pub(super) fn command(&mut self) -> Result<()> {

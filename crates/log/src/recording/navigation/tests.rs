@@ -128,26 +128,40 @@ fn another_kind_of_solution_and_an_outage_are_no_motion() {
 
 #[test]
 fn bad_fixes_are_named() {
-    assert_eq!(fix(45.0, 9.0).fault(), None);
-    assert!(fix(91.0, 9.0).fault().is_some());
+    assert_eq!(fix(45.0, 9.0).fault(ACCURATE_SIGMA_M), None);
+    assert!(fix(91.0, 9.0).fault(ACCURATE_SIGMA_M).is_some());
     // an altitude alone
-    assert!(fix(f64::NAN, f64::NAN).fault().is_some());
+    assert!(fix(f64::NAN, f64::NAN).fault(ACCURATE_SIGMA_M).is_some());
     let none = NavSatFix {
         is_fixed: false,
         ..fix(45.0, 9.0)
     };
-    assert!(none.fault().is_some());
+    assert!(none.fault(ACCURATE_SIGMA_M).is_some());
     let wide = NavSatFix {
         variance: Some(100.0),
         ..fix(45.0, 9.0)
     };
-    assert!(wide.fault().is_some());
+    assert!(wide.fault(ACCURATE_SIGMA_M).is_some());
+    // up to 10 m of a receiver that has no better
+    for (variance, limit, is_used) in [
+        (100.0, MAX_SIGMA_M, true),
+        (100.1, MAX_SIGMA_M, false),
+        (f64::INFINITY, MAX_SIGMA_M, false),
+        (0.25, ACCURATE_SIGMA_M, true),
+        (0.26, ACCURATE_SIGMA_M, false),
+    ] {
+        let poor = NavSatFix {
+            variance: Some(variance),
+            ..fix(45.0, 9.0)
+        };
+        assert_eq!(poor.fault(limit).is_none(), is_used, "{variance} {limit}");
+    }
     // an unknown covariance is not exact
     let unknown = NavSatFix {
         status: 0,
         ..fix(45.0, 9.0)
     };
-    assert!(unknown.fault().is_some() && unknown.sigma() > 1.0);
+    assert!(unknown.fault(ACCURATE_SIGMA_M).is_some() && unknown.sigma() > 1.0);
 }
 
 const S: i64 = 1_000_000_000;
@@ -219,23 +233,27 @@ fn faults_begin_behind_their_limits() {
         [0.02, 1.0, 2.5]
     );
     assert_eq!(with(0, Some(0.0625)).sigma(), 0.25);
-    assert_eq!(with(2, Some(0.25)).fault(), None);
+    assert_eq!(with(2, Some(0.25)).fault(ACCURATE_SIGMA_M), None);
     assert!(
         with(2, Some(0.26))
-            .fault()
+            .fault(ACCURATE_SIGMA_M)
             .unwrap()
             .contains("standard deviation")
     );
-    assert!(with(2, Some(f64::NAN)).fault().is_some());
+    assert!(with(2, Some(f64::NAN)).fault(ACCURATE_SIGMA_M).is_some());
     for (latitude, longitude) in [(90.1, 0.0), (0.0, -180.1), (0.0, f64::NAN)] {
-        let fault = fix(latitude, longitude).fault().unwrap();
+        let fault = fix(latitude, longitude).fault(ACCURATE_SIGMA_M).unwrap();
         assert!(fault.contains("out of range"), "{fault}");
     }
     let none = NavSatFix {
         is_fixed: false,
         ..with(2, None)
     };
-    assert!(none.fault().unwrap().contains("without a position"));
+    assert!(
+        none.fault(ACCURATE_SIGMA_M)
+            .unwrap()
+            .contains("without a position")
+    );
 }
 
 #[test]
@@ -332,8 +350,8 @@ fn corrected(
         heading,
         ..Track::new([antenna, 0.0])
     };
-    let way = [to.place[0] - from.place[0], to.place[1] - from.place[1]];
-    track.correct_heading(&from, &to, way, way[0].hypot(way[1]));
+    track.add_step(&from, &to);
+    track.correct_heading(&from, &to);
     track.heading
 }
 
