@@ -37,6 +37,7 @@ mod source;
 mod split;
 mod suggest;
 mod survey;
+mod wrapped_angles;
 pub mod write;
 
 pub use error::{Cell, Error, Result};

@@ -4,10 +4,12 @@ use grouser_slip::Sample;
 
 use crate::error::{Error, Result};
 use crate::source::Source;
+use crate::wrapped_angles::Angles;
 
 /// The samples of a log in the order of time. The first error ends it.
 pub struct Samples {
     files: Vec<Shifted>,
+    angles: Angles,
     failed: bool,
 }
 
@@ -25,9 +27,10 @@ struct Shifted {
 const MAX_APART_S: f64 = 60.0;
 
 impl Samples {
-    pub(crate) const fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             files: Vec::new(),
+            angles: Angles::default(),
             failed: false,
         }
     }
@@ -96,13 +99,14 @@ impl Iterator for Samples {
         }
         let waiting = self.files.iter_mut().filter(|file| file.next.is_some());
         let earliest = waiting.min_by_key(|file| file.next.as_ref().map(|next| next.time_ns))?;
-        let sample = earliest.next.take()?;
+        let mut sample = earliest.next.take()?;
         let is_first = earliest.last_ns.replace(sample.time_ns).is_none();
         let (clock, name) = (earliest.clock, earliest.name.clone());
         if is_first && let Some(error) = self.apart(clock, name, sample.time_ns) {
             self.failed = true;
             return Some(Err(error));
         }
+        self.angles.unwrap(&mut sample);
         Some(Ok(sample))
     }
 }

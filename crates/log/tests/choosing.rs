@@ -1174,3 +1174,76 @@ fn places_without_a_heading_are_ways_along_the_course() {
     assert_eq!(chosen(&all, ""), ["/leica/point: way between places"]);
     assert_eq!(chosen(&all, "fix = \"/fix\""), ["/fix: way between fixes"]);
 }
+
+/// The position of a joint that turns by 1 rad a message, wrapped between -π and π.
+fn wrapped(number: i64) -> Message {
+    let angle = (number as f64 + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
+        - std::f64::consts::PI;
+    let header = build::header(5 + number, "");
+    let value = build::joint_state(header, &["left", "arm"], [&[angle, 0.0], &[], &[]]);
+    ("/joints", JOINTS, 5 + number, value)
+}
+
+#[test]
+fn positions_within_one_turn_are_put_together() {
+    let is_put_together = |found: &[M]| {
+        found.len() == 40
+            && found.iter().enumerate().all(|(number, reading)| {
+                matches!(reading, M::WheelAngle { wheel: 0, angle } if (angle - number as f64).abs() < 1e-9)
+            })
+    };
+    let note = "the positions in `/joints` jump by whole turns, as angles that are kept within one: they are put together again";
+    let all: Vec<Message> = (0..40).map(wrapped).collect();
+    let found = log(&all, "");
+    assert!(is_put_together(&readings(&found)), "{:?}", readings(&found));
+    assert_eq!(found.notes(), [note]);
+    // in the files of a split recording too, and again with every reading
+    let parts = [("0.mcap", &all[..23]), ("1.mcap", &all[23..])];
+    let parts = parts.map(|(name, part)| (name.into(), Cursor::new(file(part))));
+    let found = Log::over_all(parts, None, &topics("")).unwrap();
+    assert!(is_put_together(&readings(&found)) && is_put_together(&readings(&found)));
+    // live
+    let mut preview = Preview::new(&topics(""));
+    let number = preview.channel(&channel("/joints", JOINTS));
+    preview.push(number, &encoded(JOINTS, &all[0].3), 5);
+    let mut live = preview.into_intake().unwrap();
+    let number = live.channel(&channel("/joints", JOINTS));
+    for (_, _, time_ns, value) in &all {
+        live.push(number, &encoded(JOINTS, value), time_ns.cast_unsigned());
+    }
+    live.finish();
+    let found: Vec<M> = std::iter::from_fn(|| live.pop())
+        .map(|sample| sample.measurement)
+        .collect();
+    assert!(is_put_together(&found), "{found:?}");
+    // the first of three thousand messages show it
+    for (rest, is_noted) in [(2997, true), (2998, false)] {
+        let mut preview = Preview::new(&topics(""));
+        let number = preview.channel(&channel("/joints", JOINTS));
+        let values = (0..rest).map(|_| 0).chain([2, 3, 4]);
+        for value in values.map(|number| wrapped(number).3) {
+            preview.push(number, &encoded(JOINTS, &value), 5);
+        }
+        assert_eq!(!preview.into_intake().unwrap().notes().is_empty(), is_noted);
+    }
+    // a joint that is no wheel, and a wheel that counts on
+    let mut others = Vec::new();
+    for number in 0..40 {
+        let (topic, kind, time_ns, _) = wrapped(number);
+        let angle = -3.0 + 3.0 * number as f64;
+        let arm = if number % 2 == 0 { 3.1 } else { -3.1 };
+        let parts: [&[f64]; 3] = [&[angle, arm], &[], &[]];
+        let value = build::joint_state(build::header(time_ns, ""), &["left", "arm"], parts);
+        others.push((topic, kind, time_ns, value));
+    }
+    let found = log(&others, "");
+    assert!(found.notes().is_empty(), "{:?}", found.notes());
+    let last = readings(&found).pop().unwrap();
+    assert_eq!(
+        last,
+        M::WheelAngle {
+            wheel: 0,
+            angle: 114.0
+        }
+    );
+}

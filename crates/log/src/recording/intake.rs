@@ -15,6 +15,7 @@ use crate::measures::Measures;
 use crate::message::{Decoders, SharedDecoder, Value, View, decode, is_spare, short};
 use crate::messages::{Clock, LOOK_AHEAD, LeftOut, stamp_of};
 use crate::order::{Limit, Ordered};
+use crate::wrapped_angles::Angles;
 
 /// A live message that stands this far before those already used shows a clock that was set, s.
 const CLOCK_STEP_S: f64 = 1.0;
@@ -71,6 +72,8 @@ pub struct Intake {
     far_back: u32,
     left_out: LeftOut,
     is_finished: bool,
+    /// Where no reader of files does it, wrapped angles are put together here.
+    angles: Option<Angles>,
 }
 
 /// A channel of a topic that is used, with the value into which its messages are decoded.
@@ -100,6 +103,15 @@ impl Intake {
             far_back: 0,
             left_out: LeftOut::default(),
             is_finished: false,
+            angles: None,
+        }
+    }
+
+    /// Without a reader of files around it.
+    pub(super) fn alone(choice: Choice) -> Self {
+        Self {
+            angles: Some(Angles::default()),
+            ..Self::new(Arc::new(choice), Vec::new())
         }
     }
 
@@ -224,12 +236,16 @@ impl Intake {
     /// The next sample in the order of time; `None` until more messages come.
     pub fn pop(&mut self) -> Option<Sample> {
         let is_due = self.is_finished || self.ordered.is_ripe();
-        is_due.then(|| self.ordered.pop()).flatten()
+        is_due.then(|| self.pop_held()).flatten()
     }
 
     /// The next sample, held back or not: nothing more of its time is expected.
     pub fn pop_held(&mut self) -> Option<Sample> {
-        self.ordered.pop()
+        let mut sample = self.ordered.pop()?;
+        if let Some(angles) = &mut self.angles {
+            angles.unwrap(&mut sample);
+        }
+        Some(sample)
     }
 
     /// No more messages come: [`Intake::pop`] returns the samples that were held back.

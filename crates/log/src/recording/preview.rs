@@ -2,19 +2,19 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Arc;
 
 use grouser_files::topics::Topics;
 
 use super::choose::{Choice, choose};
 use super::intake::Intake;
-use super::navigation::{ACCURATE_SIGMA_M, MAX_SIGMA_M};
 use super::mounting::{Accelerations, Tree, enter};
+use super::navigation::{ACCURATE_SIGMA_M, MAX_SIGMA_M};
 use crate::container::{Channel, Container, Event};
 use crate::error::Result;
 use crate::message::{Decoders, NavSatFix, SharedDecoder, Value, View};
 use crate::messages::stamp_of;
 use crate::source::Source;
+use crate::wrapped_angles::Angle;
 
 /// This much of a file is read, bytes, and more only while something needed is missing.
 const LOOK_BYTES: u64 = 64 << 20;
@@ -22,6 +22,8 @@ const LOOK_BYTES: u64 = 64 << 20;
 const LOOK_NS: u64 = 1_000_000_000;
 /// Messages of a topic that are decoded: several senders may share one.
 const MAX_MESSAGES: u64 = 64;
+/// Messages whose joints' positions are looked at: a minute at 50 Hz.
+const MAX_POSITIONS: u64 = 3000;
 /// Joints of a topic that are kept.
 const MAX_JOINTS: usize = 4096;
 /// Messages of an IMU that are decoded, for the mean of gravity.
@@ -38,6 +40,8 @@ pub(super) struct TopicPreview {
     pub(super) messages: u64,
     /// Joints, and whether they have a position, a velocity.
     pub(super) joints: BTreeMap<String, (bool, bool)>,
+    /// Their positions.
+    pub(super) angles: BTreeMap<String, Angle>,
     /// Joints with a sinkage, an entry angle.
     pub(super) contacts: BTreeMap<String, [bool; 2]>,
     pub(super) accelerations: Accelerations,
@@ -78,12 +82,12 @@ struct Known {
 pub(super) struct Fixes {
     /// Standard deviations of those that can be used, m.
     sigmas: Vec<f64>,
+    /// How many of them state none.
+    unstated: usize,
     /// Why the first of the others cannot be.
     pub(super) fault: Option<&'static str>,
 }
 
-    /// How many of them state none.
-    unstated: usize,
 impl Fixes {
     fn add(&mut self, fix: &NavSatFix) {
         match fix.fault(MAX_SIGMA_M) {
@@ -209,6 +213,7 @@ impl Preview {
                 seen.accelerations.count() >= MAX_ACCELERATIONS || seen.messages > MAX_IMU_MESSAGES
             }
             Some(View::Transforms(_)) => false,
+            Some(View::JointState(_)) => seen.messages > MAX_POSITIONS,
             // A receiver may need minutes for its best solution.
             Some(View::NavSatFix(_)) => seen.messages > MAX_FIXES,
             _ => seen.messages > MAX_MESSAGES,
@@ -256,7 +261,7 @@ impl Preview {
     /// [`Error::NoNamedTopic`](crate::Error::NoNamedTopic), [`Error::UnfitTopic`](crate::Error::UnfitTopic) or
     /// [`Error::NoJoints`](crate::Error::NoJoints) where the robot file does not fit the messages.
     pub fn into_intake(self) -> Result<Intake> {
-        Ok(Intake::new(Arc::new(self.choose()?), Vec::new()))
+        Ok(Intake::alone(self.choose()?))
     }
 
     pub(super) fn choose(&self) -> Result<Choice> {
@@ -285,6 +290,7 @@ impl Preview {
                 channel: channel.clone(),
                 messages: 0,
                 joints: BTreeMap::new(),
+                angles: BTreeMap::new(),
                 contacts: BTreeMap::new(),
                 accelerations: Accelerations::default(),
                 fixes: Fixes::default(),
@@ -306,8 +312,13 @@ impl TopicPreview {
         match view {
             View::JointState(joints) => {
                 for (index, name) in joints.names.iter().enumerate() {
-                    if self.joints.len() >= MAX_JOINTS && !self.joints.contains_key(name) {
+                    let is_full = self.messages > MAX_MESSAGES || self.joints.len() >= MAX_JOINTS;
+                    if is_full && !self.joints.contains_key(name) {
                         continue;
+                    }
+                    if let Some(angle) = joints.position.get(index) {
+                        let own = self.angles.entry(name.to_owned()).or_default();
+                        own.unwrapped(angle);
                     }
                     let has = self.joints.entry(name.to_owned()).or_default();
                     has.0 |= index < joints.position.len();

@@ -8,6 +8,7 @@ use super::{Choosing, Job, TopicPreview};
 use crate::error::{Error, Result};
 use crate::message::View;
 use crate::slots::Slots;
+use crate::wrapped_angles::Angle;
 
 impl Choosing<'_> {
     pub(super) fn fields(&mut self) -> Result<()> {
@@ -86,6 +87,15 @@ impl Choosing<'_> {
                 ];
                 let has = has.into_iter().filter(|(has, _)| *has);
                 measures.extend(has.map(|(_, meaning)| (meaning, Some(*wheel))));
+            }
+            let wraps =
+                |(name, _): &(String, usize)| seen.angles.get(name).is_some_and(Angle::wraps);
+            if joints.iter().any(wraps) {
+                self.choice.notes.push(format!(
+                    "the positions in `{}` jump by whole turns, as angles that are kept within one: they are put together \
+                     again",
+                    seen.channel.topic
+                ));
             }
             let word = format!("wheels by {} joints", joints.len());
             self.take(seen, Job::Joints(joints), word, measures);

@@ -1,0 +1,150 @@
+//! Angles of wheels that a driver wraps to one turn, put together again.
+
+use std::f64::consts::{PI, TAU};
+
+use grouser_slip::{Measurement, Sample};
+
+/// A wrapped angle may exceed its turn by this, rad: it is rounded, or sent with single precision.
+const ROUNDING_RAD: f64 = 0.01;
+/// Between −π and π a jump shows a wrap if the wheel would else turn by less than this, rad. No wheel that counts on from 0
+/// jumps so far in there.
+const SMALL_STEP_RAD: f64 = 0.5;
+/// Between 0 and a turn by less than this, rad: a wheel that counts on may go nearly once round in its first step.
+const TINY_STEP_RAD: f64 = 0.05;
+
+/// The angle of one joint.
+///
+/// A jump of more than half a turn is a wrap if all angles so far are within one turn (−π to π, or 0 to 2π) and the step
+/// without it continues the one before. After the first wrap every such jump is one, until an angle leaves the turn.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Angle {
+    last: Option<f64>,
+    /// The last step that was none of 0, rad.
+    step: f64,
+    least: f64,
+    most: f64,
+    /// What is added, rad.
+    turns: f64,
+    wraps: bool,
+}
+
+impl Angle {
+    /// Takes an angle, rad, and returns the one that counts on.
+    pub(crate) fn unwrapped(&mut self, angle: f64) -> f64 {
+        if !angle.is_finite() {
+            return angle;
+        }
+        // 0 is within every turn
+        (self.least, self.most) = (self.least.min(angle), self.most.max(angle));
+        let step = angle - self.last.replace(angle).unwrap_or(angle);
+        let small = if self.most.max(-self.least) <= PI + ROUNDING_RAD {
+            SMALL_STEP_RAD
+        } else if self.most - self.least <= TAU + ROUNDING_RAD {
+            TINY_STEP_RAD
+        } else {
+            0.0
+        };
+        if small > 0.0 && step.abs() > PI {
+            let short = step - TAU.copysign(step);
+            let continues =
+                short * self.step > 0.0 && short.abs() < 2.0 * self.step.abs() + SMALL_STEP_RAD;
+            if self.wraps || continues || short.abs() < small {
+                self.wraps = true;
+                self.turns += short - step;
+                self.step = short;
+            }
+        } else if step != 0.0 {
+            self.step = step;
+        }
+        angle + self.turns
+    }
+
+    /// Did it ever wrap?
+    pub(crate) const fn wraps(&self) -> bool {
+        self.wraps
+    }
+}
+
+/// The angles of all wheels.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Angles(Vec<Angle>);
+
+impl Angles {
+    /// Puts a wheel's angle together; other samples stay as they are.
+    pub(crate) fn unwrap(&mut self, sample: &mut Sample) {
+        if let Measurement::WheelAngle { wheel, angle } = &mut sample.measurement {
+            if self.0.len() <= *wheel {
+                self.0.resize(*wheel + 1, Angle::default());
+            }
+            *angle = self.0[*wheel].unwrapped(*angle);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The greatest error of angles that a driver sends by `wrap`, against those that it wraps, less whole turns at the
+    /// start.
+    fn error(angles: &[f64], wrap: impl Fn(f64) -> f64) -> f64 {
+        let mut own = Angle::default();
+        let mut offset = None;
+        let mut worst: f64 = 0.0;
+        for angle in angles {
+            let found = own.unwrapped(wrap(*angle)) - angle;
+            worst = worst.max((found - *offset.get_or_insert(found)).abs());
+        }
+        worst
+    }
+
+    fn drive(step: f64) -> Vec<f64> {
+        let mut angle = 0.4;
+        let mut all = vec![angle; 3];
+        for (share, rows) in [(0.3, 4), (1.0, 60), (0.0, 5), (-1.0, 130), (0.2, 20)] {
+            for _ in 0..rows {
+                angle += share * step;
+                all.push(angle);
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn wrapped_angles_count_on() {
+        for step in [0.003, 0.1, 1.0, 1.2] {
+            let angles = drive(step);
+            assert!(
+                error(&angles, |a| (a + PI).rem_euclid(TAU) - PI) < 1e-9,
+                "{step}"
+            );
+            assert!(error(&angles, |a| a.rem_euclid(TAU)) < 1e-9, "{step}");
+        }
+        // at rest where it wraps
+        let shaking: Vec<f64> = (0..20).map(|k| PI + 0.001 * f64::from(k % 3 - 1)).collect();
+        assert!(error(&shaking, |a| (a + PI).rem_euclid(TAU) - PI) < 1e-9);
+        let shaking: Vec<f64> = shaking.iter().map(|a| a - PI).collect();
+        assert!(error(&shaking, |a| a.rem_euclid(TAU)) < 1e-9);
+    }
+
+    #[test]
+    fn angles_that_count_on_stay_as_they_are() {
+        // from slow to a whole turn and more a row, forwards and backwards, from 0 or elsewhere
+        for step in [0.01, 1.0, 3.0, 3.5, 4.0, 5.0, 6.0, 6.2, 6.4, 9.0] {
+            for start in [0.0, 1.0, 2.9, 17.0] {
+                for sign in [1.0, -1.0] {
+                    let angles = drive(sign * step);
+                    assert!(
+                        error(&angles, |a| a - 0.4 + start) < 1e-9,
+                        "{step} {start} {sign}"
+                    );
+                }
+            }
+        }
+        let mut own = Angle::default();
+        own.unwrapped(1.0);
+        assert!(own.unwrapped(f64::NAN).is_nan());
+        assert_eq!(own.unwrapped(1.5), 1.5);
+        assert!(!own.wraps());
+    }
+}
