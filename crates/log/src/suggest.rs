@@ -8,7 +8,7 @@ use std::fmt::Write as _; // writing to a string cannot fail
 use grouser_files::columns::Meaning;
 use grouser_files::{PLACEHOLDER, TomlText};
 
-use crate::sheet::{Sheet, SheetColumn};
+use crate::sheet::{Sheet, SheetColumn, open_question};
 use crate::survey::{Survey, Topic, Use};
 
 /// More wheels than a robot has.
@@ -78,7 +78,9 @@ pub fn suggest_for_sheets<'a>(sheets: impl IntoIterator<Item = (&'a Sheet, &'a s
     let mut needs_reference = true;
     for (sheet, file_name) in sheets {
         tables.push(table(sheet, file_name));
-        for wheel in sheet.wheels() {
+        let open = sheet.columns.iter().filter(|column| column.guess.is_none());
+        let open = open.filter_map(|column| Some(open_question(column)?.0));
+        for wheel in sheet.wheels().into_iter().chain(open) {
             if !wheels.iter().any(|(other, _)| *other == wheel) {
                 wheels.push((wheel, None));
             }
@@ -147,8 +149,19 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
         }
     }
     table.push_str("columns = [\n");
-    for column in &sheet.columns {
-        let Some(guess) = &column.guess else { continue };
+    let time = sheet.time.as_ref().map(|time| time.column);
+    for (index, column) in sheet.columns.iter().enumerate() {
+        let Some(guess) = &column.guess else {
+            if let Some((wheel, question)) = open_question(column).filter(|_| Some(index) != time) {
+                let _ = writeln!(
+                    table,
+                    "    # {{ column = {}, meaning = \"\", wheel = {}, unit = \"\" }},  # {question}",
+                    TomlText::quoted(&column.name),
+                    TomlText::quoted(&wheel)
+                );
+            }
+            continue;
+        };
         let wheel = guess.wheel.as_ref();
         let wheel = wheel.map_or_else(String::new, |wheel| {
             format!(", wheel = {}", TomlText::quoted(wheel))

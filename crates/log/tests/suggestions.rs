@@ -349,3 +349,96 @@ fn wheels_are_placed_by_their_names() {
         ["\"free\"", "\"powered\""]
     );
 }
+
+#[test]
+fn names_that_leave_it_open_are_asked_about() {
+    let rows = |header: &str, rows: &[&str]| format!("{header}\n{}\n", rows.join("\n"));
+    // places of wheels: counters where their numbers are whole
+    let whole = for_table(
+        "log.csv",
+        &rows(
+            "t_ms,wheel_FL,wheel_FR",
+            &["0,10,10", "20,11,12", "40,12,14"],
+        ),
+    );
+    for line in [
+        "time = { column = \"t_ms\", unit = \"ms\" }",
+        "    { column = \"wheel_FL\", meaning = \"wheel_count\", wheel = \"fl\", unit = \"tick\" },",
+    ] {
+        assert!(whole.lines().any(|own| own == line), "{line}\n{whole}");
+    }
+    assert_eq!(values(&whole, "name"), ["\"robot\"", "\"fl\"", "\"fr\""]);
+    let open = for_table(
+        "log.csv",
+        &rows(
+            "datetime,wheel_FL,wheel_FR,x,y,theta,gyro",
+            &[
+                "2026-03-02T09:15:30.25Z,0.5,0.5,0.1,0.2,0.3,0.01",
+                "2026-03-02T09:15:30.27Z,0.6,0.7,0.1,0.2,0.3,0.02",
+                "2026-03-02T09:15:30.29Z,0.6,0.7,0.1,0.2,0.3,0.02",
+            ],
+        ),
+    );
+    for line in [
+        "time = { column = \"datetime\", unit = \"date\" }",
+        "    # { column = \"wheel_FL\", meaning = \"\", wheel = \"fl\", unit = \"\" },  # `wheel_angle`, `wheel_rate` or \
+         `wheel_speed`? its name does not say",
+        "    { column = \"x\", meaning = \"pose_x\", unit = \"m\" },",
+        "    { column = \"y\", meaning = \"pose_y\", unit = \"m\" },",
+        "    { column = \"theta\", meaning = \"pose_yaw\", unit = \"rad\" },",
+        "    { column = \"gyro\", meaning = \"yaw_rate\", unit = \"rad/s\" },",
+    ] {
+        assert!(open.lines().any(|own| own == line), "{line}\n{open}");
+    }
+    assert_eq!(values(&open, "name"), ["\"robot\"", "\"fl\"", "\"fr\""]);
+    // speeds of a rim are as large as rates; larger numbers are rates, and a unit decides
+    let question = "`wheel_rate` in rad/s or `wheel_speed` in m/s? its numbers may be either";
+    for (header, number, meaning) in [
+        ("left_vel", "3.0", None),
+        (
+            "left_vel",
+            "3.1",
+            Some("\"wheel_rate\", wheel = \"left\", unit = \"rad/s\""),
+        ),
+        (
+            "left_vel",
+            "-3.1",
+            Some("\"wheel_rate\", wheel = \"left\", unit = \"rad/s\""),
+        ),
+        (
+            "left_vel_rad_s",
+            "0.5",
+            Some("\"wheel_rate\", wheel = \"left\", unit = \"rad/s\""),
+        ),
+        (
+            "left_vel_mps",
+            "0.5",
+            Some("\"wheel_speed\", wheel = \"left\", unit = \"m/s\""),
+        ),
+        (
+            "left_omega",
+            "0.5",
+            Some("\"wheel_rate\", wheel = \"left\", unit = \"rad/s\""),
+        ),
+    ] {
+        let table = rows(
+            &format!("t,yaw_rate,{header}"),
+            &["0,0.1,0.1", &format!("1,0.1,{number}")],
+        );
+        let text = for_table("log.csv", &table);
+        let expected = match meaning {
+            Some(meaning) => format!("    {{ column = \"{header}\", meaning = {meaning} }},"),
+            None => format!(
+                "    # {{ column = \"{header}\", meaning = \"\", wheel = \"left\", unit = \"\" }},  # {question}"
+            ),
+        };
+        assert!(
+            text.lines().any(|own| own == expected),
+            "{expected}\n{text}"
+        );
+        assert!(text.contains("name = \"left\""));
+    }
+    // a heading of more than a turn may be in degrees
+    let table = rows("t,x,y,theta", &["0,0.1,0.2,6.5", "1,0.1,0.2,6.5"]);
+    assert!(!for_table("log.csv", &table).contains("pose_x"));
+}

@@ -45,6 +45,9 @@ fn words(name: &str) -> Vec<String> {
     words.flat_map(glued).collect()
 }
 
+/// Numbers of this size are speeds of a rim, m/s, as often as rates of a wheel.
+const RIM_SPEED_M_PER_S: f64 = 3.0;
+
 /// `m1`, `w2`: how people number motors and wheels.
 fn is_numbered(word: &str) -> bool {
     let digits = word.strip_prefix(['m', 'w']).unwrap_or("");
@@ -57,14 +60,19 @@ pub(super) fn time_rank(name: &str) -> Option<u8> {
     let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
     if is(&["stamp"]) && !is(&["sec", "nsec", "nanosec", "secs", "nsecs"]) {
         Some(0)
-    } else if is(&["time", "timestamp", "zeit"]) && !is(&["dt", "delta"]) {
+    } else if is(&["time", "timestamp", "datetime", "zeit"]) && !is(&["dt", "delta"]) {
         Some(1)
-    } else if matches!(words.as_slice(), [one] if matches!(one.as_str(), "t" | "s" | "ms" | "sec" | "seconds"))
+    } else if matches!(words.as_slice(), [one] if one == "t" || is_time_unit(one))
+        || matches!(words.as_slice(), [one, unit] if one == "t" && is_time_unit(unit))
     {
         Some(2)
     } else {
         None
     }
+}
+
+fn is_time_unit(word: &str) -> bool {
+    matches!(word, "s" | "ms" | "us" | "ns" | "sec" | "seconds")
 }
 
 /// The unit of a time, by its name, else by its size and its median interval.
@@ -162,18 +170,22 @@ fn by_name(words: &[String], unit: Option<&str>, whole: bool) -> Option<Guess> {
             None
         };
     }
-    if whole
-        && (is(&["tick", "ticks", "count", "counts", "encoder", "enc"]) || unit == Some("ticks"))
-    {
+    let bare = matches!(words, [wheel, place] if wheel == "wheel" && is_corner(place));
+    let counts = is(&["tick", "ticks", "count", "counts", "encoder", "enc"]);
+    if whole && (counts || bare || unit == Some("ticks")) {
         return of_wheel(Meaning::WheelCount, "tick");
     }
-    if (turns && is(&["z"])) || (is(&["yaw"]) && is(&["rate", "velocity"])) || is(&["yawrate"]) {
+    if (turns && (is(&["z"]) || is_gyro(words)))
+        || (is(&["yaw"]) && is(&["rate", "velocity"]))
+        || is(&["yawrate"])
+    {
         return of(Meaning::YawRate, rate_unit);
     }
     if of_a_wheel && is(&["velocity", "vel", "speed", "rate", "omega", "rpm"]) {
-        // A wheel's speed in m/s is none of its sensor's.
         let unit = if is(&["rpm"]) { "rpm" } else { rate_unit };
-        return if is(&["m"]) {
+        return if is(&["mps"]) || (is(&["m"]) && is(&["s"])) {
+            of_wheel(Meaning::WheelSpeed, "m/s")
+        } else if is(&["m"]) {
             None
         } else {
             of_wheel(Meaning::WheelRate, unit)
@@ -205,12 +217,62 @@ fn by_name(words: &[String], unit: Option<&str>, whole: bool) -> Option<Guess> {
     }
 }
 
+/// Is it the name of a gyro of one axis, with its unit at most?
+fn is_gyro(words: &[String]) -> bool {
+    const WORDS: &[&str] = &[
+        "gyro",
+        "gyroscope",
+        "rad",
+        "deg",
+        "degrees",
+        "dps",
+        "per",
+        "s",
+    ];
+    words.iter().all(|word| WORDS.contains(&word.as_str()))
+}
+
+/// What a column of a wheel may mean, where its name and its numbers leave it open: the wheel, and the question.
+pub(crate) fn open_question(column: &SheetColumn) -> Option<(String, &'static str)> {
+    let words = words(&column.name);
+    let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
+    let says_unit = is(&["rad", "deg", "degrees", "dps", "rpm", "m", "mps"]);
+    let size = column.max.max(-column.min);
+    if column.others > 0 || column.numbers == 0 || says_unit {
+        return None;
+    }
+    let rate = Some(Meaning::WheelRate);
+    if by_name(&words, None, column.whole).map(|guess| guess.meaning) == rate
+        && is(&["vel", "velocity", "speed"])
+        && size <= RIM_SPEED_M_PER_S
+    {
+        let question = "`wheel_rate` in rad/s or `wheel_speed` in m/s? its numbers may be either";
+        return Some((wheel(&words)?, question));
+    }
+    match words.as_slice() {
+        [wheel, place] if wheel == "wheel" && is_corner(place) && !column.whole => {
+            let question = "`wheel_angle`, `wheel_rate` or `wheel_speed`? its name does not say";
+            Some((place.clone(), question))
+        }
+        _ => None,
+    }
+}
+
+/// How people shorten the places of wheels.
+fn is_corner(word: &str) -> bool {
+    const CORNERS: &[&str] = &[
+        "fl", "fr", "rl", "rr", "bl", "br", "ml", "mr", "lf", "rf", "lr", "rb", "lb", "l", "r",
+        "left", "right",
+    ];
+    CORNERS.contains(&word)
+}
+
 /// The wheel that a name speaks of: what is left without the words of what is measured.
 fn wheel(words: &[String]) -> Option<String> {
     const MEASURED: &[&str] = &[
         "field", "wheel", "tick", "ticks", "count", "counts", "encoder", "enc", "velocity", "vel",
         "speed", "rate", "omega", "rpm", "position", "pos", "angle", "joint", "rad", "deg", "per",
-        "s", "data", "msg", "raw", "degrees", "motor",
+        "s", "data", "msg", "raw", "degrees", "motor", "m", "mps",
     ];
     let kept: Vec<&str> = words
         .iter()

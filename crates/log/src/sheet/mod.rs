@@ -7,16 +7,19 @@ mod layout;
 use std::path::Path;
 use std::sync::Arc;
 
-use grouser_files::columns::Meaning;
+use grouser_files::columns::{Meaning, TimeUnit};
 use grouser_real::Real;
 
-use crate::csv::{Lines, finite, split};
+use crate::csv::{Lines, finite, split, time_ns};
 use crate::error::Result;
 use crate::source::Source;
 pub use guess::Guess;
+pub(crate) use guess::open_question;
 use guess::{guess, time_rank, time_unit};
 use layout::Layout;
 
+/// A yaw of more than a turn may be one in degrees, rad.
+const MAX_YAW_RAD: f64 = 6.4;
 /// The maximum number of columns that are listed.
 const MAX_COLUMNS: usize = 1024;
 /// An interval of more than this many medians is a gap.
@@ -152,23 +155,39 @@ impl Sheet {
                 let number = finite(field, layout.decimal).ok();
                 column.take(field, number, &mut lasts[index]);
                 let clock = candidates.iter().position(|candidate| *candidate == index);
-                if let (Some(clock), Some(number)) = (clock, number) {
-                    clocks[clock].take(number);
+                let Some(clock) = clock.map(|clock| &mut clocks[clock]) else {
+                    continue;
+                };
+                match number {
+                    Some(number) => clock.take(number),
+                    None => {
+                        if let Ok(ns) = time_ns(field, layout.decimal, TimeUnit::Date) {
+                            clock.take(ns as f64 * 1e-9);
+                            clock.dates += 1;
+                        }
+                    }
                 }
             }
         }
         let best = candidates
             .iter()
             .zip(clocks)
-            .filter(|(column, _)| {
+            .filter(|(column, clock)| {
                 let column = &sheet.columns[**column];
                 // A clock counts on, nearly always.
-                column.others == 0 && column.numbers > 1 && 50 * column.falls <= column.numbers
+                clock.seen > 1
+                    && 50 * clock.jumps <= clock.seen
+                    && column.others == clock.dates
+                    && (clock.dates == 0 || column.numbers == 0)
             })
             .map(|(column, clock)| (*column, clock))
             .next();
         sheet.time = best.map(|(column, clock)| {
-            let unit = time_unit(&sheet.columns[column], clock.median());
+            let unit = if clock.dates > 0 {
+                "date"
+            } else {
+                time_unit(&sheet.columns[column], clock.median())
+            };
             clock.finish(column, unit)
         });
         let time = sheet.time.as_ref().map(|time| time.column);
@@ -177,8 +196,13 @@ impl Sheet {
             if Some(index) != time && column.others == 0 && column.numbers > 0 {
                 let unit = units.get(index).map(String::as_str);
                 column.guess = guess(&column.name, unit, column.whole);
+                let is_stated = unit.is_some_and(|unit| !unit.is_empty());
+                if !is_stated && open_question(column).is_some() {
+                    column.guess = None;
+                }
             }
         }
+        guess_pose(&mut sheet.columns);
         drop_doubles(&mut sheet.columns);
         Ok(sheet)
     }
@@ -222,6 +246,46 @@ fn time_candidates(names: &[String]) -> Vec<usize> {
         .collect();
     ranked.sort_unstable();
     ranked.into_iter().map(|(_, index)| index).collect()
+}
+
+/// The pose of a table that calls it `x`, `y` and `theta`, and has no other.
+fn guess_pose(columns: &mut [SheetColumn]) {
+    let is_pose = |column: &SheetColumn| {
+        let guess = column.guess.as_ref();
+        guess.is_some_and(|guess| guess.meaning == Meaning::PoseX)
+    };
+    if columns.iter().any(is_pose) {
+        return;
+    }
+    let find = |names: &[&str]| {
+        columns.iter().position(|column| {
+            let is_number = column.others == 0 && column.numbers > 0 && column.guess.is_none();
+            is_number && names.contains(&column.name.to_lowercase().as_str())
+        })
+    };
+    let places = [
+        find(&["x"]),
+        find(&["y"]),
+        find(&["theta", "yaw", "heading"]),
+    ];
+    let [Some(x), Some(y), Some(yaw)] = places else {
+        return;
+    };
+    // in degrees, or counted on over several turns: the numbers do not say which
+    if columns[yaw].max.max(-columns[yaw].min) > MAX_YAW_RAD {
+        return;
+    }
+    for (column, meaning, unit) in [
+        (x, Meaning::PoseX, "m"),
+        (y, Meaning::PoseY, "m"),
+        (yaw, Meaning::PoseYaw, "rad"),
+    ] {
+        columns[column].guess = Some(Guess {
+            meaning,
+            wheel: None,
+            unit,
+        });
+    }
 }
 
 /// A meaning that two columns claim goes to the first; one that needs another is nothing without it.
@@ -319,6 +383,8 @@ struct Clock {
     intervals: Vec<f64>,
     stride: u64,
     seen: u64,
+    /// How many were dates.
+    dates: u64,
 }
 
 impl Clock {
