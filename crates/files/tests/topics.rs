@@ -91,7 +91,7 @@ fn mistakes_are_reported_with_their_place_and_what_was_meant() {
     assert!(
         mistake(field)
             .0
-            .contains("`pose_x` needs `pose_yaw` beside it")
+            .contains("`pose_x` needs `pose_y` beside it")
     );
 }
 

@@ -15,7 +15,9 @@ use crate::find::expand;
 use crate::measures::Measures;
 use crate::merge::Samples;
 use crate::messages::LeftOut;
+use crate::recording::navigation::{Track, place_sigma};
 use crate::recording::{Recording, RecordingReader, UsedTopic};
+use crate::slots::{Slots, measured};
 use crate::source::Source;
 use crate::split::{SplitRecording, first_file};
 
@@ -43,6 +45,11 @@ pub struct Log {
     /// Bags and MCAP files.
     recording: Option<Recording>,
     unused: Vec<PathBuf>,
+    /// Which of the files has the places without a heading that are used, and their standard deviation, m.
+    places: Option<(usize, f64)>,
+    /// The position of their antenna in the robot's frame, m.
+    antenna: [f64; 2],
+    notes: Vec<String>,
     wheels: Vec<String>,
     /// How many rows a row of a table may be from its place in time.
     look_ahead: usize,
@@ -294,7 +301,37 @@ impl Log {
                 wheels.push(wheel.clone());
             }
         }
+        let mut notes = recording
+            .as_ref()
+            .map_or_else(Vec::new, |recording| recording.choice.notes.clone());
+        let columns = |index: usize| &map.tables[files[index].1].columns;
+        let gives_places = |index: &usize| Slots::new(columns(*index), &wheels).gives_places();
+        let with_places: Vec<usize> = (0..files.len()).filter(gives_places).collect();
+        // a pose, or a way that is measured, says more
+        let others = [Meaning::PoseYaw, Meaning::DisplacementForward];
+        let measures_motion = |meaning: &Meaning| {
+            let all = (0..files.len()).flat_map(columns);
+            let recording = recording.as_ref();
+            all.into_iter().any(|column| column.meaning == *meaning)
+                || recording.is_some_and(|all| all.choice.measures(*meaning))
+        };
+        let mut places = None;
+        for index in with_places {
+            let name = files[index].0.name();
+            if places.is_none() && !others.iter().any(measures_motion) {
+                let (sigma, note) = place_sigma(&name, topics);
+                notes.extend(note);
+                places = Some((index, sigma));
+            } else {
+                notes.push(format!(
+                    "`{name}`: its places without a heading are not used, since the log has another reference"
+                ));
+            }
+        }
         Ok(Self {
+            places,
+            antenna: topics.antenna,
+            notes,
             map,
             files,
             recording,
@@ -374,13 +411,15 @@ impl Log {
     /// What is to be known of how topics were chosen.
     #[must_use]
     pub fn notes(&self) -> &[String] {
-        self.recording.as_ref().map_or(&[], |all| &all.choice.notes)
+        &self.notes
     }
 
     /// The standard deviation of a place by the reference, m, where the log states it.
     #[must_use]
     pub fn position_sigma(&self) -> Option<f64> {
-        self.recording.as_ref()?.choice.position_sigma
+        let recording = self.recording.as_ref();
+        let places = self.places.map(|(_, sigma)| sigma);
+        places.or_else(|| recording?.choice.position_sigma)
     }
 
     /// What was left out when the log was last read to its end: damage, messages that cannot be decoded
@@ -435,7 +474,14 @@ impl Log {
     pub fn measures(&self, meaning: Meaning) -> bool {
         let recording = self.recording.as_ref();
         recording.is_some_and(|all| all.choice.measures(meaning))
-            || self.columns().any(|column| column.meaning == meaning)
+            || self.files.iter().enumerate().any(|(index, (_, table))| {
+                let columns = &self.map.tables[*table].columns;
+                let is_used = self.places.is_some_and(|(used, _)| used == index);
+                columns.iter().any(|column| {
+                    let own = measured(columns, column);
+                    own == meaning && (own == column.meaning || is_used)
+                })
+            })
     }
 
     /// Does the log measure a quantity of that meaning for that wheel?
@@ -469,15 +515,18 @@ impl Log {
     /// # Errors
     /// What is wrong with a file's header.
     pub fn samples(&self, shift_ns: &[i64]) -> Result<Samples> {
-        let mut samples = Samples::new();
+        let track = |(_, sigma)| (Track::new(self.antenna), sigma);
+        let mut samples = Samples::new(self.places.map(track));
         for (clock, (file, table)) in self.files.iter().enumerate() {
             let table = &self.map.tables[*table];
+            let gives_places = Slots::new(&table.columns, &self.wheels).gives_places();
+            let is_used = self.places.is_some_and(|(used, _)| used == clock);
             let reader = CsvReader::open(file, table, (&self.wheels, self.look_ahead, &self.read))?;
             let shift = shift_ns.get(clock).copied().unwrap_or(0);
             samples.add(
                 reader,
                 shift.saturating_add(table.time.offset_ns),
-                (clock, file),
+                (clock, file, gives_places.then_some(is_used)),
             );
         }
         if let Some(recording) = &self.recording {
@@ -486,7 +535,7 @@ impl Log {
             for file in &recording.files {
                 let reader = RecordingReader::open(file, recording, of_topics, &self.read)?;
                 // A recorder splits a run into files that follow each other on one clock.
-                samples.add(reader, 0, (self.files.len(), file));
+                samples.add(reader, 0, (self.files.len(), file, None));
             }
         }
         Ok(samples)

@@ -1,8 +1,9 @@
 //! The samples of several files as one stream.
 
-use grouser_slip::Sample;
+use grouser_slip::{Measurement, Sample};
 
 use crate::error::{Error, Result};
+use crate::recording::navigation::Track;
 use crate::source::Source;
 use crate::wrapped_angles::Angles;
 
@@ -10,6 +11,8 @@ use crate::wrapped_angles::Angles;
 pub struct Samples {
     files: Vec<Shifted>,
     angles: Angles,
+    /// The track by the places of a table, and their standard deviation, m.
+    places: Option<(Track, f64)>,
     failed: bool,
 }
 
@@ -21,26 +24,30 @@ struct Shifted {
     clock: usize,
     name: String,
     last_ns: Option<i64>,
+    /// Its poses are places without a heading; are they used?
+    places: Option<bool>,
 }
 
 /// Files of one run whose times are further apart than this are not on one clock, s.
 const MAX_APART_S: f64 = 60.0;
 
 impl Samples {
-    pub(crate) fn new() -> Self {
+    /// `places` is the track by the places of a table without a heading, and their standard deviation, m.
+    pub(crate) fn new(places: Option<(Track, f64)>) -> Self {
         Self {
             files: Vec::new(),
             angles: Angles::default(),
+            places,
             failed: false,
         }
     }
 
-    /// Adds a file whose times are shifted by `shift_ns`.
+    /// Adds a file whose times are shifted by `shift_ns`. `places`: its poses are places without a heading; are they used?
     pub(crate) fn add(
         &mut self,
         samples: impl Iterator<Item = Result<Sample>> + Send + 'static,
         shift_ns: i64,
-        (clock, file): (usize, &Source),
+        (clock, file, places): (usize, &Source, Option<bool>),
     ) {
         self.files.push(Shifted {
             samples: Box::new(samples),
@@ -49,6 +56,7 @@ impl Samples {
             clock,
             name: file.name(),
             last_ns: None,
+            places,
         });
     }
 }
@@ -79,6 +87,35 @@ impl Iterator for Samples {
     type Item = Result<Sample>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let (mut sample, places) = match self.earliest()? {
+                Ok(earliest) => earliest,
+                Err(error) => return Some(Err(error)),
+            };
+            if let (Some((track, sigma)), time_ns) = (&mut self.places, sample.time_ns) {
+                match sample.measurement {
+                    Measurement::YawRate { rate } => track.turn(time_ns, rate),
+                    Measurement::Pose { x, y, .. } if places == Some(true) => {
+                        match track.moved(time_ns, [x, y], *sigma) {
+                            Some(moved) => sample.measurement = moved,
+                            None => continue,
+                        }
+                    }
+                    _ => {}
+                }
+            }
+            if places == Some(false) && matches!(sample.measurement, Measurement::Pose { .. }) {
+                continue;
+            }
+            self.angles.unwrap(&mut sample);
+            return Some(Ok(sample));
+        }
+    }
+}
+
+impl Samples {
+    /// The earliest sample of all files, and what the poses of its file are.
+    fn earliest(&mut self) -> Option<Result<(Sample, Option<bool>)>> {
         if self.failed {
             return None;
         }
@@ -99,14 +136,14 @@ impl Iterator for Samples {
         }
         let waiting = self.files.iter_mut().filter(|file| file.next.is_some());
         let earliest = waiting.min_by_key(|file| file.next.as_ref().map(|next| next.time_ns))?;
-        let mut sample = earliest.next.take()?;
+        let sample = earliest.next.take()?;
+        let places = earliest.places;
         let is_first = earliest.last_ns.replace(sample.time_ns).is_none();
         let (clock, name) = (earliest.clock, earliest.name.clone());
         if is_first && let Some(error) = self.apart(clock, name, sample.time_ns) {
             self.failed = true;
             return Some(Err(error));
         }
-        self.angles.unwrap(&mut sample);
-        Some(Ok(sample))
+        Some(Ok((sample, places)))
     }
 }

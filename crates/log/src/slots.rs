@@ -17,6 +17,8 @@ enum Slot {
     Acceleration(Part, Option<Part>),
     Displacement(Part, Part, Option<Part>),
     Pose(Part, Part, Part),
+    /// A place without a heading.
+    Place(Part, Part),
     Speed(Part, Option<Part>),
     Command(Part, Option<Part>),
 }
@@ -34,6 +36,16 @@ impl Part {
     /// A number of the column in SI.
     pub(crate) fn si(self, number: f64) -> f64 {
         number * self.factor + self.offset
+    }
+}
+
+/// What a column of a table measures: places without a heading become displacements.
+pub(crate) fn measured(columns: &[Column], column: &Column) -> Meaning {
+    let has_heading = || columns.iter().any(|c| c.meaning == Meaning::PoseYaw);
+    match column.meaning {
+        Meaning::PoseX if !has_heading() => Meaning::DisplacementForward,
+        Meaning::PoseY if !has_heading() => Meaning::DisplacementLeft,
+        meaning => meaning,
     }
 }
 
@@ -64,9 +76,10 @@ impl Slots {
                 }
                 Meaning::DisplacementForward => part(Meaning::DisplacementLeft)
                     .map(|left| Slot::Displacement(own, left, part(Meaning::DisplacementTurn))),
-                Meaning::PoseX => part(Meaning::PoseY)
-                    .zip(part(Meaning::PoseYaw))
-                    .map(|(y, yaw)| Slot::Pose(own, y, yaw)),
+                Meaning::PoseX => part(Meaning::PoseY).map(|y| match part(Meaning::PoseYaw) {
+                    Some(yaw) => Slot::Pose(own, y, yaw),
+                    None => Slot::Place(own, y),
+                }),
                 Meaning::SpeedForward => Some(Slot::Speed(own, part(Meaning::SpeedLeft))),
                 Meaning::CommandForward => Some(Slot::Command(own, part(Meaning::CommandLeft))),
                 // second parts of the above have no wheel
@@ -75,6 +88,11 @@ impl Slots {
             slots.extend(slot);
         }
         Self(slots)
+    }
+
+    /// Are the poses that it gives places without a heading, their yaw a mere 0?
+    pub(crate) fn gives_places(&self) -> bool {
+        self.0.iter().any(|slot| matches!(slot, Slot::Place(..)))
     }
 
     /// Gives every reading to `take`; one that lacks a part is left out. `number` gives a column in SI,
@@ -136,6 +154,11 @@ impl Slots {
                     .zip(number(y)?)
                     .zip(number(yaw)?)
                     .map(|((x, y), yaw)| Measurement::Pose { x, y, yaw }),
+                Slot::Place(x, y) => {
+                    number(x)?
+                        .zip(number(y)?)
+                        .map(|(x, y)| Measurement::Pose { x, y, yaw: 0.0 })
+                }
                 Slot::Speed(forward, left) => {
                     let left = optional(left)?;
                     number(forward)?.map(|forward| Measurement::Speed { forward, left })

@@ -1,9 +1,10 @@
 //! Which topics are chosen by type and name, what the robot file decides, and what is noted.
 
+use std::fmt::Write as _; // writing to a string cannot fail
 use std::io::Cursor;
 use std::time::Duration;
 
-use grouser_files::columns::Meaning;
+use grouser_files::columns::{self, ColumnMap, Meaning};
 use grouser_files::topics::Topics;
 use grouser_files::{Document, robot};
 use grouser_log::container::{Channel, Encoding};
@@ -1246,4 +1247,140 @@ fn positions_within_one_turn_are_put_together() {
             angle: 114.0
         }
     );
+}
+
+/// A column map of tables, each with its file and its columns (name, meaning, unit); their times are in ms.
+fn map(tables: &[(&str, &[[&str; 3]])]) -> ColumnMap {
+    let table = |(file, columns): &(&str, &[[&str; 3]])| {
+        let columns: Vec<String> = columns
+            .iter()
+            .map(|[name, meaning, unit]| {
+                format!("{{ column = \"{name}\", meaning = \"{meaning}\", unit = \"{unit}\" }}")
+            })
+            .collect();
+        format!(
+            "[[table]]\nfile = \"{file}\"\ntime = {{ column = \"t\", unit = \"ms\" }}\ncolumns = [{}]\n",
+            columns.join(", ")
+        )
+    };
+    let tables: String = tables.iter().map(table).collect();
+    let text = format!("format = 1\n{tables}");
+    columns::parse(&Document::from_text("columns.toml", text).unwrap()).unwrap()
+}
+
+const X: [&str; 3] = ["x", "pose_x", "m"];
+const Y: [&str; 3] = ["y", "pose_y", "m"];
+
+#[test]
+fn places_of_a_table_are_ways_along_the_course() {
+    // a circle to the left, begun to the north-east: the gyro is in a table of its own
+    let (speed, rate, at) = (0.5, 0.4, std::f64::consts::FRAC_PI_4);
+    let radius = speed / rate;
+    let (mut places, mut gyro) = ("t,x,y\n".to_owned(), "t,g\n".to_owned());
+    for row in 0..200 {
+        let yaw = at + rate * 0.1 * f64::from(row);
+        let (x, y) = (radius * yaw.sin(), -radius * yaw.cos());
+        writeln!(places, "{},{x:?},{y:?}", 100 * row).unwrap();
+        writeln!(gyro, "{0},{rate}\n{1},{rate}", 100 * row, 100 * row + 50).unwrap();
+    }
+    let map = map(&[("p.csv", &[X, Y]), ("g.csv", &[["g", "yaw_rate", "rad/s"]])]);
+    let files = [
+        ("p.csv".into(), Cursor::new(places)),
+        ("g.csv".into(), Cursor::new(gyro)),
+    ];
+    let found = Log::over_all(files, Some(map), &topics("")).unwrap();
+    assert!(
+        found.measures(Meaning::DisplacementForward) && found.measures(Meaning::DisplacementLeft)
+    );
+    assert!(!found.measures(Meaning::PoseX) && !found.measures(Meaning::PoseY));
+    assert_eq!(found.position_sigma(), Some(0.05));
+    let [note] = found.notes() else {
+        panic!("{:?}", found.notes())
+    };
+    assert!(
+        note.starts_with("`p.csv` does not say how accurate its places are: 0.05 m"),
+        "{note}"
+    );
+    let chord = 2.0 * radius * (0.05 * rate).sin();
+    let all = readings(&found);
+    let ways: Vec<&M> = all
+        .iter()
+        .filter(|one| !matches!(one, M::YawRate { .. }))
+        .collect();
+    // the first place comes before the gyro, and the course is known after 0.2 m, five steps later
+    assert_eq!(ways.len(), 200 - 6);
+    for way in ways {
+        let M::Displacement {
+            forward,
+            left,
+            turn: None,
+        } = way
+        else {
+            panic!("{way:?}")
+        };
+        assert!(
+            (forward - chord).abs() < 1e-6 && left.abs() < 1e-5,
+            "{way:?}"
+        );
+    }
+}
+
+#[test]
+fn places_of_a_table_give_way_to_better_references() {
+    let over = |columns: &[[&str; 3]]| {
+        let header: Vec<&str> = columns.iter().map(|column| column[0]).collect();
+        let row = |time: i32| format!("{time}{}\n", format!(",0.{time}").repeat(header.len()));
+        let text = format!(
+            "t,{}\n{}{}{}",
+            header.join(","),
+            row(100),
+            row(200),
+            row(600)
+        );
+        let map = map(&[("run.csv", columns)]);
+        Log::over(
+            "run.csv".as_ref(),
+            Cursor::new(text),
+            Some(map),
+            &topics(""),
+        )
+        .unwrap()
+    };
+    let pose = over(&[X, Y, ["yaw", "pose_yaw", "rad"]]);
+    assert!(pose.measures(Meaning::PoseX) && !pose.measures(Meaning::DisplacementForward));
+    assert!(
+        readings(&pose)
+            .iter()
+            .all(|one| matches!(one, M::Pose { yaw, .. } if *yaw != 0.0))
+    );
+    assert_eq!((pose.notes().len(), pose.position_sigma()), (0, None));
+    let dx = ["dx", "displacement_forward", "m"];
+    let both = over(&[X, Y, dx, ["dy", "displacement_left", "m"]]);
+    assert_eq!(readings(&both).len(), 3);
+    assert_eq!(
+        both.notes(),
+        [
+            "`run.csv`: its places without a heading are not used, since the log has another reference"
+        ]
+    );
+    // the fields of messages likewise
+    let fields = "[[topics.field]]\ntopic = \"/prism\"\nfield = \"point.x\"\nmeaning = \"pose_x\"\nunit = \"m\"\n\
+                  [[topics.field]]\ntopic = \"/prism\"\nfield = \"point.y\"\nmeaning = \"pose_y\"\nunit = \"m\"\n";
+    let places: Vec<Message> = (0..5)
+        .map(|k| {
+            point(
+                "/prism",
+                100_000_000 * i64::from(k) + 5,
+                [0.15 * f64::from(k), 0.0],
+            )
+        })
+        .collect();
+    let found = log(&places, fields);
+    assert_eq!(found.position_sigma(), Some(0.05));
+    assert!(found.measures(Meaning::DisplacementForward) && !found.measures(Meaning::PoseX));
+    let ways = readings(&found);
+    assert_eq!(ways.len(), 3);
+    let is_way =
+        |way: &M| matches!(way, M::Displacement { forward, .. } if (forward - 0.15).abs() < 1e-12);
+    assert!(ways.iter().all(is_way), "{ways:?}");
 }

@@ -153,7 +153,7 @@ impl Meaning {
             Self::CommandLeft => Some(Self::CommandForward),
             Self::AccelerationLeft => Some(Self::AccelerationForward),
             Self::DisplacementForward => Some(Self::DisplacementLeft),
-            Self::PoseX => Some(Self::PoseYaw),
+            Self::PoseX => Some(Self::PoseY),
             _ => None,
         }
     }

@@ -92,7 +92,7 @@ impl Intake {
             track: Track::new(choice.antenna),
             has_places: choice.topics.iter().any(|topic| {
                 let mut jobs = topic.jobs.iter();
-                jobs.any(|job| matches!(job, Job::Fix(_) | Job::Place(_)))
+                jobs.any(|job| matches!(job, Job::Fix(_)) || job.gives_places())
             }),
             choice,
             shifts_ns,
@@ -194,38 +194,38 @@ impl Intake {
         }
         let view = View::new(&known.type_name, &known.value);
         for job in &self.choice.topics[known.topic].jobs {
-            let moved = match (job, &view) {
-                (Job::Fix(limit), Some(View::NavSatFix(fix))) => match fix.fault(*limit) {
-                    Some(fault) => {
-                        self.left_out.exclude(fault);
-                        None
+            if let (Job::Fix(limit), Some(View::NavSatFix(fix))) = (job, &view) {
+                match fix.fault(*limit) {
+                    Some(fault) => self.left_out.exclude(fault),
+                    None => {
+                        if let Some(measurement) = self.track.displacement(time_ns, fix) {
+                            self.ordered.push(Sample {
+                                time_ns,
+                                measurement,
+                            });
+                        }
                     }
-                    None => self.track.displacement(time_ns, fix),
-                },
-                (Job::Place(sigma), Some(View::Point([x, y, _])))
-                    if x.is_finite() && y.is_finite() =>
-                {
-                    self.track.moved(time_ns, [*x, *y], *sigma)
                 }
-                _ => None,
-            };
-            if let Some(measurement) = moved {
-                self.ordered.push(Sample {
-                    time_ns,
-                    measurement,
-                });
             }
             let (track, has_places) = (&mut self.track, self.has_places);
+            let (are_places, sigma) = (job.gives_places(), self.choice.position_sigma);
             job.measurements(view.as_ref(), &known.value, |measurement| {
-                if let Measurement::YawRate { rate } = measurement
-                    && has_places
-                {
-                    track.turn(time_ns, rate);
+                let measurement = match measurement {
+                    Measurement::Pose { x, y, .. } if are_places => {
+                        sigma.and_then(|sigma| track.moved(time_ns, [x, y], sigma))
+                    }
+                    Measurement::YawRate { rate } if has_places => {
+                        track.turn(time_ns, rate);
+                        Some(measurement)
+                    }
+                    _ => Some(measurement),
+                };
+                if let Some(measurement) = measurement {
+                    self.ordered.push(Sample {
+                        time_ns,
+                        measurement,
+                    });
                 }
-                self.ordered.push(Sample {
-                    time_ns,
-                    measurement,
-                });
             });
         }
         if !is_spare(index, bytes.len()) {

@@ -29,8 +29,8 @@ pub(crate) enum Job {
     /// Fixes of a satellite receiver, whose motion [`Intake`](super::Intake) follows; the largest standard deviation that is
     /// used, m.
     Fix(f64),
-    /// Places without a heading, whose motion it follows likewise; their standard deviation, m.
-    Place(f64),
+    /// Places without a heading, whose motion it follows likewise.
+    Place,
     /// A way since the last message.
     Displacement,
     /// A commanded speed.
@@ -42,6 +42,15 @@ pub(crate) enum Job {
 }
 
 impl Job {
+    /// Are its poses places without a heading?
+    pub(crate) fn gives_places(&self) -> bool {
+        match self {
+            Job::Place => true,
+            Job::Fields(slots, _) => slots.gives_places(),
+            _ => false,
+        }
+    }
+
     /// Gives every measurement of a message to `push`.
     #[allow(clippy::too_many_lines, reason = "one arm a meaning")]
     pub(crate) fn measurements(
@@ -105,6 +114,10 @@ impl Job {
                     let [x, y, _] = *position;
                     push(Measurement::Pose { x, y, yaw });
                 }
+            }
+            (Job::Place, Some(View::Point([x, y, _]))) => {
+                let (x, y) = (*x, *y);
+                push(Measurement::Pose { x, y, yaw: 0.0 });
             }
             (Job::Speed, Some(View::Odometry(odometry))) if odometry.twist_trust[0].is_usable() => {
                 let [forward, left, _] = odometry.linear;

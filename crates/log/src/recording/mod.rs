@@ -4,7 +4,7 @@ mod choose;
 mod intake;
 mod job;
 mod mounting;
-mod navigation;
+pub(crate) mod navigation;
 mod preview;
 mod reader;
 

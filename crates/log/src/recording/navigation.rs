@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use grouser_files::topics::Topics;
 use grouser_real::{Real, wrap_angle};
 use grouser_slip::Measurement;
 
@@ -34,6 +35,8 @@ pub(super) const MAX_SIGMA_M: f64 = 10.0;
 /// Where the standard deviation changes by more than this factor, the receiver changed its kind of solution, and the
 /// position jumps with it.
 const MAX_SIGMA_RATIO: f64 = 3.0;
+/// The standard deviation of a place without a heading where nothing states it, m: a good one of ultra-wideband.
+const PLACE_SIGMA_M: f64 = 0.05;
 /// After a longer outage the way between two fixes is no measured motion, s.
 const MAX_OUTAGE_S: f64 = 5.0;
 
@@ -82,11 +85,26 @@ impl NavSatFix {
     }
 }
 
+/// The standard deviation of places without a heading by the robot file, m, else a usual one with a note about the topic or
+/// the file.
+pub(crate) fn place_sigma(name: &str, topics: &Topics) -> (f64, Option<String>) {
+    match topics.position_sigma {
+        Some(sigma) => (sigma, None),
+        None => (
+            PLACE_SIGMA_M,
+            Some(format!(
+                "`{name}` does not say how accurate its places are: {PLACE_SIGMA_M} m is assumed; `position_sigma_m` in \
+                 `[estimator]` states it"
+            )),
+        ),
+    }
+}
+
 /// The track of an antenna on the plane that touches the earth at the first fix.
 ///
 /// The heading is a scalar Kalman filter: the gyro turns it, courses over ground correct it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Track {
+pub(crate) struct Track {
     /// Position of the antenna in the robot's frame, m.
     antenna: [f64; 2],
     origin: Option<Origin>,
@@ -125,7 +143,7 @@ struct Placed {
 
 impl Track {
     /// Of an antenna at a position in the robot's frame: forwards and to the left, m.
-    pub(super) fn new(antenna: [f64; 2]) -> Self {
+    pub(crate) fn new(antenna: [f64; 2]) -> Self {
         Self {
             antenna,
             ..Self::default()
@@ -133,7 +151,7 @@ impl Track {
     }
 
     /// Takes a yaw rate, rad/s.
-    pub(super) fn turn(&mut self, time_ns: i64, rate: f64) {
+    pub(crate) fn turn(&mut self, time_ns: i64, rate: f64) {
         if !rate.is_finite() {
             return;
         }
@@ -189,12 +207,15 @@ impl Track {
     ///
     /// Assumes: the robot begins forwards and does not drift sideways in the mean; without a gyro it does not turn on the
     /// spot, and an antenna beside its origin shows the turns as motion.
-    pub(super) fn moved(
+    pub(crate) fn moved(
         &mut self,
         time_ns: i64,
         place: [f64; 2],
         sigma: f64,
     ) -> Option<Measurement> {
+        if !place.iter().all(|part| part.is_finite()) {
+            return None;
+        }
         let now = Placed {
             time_ns,
             place,

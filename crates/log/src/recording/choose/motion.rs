@@ -6,13 +6,10 @@ use super::names::{is_asked_for, is_command, is_of_wheels, is_over_ground, words
 use super::{Choosing, Job, TopicPreview};
 use crate::error::Result;
 use crate::message::{View, short};
-use crate::recording::navigation::ACCURATE_SIGMA_M;
+use crate::recording::navigation::{ACCURATE_SIGMA_M, place_sigma};
 
 /// Words in the name of a topic whose velocity is to the east, north and up, as satellite receivers send it.
 const ON_EARTH: &[&str] = &["gps", "gnss", "fix", "navsat", "ublox"];
-
-/// The standard deviation of a place without a heading where the robot file states none, m: a good one of ultra-wideband.
-const PLACE_SIGMA_M: f64 = 0.05;
 
 const POSE: [(Meaning, Option<usize>); 3] = [
     (Meaning::PoseX, None),
@@ -150,18 +147,17 @@ impl Choosing<'_> {
         }
     }
 
-    /// Places without a heading, whose accuracy the robot file states.
+    /// Places without a heading.
     fn places(&mut self, seen: &TopicPreview) {
-        let sigma = self.topics.position_sigma.unwrap_or(PLACE_SIGMA_M);
-        if self.topics.position_sigma.is_none() {
-            self.choice.notes.push(format!(
-                "`{}` does not say how accurate its places are: {PLACE_SIGMA_M} m is assumed; `position_sigma_m` in \
-                 `[estimator]` states it",
-                seen.channel.topic
-            ));
-        }
+        self.place_sigma(&seen.channel.topic);
+        self.take(seen, Job::Place, "way between places", WAY);
+    }
+
+    /// How accurate places without a heading are.
+    pub(super) fn place_sigma(&mut self, topic: &str) {
+        let (sigma, note) = place_sigma(topic, self.topics);
         self.choice.position_sigma = Some(sigma);
-        self.take(seen, Job::Place(sigma), "way between places", WAY);
+        self.choice.notes.extend(note);
     }
 
     /// Fixes of a satellite receiver, with their accuracy where it is poor.

@@ -7,7 +7,7 @@ use super::names::joint_by_name;
 use super::{Choosing, Job, TopicPreview};
 use crate::error::{Error, Result};
 use crate::message::View;
-use crate::slots::Slots;
+use crate::slots::{Slots, measured};
 use crate::wrapped_angles::Angle;
 
 impl Choosing<'_> {
@@ -40,9 +40,12 @@ impl Choosing<'_> {
             let measures: Vec<_> = topic
                 .fields
                 .iter()
-                .map(|field| (field.meaning, wheel_of(&field.wheel)))
+                .map(|field| (measured(&topic.fields, field), wheel_of(&field.wheel)))
                 .collect();
             let slots = Slots::new(&topic.fields, &self.choice.wheels);
+            if slots.gives_places() {
+                self.place_sigma(&topic.topic);
+            }
             let paths = topic.fields.iter().map(|f| f.column.clone()).collect();
             self.take(seen, Job::Fields(slots, paths), "fields", measures);
         }
