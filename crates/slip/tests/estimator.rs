@@ -459,7 +459,9 @@ fn the_way_of_a_poor_reference_is_its_own() {
     assert!(expected > 1.0);
     for sigma in [0.5, 2.5, 10.0] {
         let found = way_by(sigma) / expected;
-        assert!((found - 1.0).abs() < 1e-3, "{sigma}: {found}");
+        // drawn to 0 by a speed unknown to 100 σ over the window, beside √2 σ over the quarter of it in which ways are
+        // summed: by 32 / 100²
+        assert!((found - 1.0).abs() < 0.005, "{sigma}: {found}");
     }
 }
 
