@@ -40,7 +40,10 @@ impl Refusal {
 impl MotionRequest {
     /// Of a decoded message.
     pub(crate) fn read(type_name: &str, value: &Value) -> Result<Self, Refusal> {
-        let Some(View::Twist { linear, angular }) = View::new(type_name, value) else {
+        let Some(View::Twist {
+            linear, angular, ..
+        }) = View::new(type_name, value)
+        else {
             return Err(Refusal::Undecoded);
         };
         let components = [
