@@ -13,7 +13,7 @@ use crate::csv::{CsvReader, TABLE_LOOK_AHEAD};
 use crate::error::{Error, Result};
 use crate::find::expand;
 use crate::measures::Measures;
-use crate::merge::Samples;
+use crate::merge::{Poses, Samples};
 use crate::messages::LeftOut;
 use crate::recording::navigation::{Track, place_sigma};
 use crate::recording::{Recording, RecordingReader, UsedTopic};
@@ -519,14 +519,19 @@ impl Log {
         let mut samples = Samples::new(self.places.map(track));
         for (clock, (file, table)) in self.files.iter().enumerate() {
             let table = &self.map.tables[*table];
-            let gives_places = Slots::new(&table.columns, &self.wheels).gives_places();
-            let is_used = self.places.is_some_and(|(used, _)| used == clock);
+            let poses = if self.places.is_some_and(|(used, _)| used == clock) {
+                Poses::Places
+            } else if Slots::new(&table.columns, &self.wheels).gives_places() {
+                Poses::UnusedPlaces
+            } else {
+                Poses::WithHeading
+            };
             let reader = CsvReader::open(file, table, (&self.wheels, self.look_ahead, &self.read))?;
             let shift = shift_ns.get(clock).copied().unwrap_or(0);
             samples.add(
                 reader,
                 shift.saturating_add(table.time.offset_ns),
-                (clock, file, gives_places.then_some(is_used)),
+                (clock, file, poses),
             );
         }
         if let Some(recording) = &self.recording {
@@ -535,7 +540,7 @@ impl Log {
             for file in &recording.files {
                 let reader = RecordingReader::open(file, recording, of_topics, &self.read)?;
                 // A recorder splits a run into files that follow each other on one clock.
-                samples.add(reader, 0, (self.files.len(), file, None));
+                samples.add(reader, 0, (self.files.len(), file, Poses::WithHeading));
             }
         }
         Ok(samples)

@@ -24,8 +24,17 @@ struct Shifted {
     clock: usize,
     name: String,
     last_ns: Option<i64>,
-    /// Its poses are places without a heading; are they used?
-    places: Option<bool>,
+    poses: Poses,
+}
+
+/// What the poses of a file are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Poses {
+    WithHeading,
+    /// Places without a heading, which are followed.
+    Places,
+    /// Places beside another reference.
+    UnusedPlaces,
 }
 
 /// Files of one run whose times are further apart than this are not on one clock, s.
@@ -42,12 +51,12 @@ impl Samples {
         }
     }
 
-    /// Adds a file whose times are shifted by `shift_ns`. `places`: its poses are places without a heading; are they used?
+    /// Adds a file whose times are shifted by `shift_ns`.
     pub(crate) fn add(
         &mut self,
         samples: impl Iterator<Item = Result<Sample>> + Send + 'static,
         shift_ns: i64,
-        (clock, file, places): (usize, &Source, Option<bool>),
+        (clock, file, poses): (usize, &Source, Poses),
     ) {
         self.files.push(Shifted {
             samples: Box::new(samples),
@@ -56,7 +65,7 @@ impl Samples {
             clock,
             name: file.name(),
             last_ns: None,
-            places,
+            poses,
         });
     }
 }
@@ -88,24 +97,24 @@ impl Iterator for Samples {
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
-            let (mut sample, places) = match self.earliest()? {
+            let (mut sample, poses) = match self.earliest()? {
                 Ok(earliest) => earliest,
                 Err(error) => return Some(Err(error)),
             };
-            if let (Some((track, sigma)), time_ns) = (&mut self.places, sample.time_ns) {
-                match sample.measurement {
-                    Measurement::YawRate { rate } => track.turn(time_ns, rate),
-                    Measurement::Pose { x, y, .. } if places == Some(true) => {
-                        match track.moved(time_ns, [x, y], *sigma) {
-                            Some(moved) => sample.measurement = moved,
-                            None => continue,
-                        }
-                    }
-                    _ => {}
+            match (sample.measurement, &mut self.places) {
+                (Measurement::YawRate { rate }, Some((track, _))) => {
+                    track.turn(sample.time_ns, rate);
                 }
-            }
-            if places == Some(false) && matches!(sample.measurement, Measurement::Pose { .. }) {
-                continue;
+                (Measurement::Pose { x, y, .. }, Some((track, sigma)))
+                    if poses == Poses::Places =>
+                {
+                    match track.moved(sample.time_ns, [x, y], *sigma) {
+                        Some(moved) => sample.measurement = moved,
+                        None => continue,
+                    }
+                }
+                (Measurement::Pose { .. }, _) if poses == Poses::UnusedPlaces => continue,
+                _ => {}
             }
             self.angles.unwrap(&mut sample);
             return Some(Ok(sample));
@@ -115,7 +124,7 @@ impl Iterator for Samples {
 
 impl Samples {
     /// The earliest sample of all files, and what the poses of its file are.
-    fn earliest(&mut self) -> Option<Result<(Sample, Option<bool>)>> {
+    fn earliest(&mut self) -> Option<Result<(Sample, Poses)>> {
         if self.failed {
             return None;
         }
@@ -137,13 +146,13 @@ impl Samples {
         let waiting = self.files.iter_mut().filter(|file| file.next.is_some());
         let earliest = waiting.min_by_key(|file| file.next.as_ref().map(|next| next.time_ns))?;
         let sample = earliest.next.take()?;
-        let places = earliest.places;
+        let poses = earliest.poses;
         let is_first = earliest.last_ns.replace(sample.time_ns).is_none();
         let (clock, name) = (earliest.clock, earliest.name.clone());
         if is_first && let Some(error) = self.apart(clock, name, sample.time_ns) {
             self.failed = true;
             return Some(Err(error));
         }
-        Some(Ok((sample, places)))
+        Some(Ok((sample, poses)))
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::pose_watch::PoseFault;
 use crate::reference_delay::ReferenceDelay;
-use crate::steering::SteeringFault;
+use crate::steering_watch::SteeringFault;
 
 /// A reference of which the filter used less than this share was locked out, not noisy.
 const MIN_USED_SHARE: f64 = 0.5;

@@ -11,28 +11,19 @@ use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
 use crate::axes::common_heading;
 use crate::ground_change::solve;
+use crate::turn_pair::{GyroTurn, MIN_CORRELATION, TurnPair};
 
 /// Turns are compared over this time, s: long against the delay of a reference; and not over a longer one than the second.
 const TURN_TIME_S: f64 = 3.0;
 const MAX_TURN_TIME_S: f64 = 6.0;
-/// Nothing is known of a turn between two readings of a gyro that are further apart, s.
-const MAX_GYRO_GAP_S: f64 = 0.5;
-/// Turns that must have been compared, and the sum of their squares about their mean, rad²: the bias of a gyro is in the mean.
-const MIN_TURNS: f64 = 6.0;
-const MIN_TURNS_SQUARE: f64 = 0.5;
-/// Two sensors turn alike, or against each other, with this correlation at least, and with a scale from half to twice.
-const MIN_CORRELATION: f64 = 0.7;
-const MAX_SCALE: f64 = 2.0;
 /// Wheels that slip in bends show the sense of the turn.
 const MIN_WHEELS_CORRELATION: f64 = 0.4;
 /// Multiples of the wheels' turn that a robot turns by: wheels of a skid-steered one turn it by less than without slip.
 const WHEELS_SCALES: RangeInclusive<f64> = 0.1..=2.0;
-/// A yaw that turns by less than this share of the gyro's turns is constant.
-const CONSTANT_SHARE: f64 = 0.1;
 /// No robot turns by more between two poses, rad: a yaw that was turned round does.
 const MAX_JUMP_RAD: f64 = 2.5;
-/// A sensor in degrees that is taken for one in radians turns by this multiple, within this share.
-const DEGREES: f64 = 57.295_78;
+/// A sensor in degrees that is taken for one in radians turns by this multiple, within this share: wheels show turns no better.
+const DEGREES_PER_RADIAN: f64 = 180.0 / PI;
 const DEGREES_TOLERANCE: f64 = 0.2;
 /// Straight ways: their length, m, and in standard deviations of a place; how far they turn, rad, and their longest time, s.
 const WAY_M: f64 = 0.5;
@@ -96,98 +87,7 @@ impl PoseCheck {
 
 /// Is it the scale of degrees that are taken for radians?
 fn is_degrees(scale: f64) -> bool {
-    (scale.abs() / DEGREES - 1.0).abs() < DEGREES_TOLERANCE
-}
-
-/// Sums of two sensors' turns.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct TurnPair {
-    count: f64,
-    a: f64,
-    b: f64,
-    aa: f64,
-    ab: f64,
-    bb: f64,
-}
-
-impl TurnPair {
-    pub(crate) fn add(&mut self, a: f64, b: f64) {
-        if (a + b).is_finite() {
-            self.count += 1.0;
-            self.a += a;
-            self.b += b;
-            self.aa += a * a;
-            self.ab += a * b;
-            self.bb += b * b;
-        }
-    }
-
-    /// Squares and product about the means.
-    fn central(&self) -> [f64; 3] {
-        let n = self.count.max(1.0);
-        [
-            self.aa - self.a * self.a / n,
-            self.ab - self.a * self.b / n,
-            self.bb - self.b * self.b / n,
-        ]
-    }
-
-    /// Did the first turn enough?
-    pub(crate) fn is_known(&self) -> bool {
-        self.count >= MIN_TURNS && self.central()[0] > MIN_TURNS_SQUARE
-    }
-
-    /// The second's turn as a multiple of the first's.
-    pub(crate) fn scale(&self) -> f64 {
-        let [aa, ab, _] = self.central();
-        ab / aa
-    }
-
-    pub(crate) fn correlation(&self) -> f64 {
-        let [aa, ab, bb] = self.central();
-        if aa * bb > 0.0 {
-            ab / (aa * bb).sqrt()
-        } else {
-            0.0
-        }
-    }
-
-    /// Do both turn alike or against each other, at any scale?
-    pub(crate) fn agrees_but_for_scale(&self) -> bool {
-        self.correlation().abs() > MIN_CORRELATION
-    }
-
-    /// Do both turn alike, times `sign`?
-    pub(crate) fn agrees(&self, sign: f64) -> bool {
-        let is_correlated = sign * self.correlation() > MIN_CORRELATION;
-        is_correlated && (1.0 / MAX_SCALE..=MAX_SCALE).contains(&(sign * self.scale()))
-    }
-}
-
-/// The turn by a gyro.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct GyroTurn {
-    last: Option<(i64, f64)>,
-    pub(crate) turn: f64,
-}
-
-impl GyroTurn {
-    pub(crate) fn take(&mut self, now_ns: i64, rate: f64) {
-        if let Some((last_ns, last)) = self.last.replace((now_ns, rate)) {
-            let passed = now_ns.saturating_sub(last_ns) as f64 * 1e-9;
-            // NaN: what is compared across a gap is left out
-            self.turn += if passed < MAX_GYRO_GAP_S {
-                0.5 * (last + rate) * passed
-            } else {
-                f64::NAN
-            };
-        }
-    }
-
-    /// The turn since it was taken last.
-    pub(crate) fn pass(&mut self) -> f64 {
-        std::mem::take(&mut self.turn)
-    }
+    (scale.abs() / DEGREES_PER_RADIAN - 1.0).abs() < DEGREES_TOLERANCE
 }
 
 /// Where a way begins.
@@ -410,9 +310,8 @@ impl PoseWatch {
         if !by.is_known() {
             return (None, None);
         }
-        let [aa, _, bb] = by.central();
         // wheels that slip unequally turn where a robot drives straight on
-        let is_constant = bb < CONSTANT_SHARE * CONSTANT_SHARE * aa;
+        let is_constant = by.second_is_constant();
         if is_constant && !self.has_gyro {
             return (None, None);
         }

@@ -15,7 +15,7 @@ use crate::odometry::Odometry;
 use crate::pose_watch::PoseCheck;
 use crate::quantiles::Quantiles;
 use crate::reference_delay::ReferenceDelay;
-use crate::steering::SteeringFault;
+use crate::steering_watch::SteeringFault;
 use crate::turn_watch::TurnCheck;
 
 /// Median and the middle 90 % of something; `None` where there was nothing.

@@ -242,20 +242,25 @@ mod tests {
         ),
     ];
 
+    /// The soil of a case: friction angle (°), cohesion (Pa) and unit weight (N/m³).
+    fn soil_of(phi: f64, c: f64, gamma: f64) -> Soil {
+        Soil::new(SoilParams {
+            unit_weight: Some(gamma),
+            ..Soil::bekker(0.0, 8e6, 1.3)
+                .cohesion(c)
+                .phi(Angle::from_deg(phi))
+                .k_shear(0.02)
+                .stress_position(0.3, 0.3)
+                .params()
+                .unwrap()
+        })
+        .unwrap()
+    }
+
     #[test]
     fn the_quadrature_finds_the_same() {
         for ([r, z, phi, c, gamma, beta, rim], expected) in CASES {
-            let soil = Soil::new(SoilParams {
-                unit_weight: Some(gamma),
-                ..Soil::bekker(0.0, 8e6, 1.3)
-                    .cohesion(c)
-                    .phi(Angle::from_deg(phi))
-                    .k_shear(0.02)
-                    .stress_position(0.3, 0.3)
-                    .params()
-                    .unwrap()
-            })
-            .unwrap();
+            let soil = soil_of(phi, c, gamma);
             let forward = if beta == 90.0 {
                 0.0
             } else {
@@ -277,17 +282,7 @@ mod tests {
     #[test]
     fn forces_of_rim_and_disc_add_up() {
         for ([r, z, phi, c, gamma, beta, rim], [lift, pull, torque, side]) in CASES {
-            let params = SoilParams {
-                unit_weight: Some(gamma),
-                ..Soil::bekker(0.0, 8e6, 1.3)
-                    .cohesion(c)
-                    .phi(Angle::from_deg(phi))
-                    .k_shear(0.02)
-                    .stress_position(0.3, 0.3)
-                    .params()
-                    .unwrap()
-            };
-            let mut laws = Soil::new(params).unwrap().laws();
+            let mut laws = soil_of(phi, c, gamma).laws();
             let beta = beta.to_radians();
             let motion = Kinematics::from_speeds(beta.cos().max(1e-17), beta.sin(), rim).unwrap();
             let size = WheelSize::smooth(r, 0.05);

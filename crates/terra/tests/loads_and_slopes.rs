@@ -5,14 +5,14 @@ use grouser_terra::{
     Slip, SlopeOutcome, Soil, SoilParams, SolveStatus, WheelOnSoil, catalogue,
 };
 
-const R: f64 = 0.125;
+const RADIUS_M: f64 = 0.125;
 
 fn params(key: &str) -> SoilParams {
     *catalogue::find(key).unwrap().soil().unwrap().params()
 }
 
 fn on(params: SoilParams) -> WheelOnSoil {
-    let wheel = RigidWheel::new(R, 0.1).unwrap();
+    let wheel = RigidWheel::new(RADIUS_M, 0.1).unwrap();
     WheelOnSoil::new(wheel, Soil::new(params).unwrap(), Settings::default()).unwrap()
 }
 
@@ -118,7 +118,7 @@ fn the_skid_of_a_free_wheel() {
                 ..params(key)
             });
             for share in [0.0, 0.02, 0.1, 5.0] {
-                let friction = share * load * R;
+                let friction = share * load * RADIUS_M;
                 let surplus = |slip| forces(&on_soil, load, slip).map(|f| f.1 + friction);
                 let found = on_soil.free_slip(load, friction).unwrap();
                 // a friction that the locked rim does not overcome leaves it locked
@@ -162,7 +162,7 @@ fn the_best_slips() {
     ] {
         let on_soil = on(params(key));
         let efficiency = |slip: f64, (pull, torque): (f64, f64)| {
-            (pull > 0.0 && torque > 0.0).then(|| pull * (1.0 - slip) * R / torque)
+            (pull > 0.0 && torque > 0.0).then(|| pull * (1.0 - slip) * RADIUS_M / torque)
         };
         let check = |best: Option<BestSlip>, of: &dyn Fn(f64) -> Option<f64>, size: f64| {
             let samples = (0..=500).filter_map(|i| of(f64::from(i) / 500.0));
@@ -208,7 +208,7 @@ fn the_steepest_slope_takes_all_of_the_pull() {
         ("snow", 80.0, 0.0, true),
         ("sandy-loam", 400.0, 0.4, true),
     ] {
-        let mut wheel = RigidWheel::new(R, 0.1).unwrap();
+        let mut wheel = RigidWheel::new(RADIUS_M, 0.1).unwrap();
         if lugged {
             wheel = wheel.with_grousers(lugs).unwrap();
         }
@@ -268,7 +268,9 @@ fn how_a_search_for_a_sinkage_ends() {
     let LoadOutcome::NoSolution { max_load } = none.outcome else {
         panic!("1e9 N are not carried");
     };
-    let hub = on_soil.forces_at(R * (1.0 - 1e-11), &motion).unwrap();
+    let hub = on_soil
+        .forces_at(RADIUS_M * (1.0 - 1e-11), &motion)
+        .unwrap();
     assert!((max_load / hub.vertical_force - 1.0).abs() < 1e-8);
     for share in [1.0 - 1e-6, 1.0 + 1e-6] {
         let solved = on_soil.sinkage_under(share * max_load, &motion).unwrap();
@@ -302,7 +304,7 @@ fn eleven_samples_where_the_force_may_fall() {
             count: 24.0,
             thickness: 0.002,
         };
-        let lugged = RigidWheel::new(R, 0.1).unwrap();
+        let lugged = RigidWheel::new(RADIUS_M, 0.1).unwrap();
         let lugged = lugged
             .with_grousers(Grousers { height: 0.01, rule })
             .unwrap();
@@ -325,7 +327,7 @@ fn of_several_sinkages_the_lowest() {
     });
     let motion = at(-0.1);
     let force = |z: f64| on_soil.forces_at(z, &motion).unwrap().vertical_force;
-    let top = R / 1.5 * (1.0 - 1e-9);
+    let top = RADIUS_M / 1.5 * (1.0 - 1e-9);
     let samples: Vec<f64> = (1..=400).map(|i| top * f64::from(i) / 400.0).collect();
     let forces: Vec<f64> = samples.iter().map(|z| force(*z)).collect();
     let most = forces.iter().copied().fold(0.0, f64::max);

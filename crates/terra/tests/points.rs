@@ -7,7 +7,7 @@ use grouser_terra::{
     SoilParams, WheelOnSoil, catalogue, entry_angle,
 };
 
-const R: f64 = 0.1;
+const RADIUS_M: f64 = 0.1;
 
 fn sand() -> SoilParams {
     *catalogue::find("dry-sand")
@@ -18,7 +18,7 @@ fn sand() -> SoilParams {
 }
 
 fn under(params: SoilParams, settings: Settings) -> WheelOnSoil {
-    let wheel = RigidWheel::new(R, 0.05).unwrap();
+    let wheel = RigidWheel::new(RADIUS_M, 0.05).unwrap();
     WheelOnSoil::new(wheel, Soil::new(params).unwrap(), settings).unwrap()
 }
 
@@ -61,7 +61,7 @@ fn cautions_begin_at_their_limits() {
             Caution::DeepSinkage,
         )
     };
-    assert!(!deep(0.3333 * R) && deep(0.3334 * R));
+    assert!(!deep(0.3333 * RADIUS_M) && deep(0.3334 * RADIUS_M));
 
     let by = |shear: ShearLaw, motion: Kinematics| {
         let settings = Settings {
@@ -130,17 +130,27 @@ fn cautions_begin_at_their_limits() {
 #[test]
 fn depths_end_at_the_hub_and_where_the_soil_rises_above_it() {
     let plain = on(sand());
-    assert!(plain.forces_at(0.999_999 * R, &straight(0.2)).is_ok());
+    assert!(
+        plain
+            .forces_at(0.999_999 * RADIUS_M, &straight(0.2))
+            .is_ok()
+    );
     assert!(matches!(
-        plain.forces_at(R, &straight(0.2)),
+        plain.forces_at(RADIUS_M, &straight(0.2)),
         Err(Error::HubBuried { .. })
     ));
     let rising = on(SoilParams {
         rebound: 2.0,
         ..sand()
     });
-    assert!(rising.forces_at(0.499_999 * R, &straight(0.2)).is_ok());
-    let above = rising.forces_at(0.5 * R, &straight(0.2)).unwrap_err();
+    assert!(
+        rising
+            .forces_at(0.499_999 * RADIUS_M, &straight(0.2))
+            .is_ok()
+    );
+    let above = rising
+        .forces_at(0.5 * RADIUS_M, &straight(0.2))
+        .unwrap_err();
     assert!(matches!(above, Error::ReboundAboveHub { .. }) && above.field() == Some("rebound"));
     let disc = on(SoilParams {
         unit_weight: Some(14e3),
@@ -150,13 +160,19 @@ fn depths_end_at_the_hub_and_where_the_soil_rises_above_it() {
         },
         ..sand()
     });
-    let deepest =
-        |degrees: f64, share: f64| disc.forces_at(share * R, &drifting(0.2, degrees)).is_ok();
+    let deepest = |degrees: f64, share: f64| {
+        disc.forces_at(share * RADIUS_M, &drifting(0.2, degrees))
+            .is_ok()
+    };
     assert!(deepest(60.1, 1.499) && !deepest(60.1, 1.501) && deepest(-60.1, 1.499));
     assert!(!deepest(59.9, 1.001) && deepest(59.9, 0.999));
-    let point = disc.at_sinkage(1.1 * R, &drifting(0.2, 70.0)).unwrap();
+    let point = disc
+        .at_sinkage(1.1 * RADIUS_M, &drifting(0.2, 70.0))
+        .unwrap();
     assert!(has(&point, Caution::HubInSoil));
-    let point = disc.at_sinkage(0.9 * R, &drifting(0.2, 70.0)).unwrap();
+    let point = disc
+        .at_sinkage(0.9 * RADIUS_M, &drifting(0.2, 70.0))
+        .unwrap();
     assert!(!has(&point, Caution::HubInSoil));
     // an exponent that slip makes none
     let digging = on(SoilParams { n_1: 3.0, ..sand() });
@@ -219,11 +235,11 @@ fn a_steady_history_changes_nothing() {
                 .forces
                 .vertical_force
                 .abs()
-                .max(point.forces.torque.abs() / R);
+                .max(point.forces.torque.abs() / RADIUS_M);
             for (a, b) in [
                 (forces.vertical_force, point.forces.vertical_force),
                 (forces.drawbar_pull, point.forces.drawbar_pull),
-                (forces.torque / R, point.forces.torque / R),
+                (forces.torque / RADIUS_M, point.forces.torque / RADIUS_M),
                 (side, point.side_force),
             ] {
                 assert!((a - b).abs() < 1e-12 * size, "{soil:?} {degrees}: {a} {b}");
@@ -310,7 +326,7 @@ fn the_error_estimate_is_the_finer_rules_distance() {
     let apart = [
         quick.forces.vertical_force - standard.forces.vertical_force,
         quick.forces.drawbar_pull - standard.forces.drawbar_pull,
-        (quick.forces.torque - standard.forces.torque) / R,
+        (quick.forces.torque - standard.forces.torque) / RADIUS_M,
     ];
     let most = apart
         .into_iter()
@@ -393,7 +409,7 @@ fn a_jump_of_the_shear_has_its_derivative() {
                 rebound: 0.3,
                 ..sand()
             };
-            let mut wheel = RigidWheel::new(R, 0.05).unwrap();
+            let mut wheel = RigidWheel::new(RADIUS_M, 0.05).unwrap();
             if lugged {
                 wheel = wheel.with_grousers(lugs).unwrap();
             }
@@ -405,7 +421,7 @@ fn a_jump_of_the_shear_has_its_derivative() {
             let on_soil = WheelOnSoil::new(wheel, Soil::new(soil).unwrap(), settings).unwrap();
             let mut inputs = DualInputs::<1>::new(&on_soil, &straight(slip));
             inputs.motion.slip = Dual::variable(slip, 0);
-            let exact = inputs.forces(Dual::constant(entry_angle(0.02, R)));
+            let exact = inputs.forces(Dual::constant(entry_angle(0.02, RADIUS_M)));
             let step = 1e-6;
             let at = |slip: f64| on_soil.forces_at(0.02, &straight(slip)).unwrap();
             let (high, low, here) = (at(slip + step), at(slip - step), at(slip));
@@ -421,9 +437,9 @@ fn a_jump_of_the_shear_has_its_derivative() {
                     high.drawbar_pull - low.drawbar_pull,
                 ),
                 (
-                    exact.torque / Dual::from_f64(R),
-                    here.torque / R,
-                    (high.torque - low.torque) / R,
+                    exact.torque / Dual::from_f64(RADIUS_M),
+                    here.torque / RADIUS_M,
+                    (high.torque - low.torque) / RADIUS_M,
                 ),
             ] {
                 let slope = difference / (2.0 * step);
@@ -454,6 +470,6 @@ fn a_digging_soil_is_another_soil_at_each_slip() {
             there.forces_at(0.02, &straight(slip)).unwrap(),
         );
         assert!((a.vertical_force - b.vertical_force).abs() < 1e-8 * b.vertical_force);
-        assert!((a.torque - b.torque).abs() < 1e-8 * b.vertical_force * R);
+        assert!((a.torque - b.torque).abs() < 1e-8 * b.vertical_force * RADIUS_M);
     }
 }

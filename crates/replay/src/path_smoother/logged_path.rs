@@ -294,7 +294,7 @@ fn join(moment: &mut Moment, ratio: Ratio) {
     } else {
         (1.0 / ratio.value - 1.0, 1.0 / (ratio.value * ratio.value))
     };
-    // what a filter behind the time says contradicts by so many of its sigmas only about a jump, or where this model is wrong
+    // the filter lags: near a jump both differ by more; where they do elsewhere, this model is wrong
     let apart = Real::powi((slip - common.value) / MAX_APART_SIGMA, 2) - common.variance;
     let variance = ratio.variance * slope * slope + apart.max(0.0);
     for wheel in &mut moment.wheels {

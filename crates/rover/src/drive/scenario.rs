@@ -17,7 +17,7 @@ use crate::sensors::{Schedule, SensorSettings};
 /// wheel digs in faster than a controller can react.
 const MIN_SETPOINT_SLIP: f64 = 0.01;
 const MAX_SETPOINT_SLIP: f64 = 0.8;
-/// Of a wheel at rest the first slip is known after so many windows: four in which it has few ticks, and the next reading.
+/// The first slip of a wheel at rest is known after this number of windows: four in which it has few ticks, and the next reading.
 const FIRST_SLIP_WINDOWS: f64 = 5.0;
 
 /// One stretch of the way.

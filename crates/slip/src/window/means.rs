@@ -24,7 +24,7 @@ use crate::wheel_track::WheelTrack;
 const PARALLEL_SINE: f64 = 0.02;
 /// A robot without any knowledge of a speed may move at up to about this, m/s and rad/s.
 const UNKNOWN_SPEED_SIGMA: f64 = 10.0;
-/// And by so many times what a reference says of a speed by its two places, which is else drawn towards 0.
+/// And at least this multiple of the sigma of a speed by two places of a reference, which the prior would draw towards 0.
 const UNKNOWN_SIGMAS: f64 = 100.0;
 /// Distances grow in steps of this share of the window: in shorter ones the sensors' resolution would
 /// weigh too little against the priors.

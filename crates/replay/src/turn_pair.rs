@@ -1,0 +1,109 @@
+//! Turns by two sensors, compared over a log.
+
+/// Nothing is known of a turn between two readings of a gyro that are further apart, s.
+const MAX_GYRO_GAP_S: f64 = 0.5;
+/// Turns that must have been compared, and the sum of their squares about their mean, rad²: the bias of a gyro is in the mean.
+const MIN_TURNS: f64 = 6.0;
+const MIN_TURNS_SQUARE: f64 = 0.5;
+/// Two sensors turn alike, or against each other, with this correlation at least, and with a scale from half to twice.
+pub(crate) const MIN_CORRELATION: f64 = 0.7;
+const MAX_SCALE: f64 = 2.0;
+/// What turns by less than this share of the other sensor's turns is constant.
+const CONSTANT_SHARE: f64 = 0.1;
+
+/// Sums of two sensors' turns.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct TurnPair {
+    count: f64,
+    a: f64,
+    b: f64,
+    aa: f64,
+    ab: f64,
+    bb: f64,
+}
+
+impl TurnPair {
+    pub(crate) fn add(&mut self, a: f64, b: f64) {
+        if (a + b).is_finite() {
+            self.count += 1.0;
+            self.a += a;
+            self.b += b;
+            self.aa += a * a;
+            self.ab += a * b;
+            self.bb += b * b;
+        }
+    }
+
+    /// Squares and product about the means.
+    fn central(&self) -> [f64; 3] {
+        let n = self.count.max(1.0);
+        [
+            self.aa - self.a * self.a / n,
+            self.ab - self.a * self.b / n,
+            self.bb - self.b * self.b / n,
+        ]
+    }
+
+    /// Did the first turn enough?
+    pub(crate) fn is_known(&self) -> bool {
+        self.count >= MIN_TURNS && self.central()[0] > MIN_TURNS_SQUARE
+    }
+
+    /// Does the second hardly turn where the first does?
+    pub(crate) fn second_is_constant(&self) -> bool {
+        let [aa, _, bb] = self.central();
+        bb < CONSTANT_SHARE * CONSTANT_SHARE * aa
+    }
+
+    /// The second's turn as a multiple of the first's.
+    pub(crate) fn scale(&self) -> f64 {
+        let [aa, ab, _] = self.central();
+        ab / aa
+    }
+
+    pub(crate) fn correlation(&self) -> f64 {
+        let [aa, ab, bb] = self.central();
+        if aa * bb > 0.0 {
+            ab / (aa * bb).sqrt()
+        } else {
+            0.0
+        }
+    }
+
+    /// Do both turn alike or against each other, at any scale?
+    pub(crate) fn agrees_but_for_scale(&self) -> bool {
+        self.correlation().abs() > MIN_CORRELATION
+    }
+
+    /// Do both turn alike, times `sign`?
+    pub(crate) fn agrees(&self, sign: f64) -> bool {
+        let is_correlated = sign * self.correlation() > MIN_CORRELATION;
+        is_correlated && (1.0 / MAX_SCALE..=MAX_SCALE).contains(&(sign * self.scale()))
+    }
+}
+
+/// The turn by a gyro.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct GyroTurn {
+    last: Option<(i64, f64)>,
+    turn: f64,
+}
+
+impl GyroTurn {
+    pub(crate) fn take(&mut self, now_ns: i64, rate: f64) {
+        if let Some((last_ns, last)) = self.last.replace((now_ns, rate)) {
+            let passed = now_ns.saturating_sub(last_ns) as f64 * 1e-9;
+            // NaN: what is compared across a gap is left out
+            self.turn += if passed < MAX_GYRO_GAP_S {
+                0.5 * (last + rate) * passed
+            } else {
+                f64::NAN
+            };
+        }
+    }
+
+    /// The turn since it was taken last.
+    pub(crate) fn pass(&mut self) -> f64 {
+        std::mem::take(&mut self.turn)
+    }
+}
