@@ -13,6 +13,8 @@ pub struct Samples {
     angles: Angles,
     /// The track by the places of a table, and their standard deviation, m.
     places: Option<(Track, f64)>,
+    /// What a place is beside the sample that was given last.
+    beside: Option<Sample>,
     failed: bool,
 }
 
@@ -47,6 +49,7 @@ impl Samples {
             files: Vec::new(),
             angles: Angles::default(),
             places,
+            beside: None,
             failed: false,
         }
     }
@@ -96,6 +99,9 @@ impl Iterator for Samples {
     type Item = Result<Sample>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        if let Some(beside) = self.beside.take() {
+            return Some(Ok(beside));
+        }
         loop {
             let (mut sample, poses) = match self.earliest()? {
                 Ok(earliest) => earliest,
@@ -108,10 +114,16 @@ impl Iterator for Samples {
                 (Measurement::Pose { x, y, .. }, Some((track, sigma)))
                     if poses == Poses::Places =>
                 {
-                    match track.moved(sample.time_ns, [x, y], *sigma) {
-                        Some(moved) => sample.measurement = moved,
+                    let measurements = track.take(sample.time_ns, [x, y], *sigma);
+                    let mut all = measurements.into_iter().flatten();
+                    match all.next() {
+                        Some(first) => sample.measurement = first,
                         None => continue,
                     }
+                    self.beside = all.next().map(|measurement| Sample {
+                        measurement,
+                        ..sample
+                    });
                 }
                 (Measurement::Pose { .. }, _) if poses == Poses::UnusedPlaces => continue,
                 _ => {}

@@ -266,8 +266,9 @@ const fn rank(measurement: &Measurement) -> (u8, usize) {
         | Measurement::WheelEdge { wheel, .. }
         | Measurement::WheelAngle { wheel, .. }
         | Measurement::WheelRate { wheel, .. } => (4, wheel),
+        Measurement::Position { .. } => (5, 0),
         Measurement::Displacement { .. } | Measurement::Pose { .. } | Measurement::Speed { .. } => {
-            (5, 0)
+            (5, 1)
         }
         _ => (0, 0),
     }

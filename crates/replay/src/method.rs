@@ -74,7 +74,9 @@ pub(crate) fn reaches_filter(
                     .get(wheel)
                     .is_none_or(|wheel| wheel.role == WheelRole::Powered)
         }
-        Measurement::Displacement { .. } => reference == Reference::Displacement,
+        Measurement::Displacement { .. } | Measurement::Position { .. } => {
+            reference == Reference::Displacement
+        }
         Measurement::Pose { .. } => reference == Reference::Pose,
         Measurement::Speed { .. } => reference == Reference::Speed,
         _ => true,

@@ -43,6 +43,10 @@ pub(crate) fn reversed(samples: &[Sample], end_ns: i64, latency_ns: i64) -> Vec<
                 time_ns -= latency_ns;
                 Measurement::Pose { x, y, yaw }
             }
+            Measurement::Position { x, y } => {
+                time_ns -= latency_ns;
+                Measurement::Position { x, y }
+            }
             Measurement::Speed { forward, left } => {
                 time_ns -= latency_ns;
                 Measurement::Speed {

@@ -76,6 +76,14 @@ pub enum Measurement {
         /// rad, from x towards y.
         yaw: f64,
     },
+    /// A place without a heading, in a fixed frame: a fix, a tag, a prism. The filter of a robot without a free wheel takes it; what
+    /// needs displacements takes those that come beside it.
+    Position {
+        /// m.
+        x: f64,
+        /// m.
+        y: f64,
+    },
     /// The robot's speed over ground, in its own frame.
     Speed {
         /// Forwards, m/s.
@@ -263,6 +271,10 @@ impl Measurement {
                 check("pose x", x, "m")?;
                 check("pose y", y, "m")?;
                 check("pose yaw", yaw, "rad")
+            }
+            Self::Position { x, y } => {
+                check("position x", x, "m")?;
+                check("position y", y, "m")
             }
             Self::Speed { forward, left } => {
                 check("speed forward", forward, "m/s")?;

@@ -39,3 +39,4 @@ mod start_check;
 mod steered_window;
 mod tick_properties;
 mod turning;
+mod winding_reference;

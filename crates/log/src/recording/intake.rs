@@ -198,7 +198,9 @@ impl Intake {
                 match fix.fault(*limit) {
                     Some(fault) => self.left_out.exclude(fault),
                     None => {
-                        if let Some(measurement) = self.track.displacement(time_ns, fix) {
+                        for measurement in
+                            self.track.displacement(time_ns, fix).into_iter().flatten()
+                        {
                             self.ordered.push(Sample {
                                 time_ns,
                                 measurement,
@@ -210,17 +212,17 @@ impl Intake {
             let (track, has_places) = (&mut self.track, self.has_places);
             let (are_places, sigma) = (job.gives_places(), self.choice.position_sigma);
             job.measurements(view.as_ref(), &known.value, |measurement| {
-                let measurement = match measurement {
+                let measurements = match measurement {
                     Measurement::Pose { x, y, .. } if are_places => {
-                        sigma.and_then(|sigma| track.moved(time_ns, [x, y], sigma))
+                        sigma.map_or([None; 2], |sigma| track.take(time_ns, [x, y], sigma))
                     }
                     Measurement::YawRate { rate } if has_places => {
                         track.turn(time_ns, rate);
-                        Some(measurement)
+                        [Some(measurement), None]
                     }
-                    _ => Some(measurement),
+                    _ => [Some(measurement), None],
                 };
-                if let Some(measurement) = measurement {
+                for measurement in measurements.into_iter().flatten() {
                     self.ordered.push(Sample {
                         time_ns,
                         measurement,

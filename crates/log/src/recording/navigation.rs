@@ -23,6 +23,9 @@ const DRIFT_SIGMA_RAD: f64 = 0.035;
 /// Process noise of the heading, rad per √s: beside a gyro of a robot, and without one.
 const GYRO_NOISE_RAD_SQRT_S: f64 = 0.005;
 const TURN_NOISE_RAD_SQRT_S: f64 = 0.5;
+/// Standard deviation of a gyro's bias, rad/s: a cheap one that nobody calibrated; and its process noise, rad/s per √s.
+const GYRO_BIAS_RAD_PER_S: f64 = 0.02;
+const GYRO_DRIFT_RAD_PER_S: f64 = 2e-4;
 /// A gyro that is silent for longer says nothing of the turn, s.
 const MAX_GYRO_GAP_S: f64 = 0.5;
 /// Readings of the gyro that are kept for fixes which come later than they were measured: 2 s at 1 kHz.
@@ -102,7 +105,7 @@ pub(crate) fn place_sigma(name: &str, topics: &Topics) -> (f64, Option<String>) 
 
 /// The track of an antenna on the plane that touches the earth at the first fix.
 ///
-/// The heading is a scalar Kalman filter: the gyro turns it, courses over ground correct it.
+/// The gyro turns the heading, courses over ground correct it and the gyro's bias.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Track {
     /// Position of the antenna in the robot's frame, m.
@@ -116,11 +119,57 @@ pub(crate) struct Track {
     way: [f64; 2],
     /// What the antenna moved aside of the robot by its turns on that way, m.
     aside: f64,
-    /// The robot's heading less the gyro's turn, from east to north, rad, with its variance.
-    heading: Option<(f64, f64)>,
+    heading: Option<Heading>,
     /// The gyro's turn since the start, rad, over time.
     turns: VecDeque<(i64, f64)>,
     rate: f64,
+}
+
+/// The robot's heading less the gyro's turn, from east to north, rad, and the gyro's bias, rad/s: a Kalman filter.
+#[derive(Clone, Copy, Debug)]
+struct Heading {
+    angle: f64,
+    bias: f64,
+    /// Variances of both and their covariance.
+    angle_variance: f64,
+    bias_variance: f64,
+    covariance: f64,
+}
+
+impl Heading {
+    fn new(angle: f64, variance: f64) -> Self {
+        Self {
+            angle,
+            bias: 0.0,
+            angle_variance: variance,
+            bias_variance: Real::powi(GYRO_BIAS_RAD_PER_S, 2),
+            covariance: 0.0,
+        }
+    }
+
+    /// Predicts over a time (s) beside a gyro, or without one.
+    fn predict(&mut self, passed: f64, has_gyro: bool) {
+        if !has_gyro {
+            self.angle_variance += Real::powi(TURN_NOISE_RAD_SQRT_S, 2) * passed;
+            return;
+        }
+        self.angle -= self.bias * passed;
+        self.angle_variance += passed * (passed * self.bias_variance - 2.0 * self.covariance)
+            + Real::powi(GYRO_NOISE_RAD_SQRT_S, 2) * passed;
+        self.covariance -= passed * self.bias_variance;
+        self.bias_variance += Real::powi(GYRO_DRIFT_RAD_PER_S, 2) * passed;
+    }
+
+    /// Corrects both by how much a course of this variance is ahead of the heading.
+    fn correct(&mut self, ahead: f64, variance: f64) {
+        let total = self.angle_variance + variance;
+        let (by_angle, by_bias) = (self.angle_variance / total, self.covariance / total);
+        self.angle += by_angle * ahead;
+        self.bias += by_bias * ahead;
+        self.bias_variance -= by_bias * self.covariance;
+        self.covariance *= 1.0 - by_angle;
+        self.angle_variance *= 1.0 - by_angle;
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -197,9 +246,40 @@ impl Track {
     }
 
     /// The displacement of the robot's origin since the last fix in the robot's frame, as [`Track::moved`].
-    pub(super) fn displacement(&mut self, time_ns: i64, fix: &NavSatFix) -> Option<Measurement> {
+    pub(super) fn displacement(
+        &mut self,
+        time_ns: i64,
+        fix: &NavSatFix,
+    ) -> [Option<Measurement>; 2] {
         let place = self.on_plane(fix);
-        self.moved(time_ns, place, fix.sigma())
+        self.take(time_ns, place, fix.sigma())
+    }
+
+    /// The place of the robot's origin, once it is known where that of the antenna is not the same, and [`Track::moved`].
+    pub(crate) fn take(
+        &mut self,
+        time_ns: i64,
+        place: [f64; 2],
+        sigma: f64,
+    ) -> [Option<Measurement>; 2] {
+        let moved = self.moved(time_ns, place, sigma);
+        [self.origin_at(time_ns, place), moved]
+    }
+
+    /// The place of the robot's origin by that of the antenna.
+    fn origin_at(&self, time_ns: i64, [x, y]: [f64; 2]) -> Option<Measurement> {
+        if !(x.is_finite() && y.is_finite()) {
+            return None;
+        }
+        let [ahead, left] = self.antenna;
+        if self.antenna == [0.0; 2] {
+            return Some(Measurement::Position { x, y });
+        }
+        let (sin, cos) = Real::sin_cos(self.heading?.angle + self.turn_at(time_ns).unwrap_or(0.0));
+        Some(Measurement::Position {
+            x: x - (cos * ahead - sin * left),
+            y: y - (sin * ahead + cos * left),
+        })
     }
 
     /// The displacement of the robot's origin since the last place of its antenna in the robot's frame, once its heading is
@@ -233,13 +313,8 @@ impl Track {
             self.begin_course(now);
             return None;
         }
-        let density = if now.turn.is_some() {
-            GYRO_NOISE_RAD_SQRT_S
-        } else {
-            TURN_NOISE_RAD_SQRT_S
-        };
-        if let Some((_, variance)) = &mut self.heading {
-            *variance += density * density * passed;
+        if let Some(heading) = &mut self.heading {
+            heading.predict(passed, now.turn.is_some());
         }
         let anchor = *self.anchor.get_or_insert(last);
         self.add_step(&last, &now);
@@ -248,9 +323,9 @@ impl Track {
             self.correct_heading(&anchor, &now);
             self.begin_course(now);
         }
-        let (heading, _) = self.heading?;
+        let heading = self.heading?;
         let (turned, middle) = between(&last, &now);
-        let (north, east) = Real::sin_cos(heading + middle);
+        let (north, east) = Real::sin_cos(heading.angle + middle);
         let (dx, dy) = (now.place[0] - last.place[0], now.place[1] - last.place[1]);
         let arc = 2.0 * Real::sin(0.5 * turned);
         Some(Measurement::Displacement {
@@ -289,21 +364,20 @@ impl Track {
         );
         let noise =
             (2.0 * Real::powi(from.sigma, 2)) / (size * size) + Real::powi(DRIFT_SIGMA_RAD, 2);
-        let Some((heading, variance)) = self.heading else {
-            self.heading = Some((forwards, noise));
+        let Some(heading) = &mut self.heading else {
+            self.heading = Some(Heading::new(forwards, noise));
             return;
         };
         let (ahead, behind) = (
-            wrap_angle(forwards - heading),
-            wrap_angle(backwards - heading),
+            wrap_angle(forwards - heading.angle),
+            wrap_angle(backwards - heading.angle),
         );
         let is_reversing = match to.turn {
             Some(_) => behind.abs() < ahead.abs(),
             None => ahead.abs() > REVERSED_RAD,
         };
         let innovation = if is_reversing { behind } else { ahead };
-        let gain = variance / (variance + noise);
-        self.heading = Some((heading + gain * innovation, (1.0 - gain) * variance));
+        heading.correct(innovation, noise);
     }
 
     /// East and north of the first fix, m.

@@ -24,7 +24,10 @@ impl Postponed {
     pub(crate) fn take(&mut self, mut sample: Sample) -> impl Iterator<Item = Sample> {
         let is_reference = matches!(
             sample.measurement,
-            Measurement::Displacement { .. } | Measurement::Pose { .. } | Measurement::Speed { .. }
+            Measurement::Displacement { .. }
+                | Measurement::Pose { .. }
+                | Measurement::Position { .. }
+                | Measurement::Speed { .. }
         );
         let time_ns = sample.time_ns;
         let mut present = Some(sample);

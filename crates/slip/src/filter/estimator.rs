@@ -207,6 +207,7 @@ impl Core {
             }
             Measurement::Displacement { .. }
             | Measurement::Pose { .. }
+            | Measurement::Position { .. }
             | Measurement::Speed { .. } => {
                 self.settle_rims();
                 self.update_by_reference(time_ns, measurement)

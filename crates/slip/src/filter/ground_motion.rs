@@ -133,6 +133,10 @@ impl Core {
         if outcome == Outcome::Unused {
             return;
         }
+        if ground.has_wrong_turn() {
+            let (bias, sigma) = (self.state.mean(GYRO_BIAS), self.settings.gyro_bias);
+            self.state.reset(GYRO_BIAS, bias, sigma * sigma);
+        }
         self.output.reference_readings += 1;
         let accepted = outcome == Outcome::Accepted;
         self.output.reference_refused += u64::from(!accepted);

@@ -11,6 +11,7 @@ use super::mean_rims::{RimStep, TURNING_SPEED_M_PER_S, mean_rims};
 use super::multiple_model::reference_noise::{Errors, ReferenceNoise};
 use super::multiple_model::{ModelMotion, MultipleModel, Rim, TurnError, WheelStep};
 use super::output::RimPath;
+use super::place_frame::PlaceFrame;
 use super::reference_sensor::ReferenceMotion;
 use super::settings::FilterSettings;
 use super::wheel_bank::WheelBank;
@@ -34,6 +35,13 @@ const STARTED_S: f64 = 2.0;
 const SILENT_PERIODS: f64 = 2.5;
 /// Positions that are refused for this many readings restart the models: a steady reference is right, not the models.
 const MAX_REFUSED: u32 = 6;
+/// Standard deviation of the slip that a refused series of the reference shows beside the rims.
+const SHOWN_SLIP_SIGMA: f64 = 0.1;
+/// Rims slower than this stand, m/s, and a motion of the reference of so many standard deviations meanwhile is no noise.
+const STANDING_RIM_M_PER_S: f64 = 0.02;
+const SLIDING_SIGMAS: f64 = 4.0;
+/// A slide is over where so many readings have not shown it: the models restart where one does, and take the next few.
+const SLIDING_PERIODS: f64 = 15.0;
 /// Standard deviation of a heading, rad: measured, where its own readings do not show a larger one, and summed from
 /// displacements.
 const MEASURED_HEADING_SIGMA_RAD: f64 = 0.01;
@@ -42,6 +50,8 @@ const SUMMED_HEADING_SIGMA_RAD: f64 = 1e-3;
 const DISPLACEMENT_TURN_SIGMA_RAD: f64 = 2e-3;
 /// A measured heading that was wrong this often is not used beside a gyro: many poses have none.
 const MAX_HEADING_RESTARTS: u32 = 2;
+/// A heading that is less certain than this after an outage is taken from the course anew, rad.
+const MAX_HEADING_SIGMA_RAD: f64 = 0.3;
 /// A measured heading that has changed by this much is one, rad; poses without a heading repeat a number.
 const HEADING_CHANGE_RAD: f64 = 0.05;
 /// A shorter course may be a step back or a rocking: it overrules no measured heading, m.
@@ -103,10 +113,16 @@ pub(super) struct GroundTrack {
     /// Sum of displacements: place and heading.
     summed: [f64; 3],
     position: [f64; 2],
-    /// The position before the first refused one, and the rims' way until then, m.
-    accepted_position: [f64; 2],
-    accepted_way: f64,
+    /// The first position of those that are refused, and the rims' way until then, m.
+    refused_position: [f64; 2],
+    refused_way: f64,
+    refused_ns: i64,
+    /// Speeds that were refused one after the other.
+    refused_speeds: u32,
+    /// The robot's speed while its rims stand, m/s, and when it was shown last.
+    slide: Option<(f64, i64)>,
     heading_offset: f64,
+    places: PlaceFrame,
     /// The first heading that was measured, and whether it has changed since.
     first_heading: Option<f64>,
     has_heading: bool,
@@ -116,6 +132,8 @@ pub(super) struct GroundTrack {
     period_s: f64,
     repeats_at_rest: bool,
     refused: u32,
+    /// Headings that were refused one after the other.
+    refused_headings: u32,
     /// How often the models restarted along the course.
     restarts: u32,
     started_ns: Option<i64>,
@@ -143,9 +161,13 @@ impl GroundTrack {
             awaited_speed: None,
             summed: [0.0; 3],
             position: [0.0; 2],
-            accepted_position: [0.0; 2],
-            accepted_way: 0.0,
+            refused_position: [0.0; 2],
+            refused_way: 0.0,
+            refused_ns: 0,
+            refused_speeds: 0,
+            slide: None,
             heading_offset: 0.0,
+            places: PlaceFrame::default(),
             first_heading: None,
             has_heading: false,
             used_ns: None,
@@ -154,6 +176,7 @@ impl GroundTrack {
             period_s: 0.0,
             repeats_at_rest: false,
             refused: 0,
+            refused_headings: 0,
             restarts: 0,
             started_ns: None,
             readmitted_ns: None,
@@ -196,10 +219,23 @@ impl GroundTrack {
     /// The motion by the models with its direction, while a reference was accepted not too long ago.
     pub(super) fn motion(&self, now_ns: i64) -> Option<(ModelMotion, f64, f64)> {
         let accepted = self.accepted_ns?;
-        (seconds_between(accepted, now_ns) <= MAX_PREDICTION_S)
-            .then(|| self.models.motion())
-            .flatten()
-            .map(|motion| (motion, self.direction, self.rim_speed))
+        let is_known = seconds_between(accepted, now_ns) <= MAX_PREDICTION_S;
+        let mut motion = self.models.motion().filter(|_| is_known)?;
+        if let Some(speed) = self.slide(now_ns) {
+            (motion.speed, motion.slip) = (speed, -1.0);
+        }
+        Some((motion, self.direction, self.rim_speed))
+    }
+
+    /// The robot's speed where it slides or is carried while its rims stand, m/s.
+    pub(super) fn slide(&self, now_ns: i64) -> Option<f64> {
+        let (speed, shown_ns) = self.slide?;
+        let lasts = seconds_between(shown_ns, now_ns) <= SLIDING_PERIODS * self.period_s.max(0.1);
+        (lasts && self.rims_stand()).then_some(speed)
+    }
+
+    fn rims_stand(&self) -> bool {
+        self.rim_speed.abs() <= STANDING_RIM_M_PER_S
     }
 
     /// The rims' way, once the models have started.
@@ -324,34 +360,14 @@ impl GroundTrack {
         if !self.has_rims {
             return Outcome::Unused;
         }
-        let (place, yaw, heading_sigma) = match *measurement {
-            Measurement::Pose { x, y, yaw } => (
-                [x, y],
-                Some(yaw + self.heading_offset),
-                MEASURED_HEADING_SIGMA_RAD,
-            ),
-            Measurement::Displacement {
-                forward,
-                left,
-                turn,
-            } => {
-                let turn = turn.unwrap_or_else(|| now[2] - since[2] - self.summed[2]);
-                let (sin, cos) = Real::sin_cos(self.summed[2] + 0.5 * turn);
-                self.summed[0] += cos * forward - sin * left;
-                self.summed[1] += sin * forward + cos * left;
-                self.summed[2] += turn;
-                let [x, y, heading] = self.summed;
-                ([x, y], Some(heading), SUMMED_HEADING_SIGMA_RAD)
-            }
-            Measurement::Speed { forward, .. } => {
-                return self.update_speed((taken_ns, forward), now_ns, settings);
-            }
-            _ => return Outcome::Unused,
-        };
-        if let Measurement::Pose { yaw, .. } = *measurement {
-            let first = *self.first_heading.get_or_insert(yaw);
-            self.has_heading |= (yaw - first).abs() > HEADING_CHANGE_RAD;
+        if let Measurement::Speed { forward, .. } = *measurement {
+            return self.update_speed((taken_ns, forward), now_ns, settings);
         }
+        let Some((place, yaw, heading_sigma)) =
+            self.place_by(measurement, (taken_ns, now_ns), (now, since), settings)
+        else {
+            return Outcome::Unused;
+        };
         let turns = self.rim_speed.abs() > TURNING_SPEED_M_PER_S;
         let repeats = self.received_ns.is_some()
             && place[0].to_bits() == self.position[0].to_bits()
@@ -361,7 +377,9 @@ impl GroundTrack {
         if repeats && turns && !self.repeats_at_rest {
             return Outcome::Unused;
         }
-        self.repeats_at_rest |= repeats && !turns;
+        // places are repeated between their readings
+        let is_reading = !matches!(measurement, Measurement::Position { .. });
+        self.repeats_at_rest |= repeats && !turns && is_reading;
         if self.started_ns.is_none() || !self.models.has_started() {
             let heading = yaw.unwrap_or(0.0);
             self.start(now_ns, place, (heading, heading_sigma), settings);
@@ -397,16 +415,22 @@ impl GroundTrack {
             (errors, settings.position_sigma, Real::hypot(bend_x, bend_y)),
         );
         if let Some(yaw) = yaw.filter(|_| !has_gyro || self.restarts < MAX_HEADING_RESTARTS) {
-            self.models.update_heading(yaw, since[2], heading_sigma);
+            self.update_heading((yaw, since[2]), heading_sigma, settings);
+        } else {
+            self.refused_headings = 0;
         }
         if 1.0 - agreement.inlier <= MAX_OUTLIER_PROBABILITY {
             if f64::from(self.refused) * passed > settings.failure {
                 self.readmitted_ns = Some(now_ns);
             }
             self.refused = 0;
-            self.accept_position(place);
             self.accepted_ns = Some(now_ns);
             return Outcome::Accepted;
+        }
+        if self.refused == 0 {
+            self.refused_position = place;
+            self.refused_way = now[3];
+            self.refused_ns = taken_ns;
         }
         self.refused += 1;
         if errors == Errors::Summed {
@@ -415,9 +439,113 @@ impl GroundTrack {
             self.summed = [x, y, self.summed[2]];
         }
         if self.refused >= MAX_REFUSED {
-            self.restart_along_course(now_ns, place, yaw, settings);
+            self.restart_along_course((taken_ns, now_ns), place, yaw, settings);
         }
         Outcome::Refused
+    }
+
+    /// The place (m), heading (rad) and its standard deviation in the models' frame by a measurement; `None` of one that has none, or
+    /// none so far.
+    fn place_by(
+        &mut self,
+        measurement: &Measurement,
+        times_ns: (i64, i64),
+        (now, since): ([f64; 4], [f64; 4]),
+        settings: &FilterSettings,
+    ) -> Option<([f64; 2], Option<f64>, f64)> {
+        match *measurement {
+            Measurement::Position { x, y } => {
+                self.orient_places([x, y], times_ns, since, settings);
+                let place = self.places.place([x, y])?;
+                Some((place, None, MEASURED_HEADING_SIGMA_RAD))
+            }
+            // the same places, as displacements
+            _ if self.places.has_begun() => None,
+            Measurement::Pose { x, y, yaw } => {
+                let first = *self.first_heading.get_or_insert(yaw);
+                self.has_heading |= (yaw - first).abs() > HEADING_CHANGE_RAD;
+                let heading = yaw + self.heading_offset;
+                Some(([x, y], Some(heading), MEASURED_HEADING_SIGMA_RAD))
+            }
+            Measurement::Displacement {
+                forward,
+                left,
+                turn,
+            } => {
+                let turn = turn.unwrap_or_else(|| now[2] - since[2] - self.summed[2]);
+                let (sin, cos) = Real::sin_cos(self.summed[2] + 0.5 * turn);
+                self.summed[0] += cos * forward - sin * left;
+                self.summed[1] += sin * forward + cos * left;
+                self.summed[2] += turn;
+                let [x, y, heading] = self.summed;
+                Some(([x, y], Some(heading), SUMMED_HEADING_SIGMA_RAD))
+            }
+            _ => None,
+        }
+    }
+
+    /// Orients the models' frame in that of places without a heading: at the first one, and after an outage in which the heading was
+    /// lost, the models start anew, and go by wheels and gyro until the course is known.
+    fn orient_places(
+        &mut self,
+        place: [f64; 2],
+        (taken_ns, now_ns): (i64, i64),
+        since: [f64; 4],
+        settings: &FilterSettings,
+    ) {
+        let outage = self
+            .used_ns
+            .map_or(0.0, |used| seconds_between(used, taken_ns));
+        let is_lost =
+            outage > MAX_PREDICTION_S && self.models.heading_sigma() > MAX_HEADING_SIGMA_RAD;
+        if !self.places.has_begun() || !self.models.has_started() || is_lost {
+            self.places.begin(place);
+            self.models.restart();
+            let sigma = SUMMED_HEADING_SIGMA_RAD;
+            self.models
+                .start([0.0; 2], 0.0, settings.position_sigma, sigma);
+            self.accepted_ns = None;
+            self.used_ns = None;
+            return;
+        }
+        if self.places.place(place).is_some() {
+            return;
+        }
+        let there = self.models.place(since);
+        let Some(sigma) = self.places.compare(place, there, settings.position_sigma) else {
+            return;
+        };
+        let heading = self.models.motion().map_or(0.0, |motion| motion.heading);
+        if let Some(place) = self.places.place(place) {
+            let readmitted = self.started_ns.is_some();
+            self.start(now_ns, place, (heading, sigma), settings);
+            self.used_ns = Some(taken_ns);
+            if readmitted {
+                self.readmitted_ns = Some(now_ns);
+            }
+        }
+    }
+
+    /// Updates the models by a heading, `turned` (rad) ago. Headings that contradict theirs one after the other are right, and the
+    /// turn rate is not: a gyro whose bias or scale is another than was believed leads away from a heading, and no single
+    /// reading brings it back.
+    fn update_heading(&mut self, (yaw, turned): (f64, f64), sigma: f64, settings: &FilterSettings) {
+        let inlier = self.models.heading_agreement(yaw, turned, sigma);
+        if 1.0 - inlier <= MAX_OUTLIER_PROBABILITY || self.refused_headings >= MAX_REFUSED {
+            self.refused_headings = 0;
+        }
+        self.refused_headings += u32::from(1.0 - inlier > MAX_OUTLIER_PROBABILITY);
+        if self.has_wrong_turn() {
+            self.models
+                .restart_heading(yaw, turned, sigma, settings.gyro_bias);
+        } else {
+            self.models.update_heading(yaw, turned, sigma);
+        }
+    }
+
+    /// Has the last heading shown that the turn rate is wrong?
+    pub(super) const fn has_wrong_turn(&self) -> bool {
+        self.has_heading && self.refused_headings == MAX_REFUSED
     }
 
     /// Learns the noise of headings from one less the turn by gyro or wheels, and returns the standard deviation of this one.
@@ -478,18 +606,31 @@ impl GroundTrack {
         let share = self.models.motion().map_or(1.0, |motion| motion.rim_share);
         self.speed_noise.push([speed - rim * share]);
         let sigma = self.speed_sigma(settings);
-        self.models.update_share(speed, rim, sigma);
+        let inlier = self.models.speed_agreement(speed, rim, sigma);
+        self.slide = None;
+        if 1.0 - inlier <= MAX_OUTLIER_PROBABILITY {
+            self.refused_speeds = 0;
+        } else {
+            self.refused_speeds += 1;
+        }
+        if self.refused_speeds < MAX_REFUSED {
+            self.models.update_share(speed, rim, sigma);
+            return;
+        }
+        // a steady series of speeds is right, not the models
+        if self.rims_stand() {
+            self.slide = Some((forward, stepped_ns));
+        } else if let Some(slip) = slip_between(speed, rim) {
+            self.refused_speeds = 0;
+            self.models
+                .restart_slip(slip, SHOWN_SLIP_SIGMA, speed, sigma);
+        }
     }
 
     /// Standard deviation of a speed, m/s: as learnt, and at least as stated.
     fn speed_sigma(&self, settings: &FilterSettings) -> f64 {
         let stated = settings.speed_sigma;
         self.speed_noise.sigma(stated).max(stated)
-    }
-
-    fn accept_position(&mut self, place: [f64; 2]) {
-        self.accepted_position = place;
-        self.accepted_way = self.models.totals()[3];
     }
 
     fn start(
@@ -503,25 +644,26 @@ impl GroundTrack {
             .set_slip_prior([settings.slip.mean, settings.slip.sigma]);
         self.models
             .start(place, heading, settings.position_sigma, heading_sigma);
-        self.accept_position(place);
         self.accepted_ns = Some(now_ns);
         self.started_ns = Some(now_ns);
     }
 
-    /// Restarts the models at a position, with the heading of the course since the last accepted one where that is long
-    /// enough: the frame, its heading or the motion are not what the models hold.
+    /// Restarts the models at a position, with the heading of the course since the first refused one where that is long
+    /// enough: the frame, its heading or the motion are not what the models hold. From the accepted ones to that, the position
+    /// may have jumped, which is no course.
     fn restart_along_course(
         &mut self,
-        now_ns: i64,
+        (taken_ns, now_ns): (i64, i64),
         place: [f64; 2],
         yaw: Option<f64>,
         settings: &FilterSettings,
     ) {
         let (dx, dy) = (
-            place[0] - self.accepted_position[0],
-            place[1] - self.accepted_position[1],
+            place[0] - self.refused_position[0],
+            place[1] - self.refused_position[1],
         );
         let course = Real::hypot(dx, dy);
+        let known = self.models.motion().map(|motion| motion.heading);
         let sigma = self
             .models
             .position_sigma()
@@ -529,23 +671,50 @@ impl GroundTrack {
         self.refused = 0;
         self.restarts += 1;
         self.readmitted_ns = Some(now_ns);
-        let rim_way = (self.models.totals()[3] - self.accepted_way).abs();
-        self.accept_position(place);
+        let rim_way = self.models.totals()[3] - self.refused_way;
+        let passed = seconds_between(self.refused_ns, taken_ns);
         self.models.restart();
         let uncertain = core::f64::consts::SQRT_2 * sigma / course.max(sigma);
         // a position that jumps is no course
-        let is_driven = course < MAX_COURSE_PER_WAY * rim_way;
+        let is_driven = course < MAX_COURSE_PER_WAY * rim_way.abs();
         let overrules = is_driven && (!self.has_heading || course > MIN_COURSE_M);
         let (heading, heading_sigma) = if overrules && uncertain < 0.2 {
             let back = if self.rim_speed < 0.0 { -1.0 } else { 1.0 };
             let heading = Real::atan2(back * dy, back * dx) - self.direction;
             (heading, uncertain.max(MEASURED_HEADING_SIGMA_RAD))
         } else {
-            (yaw.unwrap_or(0.0), MEASURED_HEADING_SIGMA_RAD)
+            match (yaw, known) {
+                (Some(yaw), _) => (yaw, MEASURED_HEADING_SIGMA_RAD),
+                (None, known) => (known.unwrap_or(0.0), MAX_HEADING_SIGMA_RAD),
+            }
         };
         self.heading_offset += heading - yaw.unwrap_or(heading);
+        let along =
+            dx * Real::cos(heading + self.direction) + dy * Real::sin(heading + self.direction);
+        if self.rims_stand() && course > SLIDING_SIGMAS * core::f64::consts::SQRT_2 * sigma {
+            self.slide = Some((along / passed, now_ns));
+        }
+        // the rims' way beside that course shows the slip
+        let prior = [settings.slip.mean, settings.slip.sigma];
+        let shown = slip_between(along, rim_way).filter(|_| uncertain < 0.2);
+        self.models
+            .set_slip_prior(shown.map_or(prior, |slip| [slip, SHOWN_SLIP_SIGMA.min(prior[1])]));
         self.models.start(place, heading, sigma, heading_sigma);
+        self.models.set_slip_prior(prior);
     }
+}
+
+/// The slip of a robot that goes one way or speed while its rims go another; `None` where they go apart or nowhere.
+fn slip_between(robot: f64, rim: f64) -> Option<f64> {
+    if robot * rim <= 0.0 {
+        return None;
+    }
+    let share = robot / rim;
+    Some(if share <= 1.0 {
+        1.0 - share
+    } else {
+        1.0 / share - 1.0
+    })
 }
 
 /// The travel of a rim at `now_ns`, m: that of its last reading, and its speed since.

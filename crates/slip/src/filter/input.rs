@@ -102,7 +102,10 @@ impl Input {
 pub(super) const fn is_reference(measurement: &Measurement) -> bool {
     matches!(
         measurement,
-        Measurement::Displacement { .. } | Measurement::Pose { .. } | Measurement::Speed { .. }
+        Measurement::Displacement { .. }
+            | Measurement::Pose { .. }
+            | Measurement::Position { .. }
+            | Measurement::Speed { .. }
     )
 }
 

@@ -56,9 +56,11 @@ impl Core {
                 motion_model::hold(&mut self.state, wheel.row, 0.0, weight * sigma);
             }
         }
-        let stands = self.wheels.iter().all(|wheel| {
-            wheel.stillness(time_ns) >= STANDSTILL_TIME_S && !wheel.monitor.has_failed()
-        });
+        let slides = (self.ground.as_ref()).is_some_and(|ground| ground.slide(time_ns).is_some());
+        let stands = !slides
+            && self.wheels.iter().all(|wheel| {
+                wheel.stillness(time_ns) >= STANDSTILL_TIME_S && !wheel.monitor.has_failed()
+            });
         if stands {
             for wheel in &mut self.wheels.channels {
                 wheel.rolling.stands();

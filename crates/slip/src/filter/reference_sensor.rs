@@ -69,6 +69,11 @@ impl ReferenceSensor {
                 sigma: settings.speed_sigma,
             }));
         }
+        if let Measurement::Position { x, y } = *measurement {
+            Fault::check_range("position x", x, -MAX_PLACE_M, MAX_PLACE_M, "m")?;
+            Fault::check_range("position y", y, -MAX_PLACE_M, MAX_PLACE_M, "m")?;
+            return Ok(None);
+        }
         let (passed, turns) = match *measurement {
             Measurement::Displacement {
                 forward,

@@ -139,7 +139,8 @@ fn rank(measurement: &Measurement) -> (u8, usize) {
         Measurement::WheelEdge { wheel, .. } => (5, wheel),
         Measurement::WheelAngle { wheel, .. } => (6, wheel),
         Measurement::WheelRate { wheel, .. } => (7, wheel),
-        Measurement::Displacement { .. } => (8, 0),
+        Measurement::Position { .. } => (8, 0),
+        Measurement::Displacement { .. } => (8, 1),
         Measurement::Pose { .. } => (9, 0),
         Measurement::Speed { .. } => (10, 0),
     }

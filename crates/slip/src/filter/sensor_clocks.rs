@@ -12,7 +12,7 @@ use crate::sample::{Measurement, Sample};
 /// A sensor whose own time goes back by more than this has had its clock set, s; by less its samples are out of order.
 const SET_BACK_S: f64 = 0.1;
 /// Sensors that are not a wheel's.
-const ROBOT_SENSORS: usize = 5;
+const ROBOT_SENSORS: usize = 6;
 /// Sensors of a wheel: rotation, torque, carrier.
 const WHEEL_SENSORS: usize = 3;
 /// A gap longer than this many periods of the sensor lacks samples.
@@ -88,6 +88,7 @@ impl SensorClocks {
             Measurement::YawRate { .. } => (2, true),
             Measurement::Displacement { .. } | Measurement::Pose { .. } => (3, true),
             Measurement::Speed { .. } => (4, true),
+            Measurement::Position { .. } => (5, true),
             Measurement::WheelTorque { wheel, .. } => (of(wheel, 1)?, true),
             Measurement::Carrier { wheel, .. } => (of(wheel, 2)?, true),
             Measurement::WheelCount { wheel, .. }

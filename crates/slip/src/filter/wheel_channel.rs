@@ -1,7 +1,7 @@
 //! One wheel in the filter: its readings, its windows, and what is learnt of it.
 
 use crate::history::{nanoseconds, seconds_between};
-use crate::robot::{Robot, WheelRole};
+use crate::robot::{Robot, Wheel, WheelRole};
 use crate::speed::Measured;
 use crate::state::Health;
 use crate::wheel_estimate::WheelEstimate;
@@ -15,11 +15,14 @@ use super::pulse_check::PulseCheck;
 use super::radius_check::RadiusCheck;
 use super::rolling_history::RollingHistory;
 use super::settings::FilterSettings;
+use super::stamp_scatter::StampScatter;
 
 /// A window is extended until it has this many ticks: fewer say little of the speed.
 const MIN_WINDOW_TICKS: f64 = 4.0;
 /// A window ends after this many times its length, however few ticks it has.
 pub(super) const MAX_WINDOW_FACTOR: f64 = 4.0;
+/// A high rim speed is remembered for this long, s.
+const TOP_RIM_MEMORY_S: f64 = 60.0;
 /// Weight of a new window in the smoothed rim speed.
 const RIM_SMOOTHING: f64 = 0.3;
 
@@ -48,6 +51,8 @@ pub(super) struct WheelChannel {
     /// The rim speed smoothed over the windows before the last, m/s; and that of the last.
     smoothed_rim: f64,
     last_rim: f64,
+    /// The highest rim speed of the last minute or so, m/s.
+    top_rim: f64,
     /// The time since which the rim has not moved.
     pub(super) still_since_ns: Option<i64>,
     /// The time since which it turns against the robot's travel.
@@ -61,6 +66,8 @@ pub(super) struct WheelChannel {
     pub(super) rolling: RollingHistory,
     pub(super) pulses: PulseCheck,
     pub(super) radius: RadiusCheck,
+    /// `None` beside a free wheel, whose faults it would hide.
+    stamps: Option<StampScatter>,
     dropout: f64,
     /// Variance of its own slip as a multiple of the configured one.
     pub(super) noise_scale: f64,
@@ -75,6 +82,8 @@ impl WheelChannel {
             max_speed: settings.max_speed,
             dropout: settings.dropout,
         };
+        let is_free = |wheel: &Wheel| wheel.role == WheelRole::Free;
+        let has_free = robot.wheels().iter().any(is_free);
         robot
             .wheels()
             .iter()
@@ -83,7 +92,7 @@ impl WheelChannel {
                 row: wheel.speed_row(),
                 steering: Steering::new(wheel),
                 carrier: Carrier::new(wheel.radius, settings.dropout),
-                free: wheel.role == WheelRole::Free,
+                free: is_free(wheel),
                 track: WheelTrack::new(index, wheel, windows, MarkedTravel::default()),
                 tick: wheel.travel_per_tick().map_or(0.0, f64::abs),
                 from_ns: None,
@@ -94,6 +103,7 @@ impl WheelChannel {
                 rim_window: 0.0,
                 smoothed_rim: 0.0,
                 last_rim: 0.0,
+                top_rim: 0.0,
                 still_since_ns: None,
                 against_since_ns: None,
                 was_off: false,
@@ -105,6 +115,7 @@ impl WheelChannel {
                     wheel.encoder.ticks_per_turn.unwrap_or(0.0),
                 ),
                 radius: RadiusCheck::default(),
+                stamps: (!has_free).then(StampScatter::default),
                 dropout: settings.dropout,
                 noise_scale: 1.0,
                 estimate: WheelEstimate::NOTHING,
@@ -131,9 +142,7 @@ impl WheelChannel {
         let from = *self.from_ns.get_or_insert(now_ns);
         let age = seconds_between(from, now_ns);
         if age < 0.0 {
-            self.from_ns = Some(now_ns);
-            self.mark();
-            self.remainder = None;
+            self.restart_window(now_ns);
             return None;
         }
         if age < window {
@@ -141,9 +150,7 @@ impl WheelChannel {
         }
         let Some(rim) = self.track.speed(from, now_ns) else {
             // the sensor was reset, or has been silent
-            self.from_ns = Some(now_ns);
-            self.mark();
-            self.remainder = None;
+            self.restart_window(now_ns);
             return None;
         };
         let few = (rim.value * age).abs() < MIN_WINDOW_TICKS * self.tick;
@@ -151,6 +158,10 @@ impl WheelChannel {
             return None;
         }
         self.from_ns = Some(now_ns);
+        let is_way = self.track.measures_way();
+        if let Some(stamps) = self.stamps.as_mut().filter(|_| is_way) {
+            stamps.push(rim.value, age, self.tick);
+        }
         let stands = rim.value == 0.0;
         let turned = if stands {
             0.0
@@ -164,6 +175,8 @@ impl WheelChannel {
         };
         self.rim = Some((rim, now_ns));
         self.rim_window = age;
+        self.top_rim -= self.top_rim * (age / TOP_RIM_MEMORY_S).min(1.0);
+        self.top_rim = self.top_rim.max(rim.value.abs());
         if stands {
             self.still_since_ns.get_or_insert(from);
         } else {
@@ -186,6 +199,23 @@ impl WheelChannel {
             .map(|(_, to_ns)| (to_ns.saturating_sub(nanoseconds(self.rim_window)), to_ns))
     }
 
+    /// Begins a window that does not continue the last.
+    fn restart_window(&mut self, now_ns: i64) {
+        self.from_ns = Some(now_ns);
+        self.mark();
+        self.remainder = None;
+        if let Some(stamps) = &mut self.stamps {
+            stamps.interrupt();
+        }
+    }
+
+    /// The variance of the way that a reading shows, by its tick and its stamp, m².
+    pub(super) fn remainder_variance(&self) -> f64 {
+        let tick = if self.track.counts() { self.tick } else { 0.0 };
+        let speed = self.rim.map_or(0.0, |(rim, _)| rim.value);
+        tick * tick / 12.0 + speed * speed * self.stamps.map_or(0.0, |stamps| stamps.variance())
+    }
+
     /// Marks the beginning of a window.
     fn mark(&mut self) {
         self.track.mark();
@@ -196,6 +226,11 @@ impl WheelChannel {
     /// The smoothed rim speed before the last window, m/s: the last one shares a tick with the present one.
     pub(super) const fn smoothed_rim(&self) -> f64 {
         self.smoothed_rim
+    }
+
+    /// The highest rim speed of the last minute or so, m/s.
+    pub(super) const fn top_rim(&self) -> f64 {
+        self.top_rim
     }
 
     /// Adds a window's rim speed (m/s) to the smoothed one.

@@ -49,6 +49,8 @@ impl WheelWindow {
     }
 }
 
+/// The speed of a robot whose speed changes within a window as the settings say, m/s.
+const FULL_CHANGE_M_PER_S: f64 = 0.15;
 /// Readings further apart are sparse, s: at 0.5 m/s² a speed changes by 0.025 m/s.
 const SPARSE_S: f64 = 0.05;
 
@@ -148,6 +150,16 @@ impl Core {
         }
     }
 
+    /// How fast the robot's speed changes within a window, as a share of the settings' process noise: where the motion over the ground
+    /// is known, a robot that is never fast gains and loses little.
+    fn share_of_change(&self, index: usize) -> f64 {
+        if self.is_led {
+            (self.wheels.channels[index].top_rim() / FULL_CHANGE_M_PER_S).min(1.0)
+        } else {
+            1.0
+        }
+    }
+
     fn update_rim(&mut self, index: usize, span: Span) {
         let Span {
             rim,
@@ -189,7 +201,7 @@ impl Core {
         jacobian[4] = (own_slip(index), earlier);
         jacobian[5] = (radius(index), -rim.value);
         // The rim speed is the mean over the window, during which the robot's speed has changed.
-        let density = self.process_noise_density();
+        let density = self.process_noise_density() * self.share_of_change(index);
         let window = seconds_between(from_ns, to_ns);
         let changed = density * density * window / 3.0;
         let (odd, counts) = self.begin_remainder(index);
@@ -313,21 +325,18 @@ impl Core {
         true
     }
 
-    /// Begins the tick remainder of a window's end: the travel that a counter does not show at the end of a window it shows
-    /// in the next. Returns which remainder that is, and 1 where remainders carry the ticks' share of the variance, else 0.
+    /// Begins the remainder of a window's end: the travel that a counter does not show at the end of a window, by its ticks and its
+    /// stamps, it shows in the next. Returns which remainder that is, and 1 where remainders carry the ticks' share of the
+    /// variance, else 0.
     fn begin_remainder(&mut self, index: usize) -> (bool, f64) {
         let wheel = &self.wheels.channels[index];
-        let tick = if wheel.track.counts() {
-            wheel.tick
-        } else {
-            0.0
-        };
-        let variance = tick * tick / 12.0;
+        let counts = wheel.track.counts() && wheel.tick > 0.0;
+        let variance = wheel.remainder_variance();
         let odd = wheel.remainder.is_some_and(|last| !last);
         if wheel.remainder.is_none() {
             self.state.reset(remainder(index, !odd), 0.0, variance);
         }
         self.state.reset(remainder(index, odd), 0.0, variance);
-        (odd, f64::from(u8::from(tick > 0.0)))
+        (odd, f64::from(u8::from(counts)))
     }
 }

@@ -31,7 +31,7 @@ fn a_drive_to_the_north_and_back_is_forwards_and_backwards() {
     for (time, k) in (0..50).chain((0..49).rev()).enumerate() {
         let time_ns = 200_000_000 * i64::try_from(time).unwrap();
         if let Some(Measurement::Displacement { forward, left, .. }) =
-            track.displacement(time_ns, &fix(45.0 + step * f64::from(k), 9.0))
+            track.displacement(time_ns, &fix(45.0 + step * f64::from(k), 9.0))[1]
         {
             ways.push(forward);
             assert!(left.abs() < 1e-6, "{left}");
@@ -66,7 +66,7 @@ fn circles(forward: f64, left: f64, described: [f64; 2], has_gyro: bool) -> (f64
                 x + cos * forward - sin * left,
                 y + sin * forward + cos * left,
             );
-            let found = track.displacement(time_ns, &place);
+            let found = track.displacement(time_ns, &place)[1];
             if let Some(Measurement::Displacement { forward, left, .. }) = found {
                 // the fixes at a change of the motion are of both
                 match step {
@@ -108,7 +108,7 @@ fn another_kind_of_solution_and_an_outage_are_no_motion() {
             variance: Some(variance),
             ..at(0.0, north)
         };
-        let found = track.displacement(time_s * 1_000_000_000, &fix)?;
+        let found = track.displacement(time_s * 1_000_000_000, &fix)[1]?;
         let Measurement::Displacement { forward, .. } = found else {
             return None;
         };
@@ -295,7 +295,8 @@ fn turns_are_summed_and_read_between() {
         turn: Some(0.1),
         sigma: 0.02,
     };
-    (track.heading, track.anchor, track.last) = (Some((0.5, 0.1)), Some(now), Some(now));
+    (track.heading, track.anchor, track.last) =
+        (Some(Heading::new(0.5, 0.1)), Some(now), Some(now));
     track.turn(S + 2 * (S / 5) + S / 2 - 1, 0.4);
     assert!(track.heading.is_some());
     track.turn(2 * S + 2 * (S / 5) - 1, 0.4);
@@ -347,12 +348,17 @@ fn corrected(
     [from, to]: [Placed; 2],
 ) -> Option<(f64, f64)> {
     let mut track = Track {
-        heading,
+        heading: heading.map(|(angle, variance)| Heading::new(angle, variance)),
         ..Track::new([antenna, 0.0])
     };
     track.add_step(&from, &to);
     track.correct_heading(&from, &to);
-    track.heading
+    let Heading {
+        angle,
+        angle_variance,
+        ..
+    } = track.heading?;
+    Some((angle, angle_variance))
 }
 
 #[test]
@@ -430,14 +436,14 @@ fn known(antenna: [f64; 2], heading: f64, turn: Option<f64>) -> Track {
         sigma: 0.02,
     };
     (track.last, track.anchor) = (Some(last), Some(last));
-    track.heading = Some((heading, 1e-3));
+    track.heading = Some(Heading::new(heading, 1e-3));
     track
 }
 
 #[test]
 fn a_way_is_turned_into_the_robots_frame() {
     let displaced = |track: &mut Track, time_ns, fix: &NavSatFix| {
-        let found = track.displacement(time_ns, fix)?;
+        let found = track.displacement(time_ns, fix)[1]?;
         let Measurement::Displacement {
             forward,
             left,
@@ -459,13 +465,14 @@ fn a_way_is_turned_into_the_robots_frame() {
         "{forward}"
     );
     assert!((left - (north * cos - east * sin)).abs() < 1e-15, "{left}");
-    // the variance grows by 0.5² rad² a second without a gyro, by 0.005² with one
-    assert!((track.heading.unwrap().1 - 1e-3 - 0.25).abs() < 1e-12);
+    // the variance grows by 0.5² rad² a second without a gyro, by 0.005² with one, and by its bias of 0.02 rad/s
+    assert!((track.heading.unwrap().angle_variance - 1e-3 - 0.25).abs() < 1e-12);
     assert_eq!(track.anchor.unwrap().place, [0.0; 2]);
     let mut track = known([0.0; 2], 0.6, Some(0.0));
     track.turn(0, 0.0);
     displaced(&mut track, S / 4, &at(0.1, 0.05)).unwrap();
-    assert!((track.heading.unwrap().1 - 1e-3 - 0.25 * 2.5e-5).abs() < 1e-15);
+    let grown = 0.25 * 2.5e-5 + (0.25 * 0.02) * (0.25 * 0.02);
+    assert!((track.heading.unwrap().angle_variance - 1e-3 - grown).abs() < 1e-15);
     // on the spot the antenna moves and the robot does not
     for antenna in [[0.4, 0.3], [-0.2, 0.1]] {
         let mut track = known(antenna, 0.6, Some(0.1));
@@ -506,7 +513,7 @@ fn a_way_is_turned_into_the_robots_frame() {
             ..at(way, 0.0)
         };
         displaced(&mut track, S, &fix).unwrap();
-        let (heading, _) = track.heading.unwrap();
+        let heading = track.heading.unwrap().angle;
         assert_eq!(heading < 0.2, is_taken, "{way}: {heading}");
         assert_eq!(track.anchor.unwrap().place != [0.0; 2], is_taken);
     }
@@ -541,7 +548,7 @@ fn limits_of_a_course_belong_to_it() {
     let mut track = known([0.0; 2], 0.3, None);
     track.last.as_mut().unwrap().place = [-0.2, 0.0];
     track.anchor = track.last;
-    track.displacement(S, &at(0.0, 0.0)).unwrap();
+    track.displacement(S, &at(0.0, 0.0))[1].unwrap();
     assert_eq!(track.anchor.unwrap().time_ns, S);
     // a way whose share of the antenna's turn is the greatest
     let placed = |place: [f64; 2], turn: Option<f64>| Placed {
@@ -567,4 +574,51 @@ fn limits_of_a_course_belong_to_it() {
             .abs()
             < 1e-9
     );
+}
+
+/// A straight drive to the north-east at 0.5 m/s beside a gyro that says that it turns.
+#[test]
+fn courses_show_the_bias_of_the_gyro() {
+    for bias in [0.05, -0.02] {
+        let mut track = Track::default();
+        let mut aside = 0.0_f64;
+        for step in 0..6000_i64 {
+            let time_ns = step * 10_000_000;
+            track.turn(time_ns, bias);
+            if step % 20 != 0 {
+                continue;
+            }
+            let way = 0.005 * step as f64 * std::f64::consts::FRAC_1_SQRT_2;
+            let place = [way, way];
+            let [position, moved] = track.take(time_ns, place, 0.01);
+            let [x, y] = place;
+            assert_eq!(position, Some(Measurement::Position { x, y }));
+            if let Some(Measurement::Displacement { forward, left, .. }) = moved
+                && step > 3000
+            {
+                aside = aside.max(left.atan2(forward).abs());
+            }
+        }
+        let heading = track.heading.unwrap();
+        assert!(
+            (heading.bias - bias).abs() < 0.1 * bias.abs(),
+            "{bias}: {heading:?}"
+        );
+        assert!(aside < 0.02, "{bias}: {aside}");
+    }
+}
+
+/// The place of the robot's origin by an antenna 0.4 m ahead of it and 0.3 m to the left, which looks to the west.
+#[test]
+fn the_place_of_an_antenna_is_not_that_of_the_robot() {
+    let mut track = known([0.4, 0.3], std::f64::consts::PI, None);
+    let [position, _] = track.take(S, [0.1, 0.05], 0.02);
+    let Some(Measurement::Position { x, y }) = position else {
+        panic!("{position:?}")
+    };
+    assert!(
+        (x - 0.5).abs() < 1e-12 && (y - 0.35).abs() < 1e-12,
+        "{x} {y}"
+    );
+    assert_eq!(Track::new([0.4, 0.3]).take(S, [5.0, 7.0], 0.02), [None; 2]);
 }

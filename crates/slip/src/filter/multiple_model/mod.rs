@@ -328,6 +328,27 @@ impl MultipleModel {
         self.reweigh();
     }
 
+    /// The probability that such a heading is no outlier.
+    pub(crate) fn heading_agreement(&self, heading: f64, turned: f64, sigma: f64) -> f64 {
+        let off = model::wrap(heading + turned - self.mean[HEADING]);
+        model::inlier_probability(off * off / (self.variance(HEADING) + sigma * sigma))
+    }
+
+    /// Takes such a heading for the true one, and the error of the turn rate for unknown.
+    pub(crate) fn restart_heading(
+        &mut self,
+        heading: f64,
+        turned: f64,
+        sigma: f64,
+        turn_sigma: f64,
+    ) {
+        self.turn_error.sigma = turn_sigma;
+        for group in &mut self.groups {
+            group.each(|model| model.restart_heading(heading + turned, sigma, turn_sigma));
+        }
+        self.average();
+    }
+
     /// A speed along the direction of the rims (m/s) for the groups that have a speed of their own; the others wait for
     /// [`update_share`](Self::update_share).
     pub(crate) fn update_speed(&mut self, speed: f64, sigma: f64) {
@@ -351,6 +372,21 @@ impl MultipleModel {
             group.pass_jump(&Since::NOW);
         }
         self.reweigh();
+    }
+
+    /// The probability that such a speed is no outlier.
+    pub(crate) fn speed_agreement(&self, speed: f64, rim_speed: f64, sigma: f64) -> f64 {
+        let slope = model::rim_share(self.mean[SLIP]).1 * rim_speed;
+        let off = speed - rim_speed * self.mean_share();
+        model::inlier_probability(off * off / (slope * slope * self.variance(SLIP) + sigma * sigma))
+    }
+
+    /// Takes a slip and a speed (m/s) for the true ones.
+    pub(crate) fn restart_slip(&mut self, slip: f64, sigma: f64, speed: f64, speed_sigma: f64) {
+        for group in &mut self.groups {
+            group.each(|model| model.restart_slip([slip, sigma], [speed, speed_sigma]));
+        }
+        self.average();
     }
 
     /// The robot may have moved by `distance` (m) without a measurement.
@@ -382,6 +418,11 @@ impl MultipleModel {
     /// Standard deviation of a position, m, once it is learnt.
     pub(crate) fn position_sigma(&self) -> Option<f64> {
         self.noise.learnt()
+    }
+
+    /// Standard deviation of the heading, rad.
+    pub(crate) fn heading_sigma(&self) -> f64 {
+        Real::sqrt(self.variance(HEADING))
     }
 
     /// The estimate; `None` before the first position.

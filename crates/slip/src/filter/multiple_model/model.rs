@@ -235,12 +235,30 @@ impl Model {
 
     /// Another sensor measures the turn rate now, with an error of its own.
     pub(super) fn restart_turn_error(&mut self, sigma: f64) {
-        self.mean[TURN_ERROR] = 0.0;
+        self.reset(TURN_ERROR, 0.0, sigma);
+    }
+
+    /// The heading is another than was believed, and the error of the turn rate may be.
+    pub(super) fn restart_heading(&mut self, heading: f64, sigma: f64, turn_sigma: f64) {
+        let turned = wrap(heading - self.mean[HEADING]);
+        self.reset(HEADING, self.mean[HEADING] + turned, sigma);
+        self.reset(TURN_ERROR, self.mean[TURN_ERROR], turn_sigma);
+    }
+
+    /// Slip and speed are others than were believed.
+    pub(super) fn restart_slip(&mut self, slip: [f64; 2], speed: [f64; 2]) {
+        self.reset(SLIP, slip[0], slip[1]);
+        self.reset(SPEED, speed[0], speed[1]);
+    }
+
+    /// Forgets a state.
+    fn reset(&mut self, state: usize, mean: f64, sigma: f64) {
+        self.mean[state] = mean;
         for i in 0..STATES {
-            self.covariance[i][TURN_ERROR] = 0.0;
-            self.covariance[TURN_ERROR][i] = 0.0;
+            self.covariance[i][state] = 0.0;
+            self.covariance[state][i] = 0.0;
         }
-        self.covariance[TURN_ERROR][TURN_ERROR] = sigma * sigma;
+        self.covariance[state][state] = sigma * sigma;
     }
 
     /// Predicts the error of the turn rate; returns the turn without it.
@@ -250,13 +268,13 @@ impl Model {
         let kept = 1.0 - (step.dt / memory).min(1.0);
         let variance = sigma * sigma;
         let own = self.covariance[TURN_ERROR][TURN_ERROR];
-        // who reduces the turn rate may have learnt more of it than the positions tell
+        // who reduces the turn rate may have learnt more of it than the positions tell: that nothing is left of the error
         let known = if own > variance {
             Real::sqrt(variance / own)
         } else {
             1.0
         };
-        self.mean[TURN_ERROR] *= kept;
+        self.mean[TURN_ERROR] *= kept * known * known;
         for i in 0..STATES {
             self.covariance[i][TURN_ERROR] *= kept * known;
             self.covariance[TURN_ERROR][i] *= kept * known;
@@ -555,7 +573,7 @@ fn is_covariance(matrix: &[[f64; STATES]; STATES]) -> bool {
 }
 
 /// An angle in [−π, π].
-fn wrap(angle: f64) -> f64 {
+pub(super) fn wrap(angle: f64) -> f64 {
     let (sin, cos) = Real::sin_cos(angle);
     Real::atan2(sin, cos)
 }
