@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::held::Held;
 use crate::options::Options;
 use crate::samples::{is_used, of_robot};
+use crate::ways::along_rims;
 
 /// Sums are kept of blocks of this length, s: longer than the errors of a reference are correlated.
 const BLOCK_S: f64 = 5.0;
@@ -183,8 +184,8 @@ fn blocks_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<Block
             continue;
         }
         stepped_s = time_s;
-        let passed = (body.travel_reference - ways.0, body.travel_wheels - ways.1);
-        ways = (body.travel_reference, body.travel_wheels);
+        let passed = along_rims((body.travel_wheels - ways.0, body.travel_reference - ways.1));
+        ways = (body.travel_wheels, body.travel_reference);
         let turned = turns.pass();
         let is_inside = time_s >= options.from_s.unwrap_or(0.0)
             && time_s <= options.to_s.unwrap_or(f64::INFINITY);
@@ -196,8 +197,8 @@ fn blocks_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<Block
             blocks.push(Block::default());
         }
         if let Some(block) = blocks.last_mut() {
-            block.way_reference += passed.0;
-            block.way_wheels += passed.1;
+            block.way_wheels += passed.0;
+            block.way_reference += passed.1;
             turned.enter(block);
         }
     }

@@ -72,9 +72,9 @@ pub struct AlongSummary {
     pub slip: Spread,
     /// Slip of the whole way: 1 − way by the reference / way by the wheels (or its braking branch).
     pub overall: Option<f64>,
-    /// The way by the wheels, m: the distance without compensation.
+    /// The way by the wheels, m, forwards and back added up: the distance without compensation.
     pub travel_wheels: f64,
-    /// The way by the reference, m; `None` where no absolute reference was measured.
+    /// The way by the reference in the direction in which the wheels ran, m; `None` where no absolute reference was measured.
     pub travel_reference: Option<f64>,
 }
 

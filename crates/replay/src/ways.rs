@@ -13,9 +13,10 @@ pub(crate) struct Ways {
     along: Quantiles,
     yaw: Quantiles,
     until_ns: Option<i64>,
-    /// Ways by the wheels and by the reference, m, at the beginning of the span and at its end.
-    before: (f64, f64),
-    after: (f64, f64),
+    /// Ways by the wheels and by the reference up to now, m, backwards counted as negative.
+    last: (f64, f64),
+    /// The same in the span, in the direction in which the wheels run: forwards and back add up.
+    travel: (f64, f64),
 }
 
 impl Ways {
@@ -26,19 +27,23 @@ impl Ways {
             along: Quantiles::new(-1.0, 1.0),
             yaw: Quantiles::new(0.0, 1.0),
             until_ns: None,
-            before: (0.0, 0.0),
-            after: (0.0, 0.0),
+            last: (0.0, 0.0),
+            travel: (0.0, 0.0),
         }
     }
 
     /// The span has not begun.
     pub(crate) const fn wait(&mut self, body: &WindowBody) {
-        self.before = (body.travel_wheels, body.travel_reference);
+        self.last = (body.travel_wheels, body.travel_reference);
     }
 
     /// Counts the window that ended at `body.until_ns`, once; `rims` are the powered wheels' rim speeds over it, m/s.
     pub(crate) fn count(&mut self, body: &WindowBody, rims: impl Iterator<Item = f64>) {
-        self.after = (body.travel_wheels, body.travel_reference);
+        let now = (body.travel_wheels, body.travel_reference);
+        let (wheels, reference) = along_rims((now.0 - self.last.0, now.1 - self.last.1));
+        self.last = now;
+        self.travel.0 += wheels;
+        self.travel.1 += reference;
         if body.until_ns == self.until_ns || body.until_ns.is_none() {
             return;
         }
@@ -62,14 +67,13 @@ impl Ways {
     /// The robot along its track. Without an absolute reference a slip common to all wheels is not observable: then there
     /// is no way but the wheels', and no slip.
     pub(crate) fn along(&self, is_observable: bool) -> AlongSummary {
-        let travel_wheels = self.after.0 - self.before.0;
+        let (travel_wheels, travel_reference) = self.travel;
         if !is_observable {
             return AlongSummary {
                 travel_wheels,
                 ..AlongSummary::default()
             };
         }
-        let travel_reference = self.after.1 - self.before.1;
         AlongSummary {
             slip: Spread::from(&self.along),
             overall: overall(travel_reference, travel_wheels),
@@ -83,5 +87,14 @@ impl Ways {
             residual: Spread::from(&self.yaw),
             window: self.window,
         })
+    }
+}
+
+/// A short way by the wheels, and one beside it, in the direction in which the wheels ran, m.
+pub(crate) const fn along_rims((wheels, beside): (f64, f64)) -> (f64, f64) {
+    if wheels < 0.0 {
+        (-wheels, -beside)
+    } else {
+        (wheels, beside)
     }
 }

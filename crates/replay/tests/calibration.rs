@@ -28,6 +28,11 @@ const MAP: &str = "format = 1\n[[table]]\ntime = { column = \"t\", unit = \"s\" 
 /// True radius 0.097 m, track 0.43 m, a gyro that shows 1.03 of the rate and 0.01 rad/s more: 60 s of weaving at 0.4 m/s, or
 /// straight on. The pose has an error of 2 mm.
 fn cart(is_weaving: bool) -> Log {
+    cart_of(is_weaving, |_| 0.4)
+}
+
+/// As [`cart`], at a speed of the row, m/s.
+fn cart_of(is_weaving: bool, speed: impl Fn(i32) -> f64) -> Log {
     let mut table = String::from("t,left,right,gyro,x,y,yaw\n");
     let (mut x, mut y, mut yaw) = (0.0, 0.0, 0.0_f64);
     let mut state = 1_u64;
@@ -44,7 +49,8 @@ fn cart(is_weaving: bool) -> Log {
         } else {
             0.0
         };
-        let rim = |side: f64| (0.4 + side * 0.5 * 0.43 * rate) / 0.097;
+        let speed = speed(row);
+        let rim = |side: f64| (speed + side * 0.5 * 0.43 * rate) / 0.097;
         writeln!(
             table,
             "{time},{},{},{},{},{},{yaw}",
@@ -55,8 +61,8 @@ fn cart(is_weaving: bool) -> Log {
             y + noise()
         )
         .unwrap();
-        x += 0.02 * 0.4 * yaw.cos();
-        y += 0.02 * 0.4 * yaw.sin();
+        x += 0.02 * speed * yaw.cos();
+        y += 0.02 * speed * yaw.sin();
         yaw += 0.02 * rate;
     }
     let map = columns::parse(&Document::from_text("map.toml", MAP.into()).unwrap()).unwrap();
@@ -94,6 +100,16 @@ fn a_straight_drive_shows_neither_track_nor_gyro() {
     let found = calibrate_geometry(&[cart(false)], &file(), &Options::default()).unwrap();
     assert!((found.radius.value - 0.97).abs() < 0.005, "{found:?}");
     assert_eq!((found.track, found.yaw_rate), (None, None));
+}
+
+#[test]
+fn a_drive_forwards_and_back_shows_the_radius() {
+    let shuttle = cart_of(false, |row| if row / 250 % 2 == 0 { 0.4 } else { -0.4 });
+    let found = calibrate_geometry(&[shuttle], &file(), &Options::default()).unwrap();
+    // it turns round at once, between two rows: up to 8 mm each of 11 times, on 24 m
+    assert!((found.radius.value - 0.97).abs() < 0.006, "{found:?}");
+    let half = found.radius.half_width.unwrap();
+    assert!(half < 0.01, "{found:?}");
 }
 
 #[test]

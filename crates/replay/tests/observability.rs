@@ -65,6 +65,29 @@ fn an_absolute_reference_outranks_grip() {
     assert_eq!(self::summary(true, &by_grip).reference, Reference::Grip);
 }
 
+/// Five seconds forwards at a slip of 0.3 and five back at 0.05, twice: the wheels run 10 m, the robot 2 · (1.75 m + 2.375 m).
+#[test]
+fn ways_forwards_and_back_add_up() {
+    let leg = |row: i32| row / 250;
+    let drive = |row: i32| {
+        let steps = |legs: i32| f64::from((row - 250 * legs).clamp(0, 250));
+        let forwards = 0.007 * (steps(0) + steps(2));
+        let back = 0.0095 * (steps(1) + steps(3));
+        (if leg(row) % 2 == 0 { 1.8 } else { -1.8 }, forwards - back)
+    };
+    for method in [Method::Filter, Method::Window] {
+        let options = Options {
+            method: Some(method),
+            ..Options::default()
+        };
+        let along = summary_of(true, drive, &options).along;
+        let (slip, reference) = (along.overall.unwrap(), along.travel_reference.unwrap());
+        assert!((along.travel_wheels - 10.0).abs() < 0.4, "{along:?}");
+        assert!((reference - 8.25).abs() < 0.4, "{along:?}");
+        assert!((slip - 0.175).abs() < 0.01, "{along:?}");
+    }
+}
+
 #[test]
 fn without_an_absolute_reference_there_is_no_way_over_ground() {
     let along = summary(false, &Options::default()).along;

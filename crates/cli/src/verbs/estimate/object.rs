@@ -146,8 +146,8 @@ fn along<'a>() -> Fields<'a, &'a AlongSummary> {
     fields! { |along: &'a AlongSummary|
         join(spread()) = &along.slip;
         "overall" "slip of the whole way" = along.overall;
-        "travel_wheels_m" "way by the wheels" = along.travel_wheels;
-        "travel_reference_m" "way by the reference" = along.travel_reference;
+        "travel_wheels_m" "way by the wheels, forwards and back added up" = along.travel_wheels;
+        "travel_reference_m" "way by the reference in the direction in which the wheels ran" = along.travel_reference;
     }
 }
 

@@ -36,7 +36,7 @@ pub(super) fn text(
     if let Some((overall, travel_reference)) = along.overall.zip(along.travel_reference) {
         let _ = writeln!(
             text,
-            "\nwhole way: the wheels ran {:.3} m, the robot went {:.3} m: slip {}",
+            "\nwhole way, forwards and back added up: the wheels ran {:.3} m, the robot went {:.3} m: slip {}",
             along.travel_wheels,
             travel_reference,
             slip(Some(overall)),
