@@ -153,6 +153,38 @@ fn a_partial_recovery_exits_3_with_a_report_and_a_verified_file() {
 }
 
 #[test]
+fn a_table_whose_last_line_is_cut_off_is_used_up_to_it() {
+    let folder = Folder::new("log-cut-table");
+    let table = fs::read_to_string(root().join(TABLE)).unwrap();
+    let whole: Vec<&str> = table.lines().collect();
+    let (last, before) = whole.split_last().unwrap();
+    fs::create_dir(folder.path("rows")).unwrap();
+    let (cut, rows) = (folder.path("log.csv"), folder.path("rows/log.csv"));
+    let text = before.join("\n") + "\n";
+    fs::write(&rows, &text).unwrap();
+    fs::write(&cut, text + &last[..last.len() / 2]).unwrap();
+    assert_eq!(
+        slips(&cut, ROBOT, &[], &folder),
+        slips(&rows, ROBOT, &[], &folder)
+    );
+    let object = json(&["estimate", &cut, "--robot", ROBOT], 0);
+    let place = object["left_out"]["cut_off"][0].as_str().unwrap();
+    assert!(place.ends_with("log.csv: line 2002"), "{place}");
+    let map = "examples/five-wheel/columns.toml";
+    let out = folder.path("out.mcap");
+    json(&["log", "convert", &cut, &out, "--map", map], 3);
+    assert_eq!(json(&["log", "info", &cut], 0)["cut_off"], true);
+    for arguments in [
+        &["estimate", &cut, "--robot", ROBOT][..],
+        &["log", "info", &cut],
+        &["log", "convert", &cut, &out, "--map", map],
+    ] {
+        let printed = String::from_utf8(grouser(arguments).stderr).unwrap();
+        assert!(printed.contains("cut off"), "{arguments:?}: {printed}");
+    }
+}
+
+#[test]
 fn an_estimate_reads_a_damaged_log_as_far_as_it_can_and_says_so() {
     let folder = Folder::new("log-damaged");
     let bytes = fs::read(root().join(MCAP)).unwrap();

@@ -310,6 +310,9 @@ impl Error {
             Self::Mixed { .. } => Some("name the files that are meant".into()),
             Self::NoJoints { .. } => Some("`joint` of a `[[wheel]]` names its joint".into()),
             Self::NotANumber { hint, .. } => hint.map(Into::into),
+            Self::Ragged { .. } => Some(
+                "if the line is no row (a comment, the end of one log before another), remove it or split the log there".into(),
+            ),
             Self::TwoFiles { .. } => {
                 Some("name the files of one run, or the beginning that their names share".into())
             }

@@ -2,14 +2,13 @@
 
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
 use grouser_files::columns::{Column, ColumnMap, Meaning};
 use grouser_files::topics::Topics;
 
 use crate::container::Container;
-use crate::csv::{CsvReader, TABLE_LOOK_AHEAD};
+use crate::csv::{Counts, CsvReader, TABLE_LOOK_AHEAD};
 use crate::error::{Error, Result};
 use crate::find::expand;
 use crate::measures::Measures;
@@ -53,8 +52,8 @@ pub struct Log {
     wheels: Vec<String>,
     /// How many rows a row of a table may be from its place in time.
     look_ahead: usize,
-    /// Bytes read of the files, by all readers together.
-    read: Arc<AtomicU64>,
+    /// What all readers read of the files.
+    counts: Counts,
 }
 
 impl Log {
@@ -338,7 +337,7 @@ impl Log {
             unused: unused.iter().map(|file| file.path().to_owned()).collect(),
             wheels,
             look_ahead: TABLE_LOOK_AHEAD,
-            read: Arc::default(),
+            counts: Counts::default(),
         })
     }
 
@@ -360,7 +359,7 @@ impl Log {
     pub fn of_wheels(&self) -> Self {
         Self {
             recording: self.recording.as_ref().map(Recording::of_wheels),
-            read: Arc::default(),
+            counts: Counts::default(),
             ..self.clone()
         }
     }
@@ -423,11 +422,13 @@ impl Log {
     }
 
     /// What was left out when the log was last read to its end: damage, messages that cannot be decoded
-    /// or came too late. Tables leave nothing out.
+    /// or came too late, and the last line of a table where that is cut off.
     #[must_use]
     pub fn left_out(&self) -> LeftOut {
         let recording = self.recording.as_ref();
-        recording.map_or_else(LeftOut::default, Recording::left_out)
+        let mut left_out = recording.map_or_else(LeftOut::default, Recording::left_out);
+        left_out.cut_off.clone_from(&self.counts.cut_off());
+        left_out
     }
 
     /// How many bytes the files hold, as they stand (compressed or not).
@@ -449,7 +450,7 @@ impl Log {
     /// How many of them have been read since the log was found, twice if it was read twice.
     #[must_use]
     pub fn bytes_read(&self) -> u64 {
-        self.read.load(Ordering::Relaxed)
+        self.counts.read.load(Ordering::Relaxed)
     }
 
     /// The files that fit no table of the column map.
@@ -517,6 +518,7 @@ impl Log {
     pub fn samples(&self, shift_ns: &[i64]) -> Result<Samples> {
         let track = |(_, sigma)| (Track::new(self.antenna), sigma);
         let mut samples = Samples::new(self.places.map(track));
+        self.counts.cut_off().clear();
         for (clock, (file, table)) in self.files.iter().enumerate() {
             let table = &self.map.tables[*table];
             let poses = if self.places.is_some_and(|(used, _)| used == clock) {
@@ -526,7 +528,8 @@ impl Log {
             } else {
                 Poses::WithHeading
             };
-            let reader = CsvReader::open(file, table, (&self.wheels, self.look_ahead, &self.read))?;
+            let reader =
+                CsvReader::open(file, table, (&self.wheels, self.look_ahead, &self.counts))?;
             let shift = shift_ns.get(clock).copied().unwrap_or(0);
             samples.add(
                 reader,
@@ -538,7 +541,7 @@ impl Log {
             recording.begin();
             let of_topics = shift_ns.get(self.files.len()..).unwrap_or_default();
             for file in &recording.files {
-                let reader = RecordingReader::open(file, recording, of_topics, &self.read)?;
+                let reader = RecordingReader::open(file, recording, of_topics, &self.counts.read)?;
                 // A recorder splits a run into files that follow each other on one clock.
                 samples.add(reader, 0, (self.files.len(), file, Poses::WithHeading));
             }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::container::{Channel, Container, Event};
-use crate::error::Result;
+use crate::error::{Cell, Result};
 use crate::message::{Decoders, SharedDecoder, Value, View, decode};
 use crate::order::Ordered;
 
@@ -58,6 +58,8 @@ pub struct LeftOut {
     pub excluded: u64,
     /// Why the first of them cannot be.
     pub exclusion: Option<&'static str>,
+    /// The last lines of tables that are cut off: the logger was ended while it wrote.
+    pub cut_off: Vec<Cell>,
 }
 
 impl LeftOut {
@@ -74,6 +76,7 @@ impl LeftOut {
         self.undecoded += other.undecoded;
         self.late += other.late;
         self.excluded += other.excluded;
+        self.cut_off.extend_from_slice(&other.cut_off);
         self.exclusion = self.exclusion.or(other.exclusion);
         if self.problem.is_none() {
             self.problem.clone_from(&other.problem);
@@ -223,6 +226,12 @@ mod tests {
 
     #[test]
     fn what_two_files_leave_out_is_one_sum() {
+        let cell = Cell {
+            file: "a.csv".into(),
+            line: 7,
+            column: None,
+            name: None,
+        };
         let file = |scale: u64, why: Option<&'static str>| LeftOut {
             damages: scale,
             bytes_lost: 2 * scale,
@@ -231,6 +240,7 @@ mod tests {
             late: 4 * scale,
             excluded: 5 * scale,
             exclusion: why,
+            cut_off: (0..scale).map(|_| cell.clone()).collect(),
         };
         let mut all = file(10, None);
         all.add(&file(1, Some("first")));

@@ -4,7 +4,7 @@
 use std::io::Write;
 
 use grouser_log::csv::{LINE_LIMIT, Lines, finite};
-use grouser_log::{Cell, Error};
+use grouser_log::{Cell, Error, Log};
 use grouser_slip::Measurement;
 
 use crate::scratch::{Folder, map, read};
@@ -119,6 +119,56 @@ fn ragged_rows() {
 }
 
 #[test]
+fn a_last_line_that_is_cut_off_is_left_out() {
+    for (end, is_row) in [
+        ("0", false),
+        ("0.2,3", false),
+        ("0.2,\"3,0.1", false),
+        ("0.2,3,-", false),
+        ("0.2,3,0.\u{0}", false),
+        ("0.2,3,0.5", true),
+        ("", true),
+    ] {
+        let folder = Folder::new("cut");
+        let file = folder.file("log.csv", format!("{GOOD}{end}").as_bytes());
+        let log = Log::find(&[file], map("")).unwrap();
+        // as often as it is read
+        for _ in 0..2 {
+            let times = log
+                .samples(&[])
+                .unwrap()
+                .map(|sample| sample.unwrap().time_ns);
+            let rows = times.filter(|time| *time <= 100_000_000).count();
+            assert_eq!(rows, 4, "{end}");
+            let cut: Vec<u64> = log.left_out().cut_off.iter().map(|at| at.line).collect();
+            assert_eq!(cut, if is_row { vec![] } else { vec![4] }, "{end}");
+        }
+    }
+    let cut = "t,n,g\n0,1,0.5\n0.1,\u{e4}";
+    let cut = &cut.as_bytes()[..cut.len() - 1];
+    assert_eq!(read("cut-letter", "", cut).unwrap().len(), 2);
+    // in the middle it is damage, and so is a single row
+    for text in ["t,n,g\n0,1,0.5\n0.1\n0.2,3,0.5", "t,n,g\n0,1"] {
+        let error = read("middle", "", text.as_bytes()).unwrap_err();
+        assert!(matches!(error, Error::Ragged { .. }), "{error}");
+    }
+}
+
+#[test]
+fn a_line_that_is_no_row_has_a_hint() {
+    let hint = |line: &str| {
+        let text = format!("{GOOD}{line}\n0.3,4,0.5\n");
+        let error = read("hint", "", text.as_bytes()).unwrap_err();
+        assert_eq!(at(&error).0, 4);
+        error.hint().unwrap()
+    };
+    assert!(hint("t,n,g").contains("the header is repeated"));
+    assert!(hint("# a comment").contains("comment"));
+    assert!(hint("0.2,nan,0.5").contains("`missing`"));
+    assert!(hint("0.2,3,NaN").contains("`missing`"));
+}
+
+#[test]
 fn quotes() {
     let quoted = "\"t\",\"n\",\"g\"\n\"0\",\"1\",\"0.5\"\n";
     assert_eq!(read("quoted", "", quoted.as_bytes()).unwrap().len(), 2);
@@ -128,7 +178,7 @@ fn quotes() {
         ("0.2,3,\"", 3),
         ("\"0\"2,3,1", 1),
     ] {
-        let error = read("open", "", format!("{GOOD}{row}").as_bytes()).unwrap_err();
+        let error = read("open", "", format!("{GOOD}{row}\n").as_bytes()).unwrap_err();
         assert!(matches!(error, Error::Malformed { .. }), "{row}: {error}");
         assert_eq!(at(&error), (4, Some(column)), "{row}");
     }

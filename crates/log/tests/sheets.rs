@@ -254,8 +254,17 @@ fn a_last_row_that_is_cut_off_does_not_decide_the_layout() {
                 (1 + u64::from(is_row), ragged),
                 "{text}"
             );
+            assert_eq!(found.is_cut_off, ragged > 0, "{text}");
         }
     }
+    // within a letter, or before the zeros that a disk left
+    for end in [&b"0.5,\xc3"[..], b"0.5,1\0\0\0"] {
+        let text = [b"t,left\n0.25,1\n", end].concat();
+        let folder = Folder::new("cut-sheet");
+        let found = Sheet::read(&folder.file("log.csv", &text), |_| ()).unwrap();
+        assert_eq!((found.rows, found.ragged, found.is_cut_off), (1, 1, true));
+    }
+    assert!(!sheet("t,n\n0,1\n0\n0.2,3\n").unwrap().is_cut_off);
     // of two rows the first may be names with numbers in them
     let found = sheet("wheel 1 speed,wheel 2 speed\n0.5,0.75").unwrap();
     assert_eq!((found.separator, found.rows), (b',', 1));

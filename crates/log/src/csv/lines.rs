@@ -28,6 +28,7 @@ pub struct Lines<R = Box<dyn BufRead + Send>> {
     file: String,
     line: u64,
     bytes: u64,
+    is_ended: bool,
     buffer: Vec<u8>,
 }
 
@@ -62,6 +63,7 @@ impl<R: BufRead> Lines<R> {
             file: file.to_owned(),
             line: 0,
             bytes: 0,
+            is_ended: true,
             buffer: Vec::new(),
         }
     }
@@ -90,6 +92,11 @@ impl<R: BufRead> Lines<R> {
     #[must_use]
     pub const fn number(&self) -> u64 {
         self.line
+    }
+
+    /// Does a line end close the current line? The last one of a file without it may be cut off.
+    pub(crate) const fn is_ended(&self) -> bool {
+        self.is_ended
     }
 
     /// Bytes read so far.
@@ -121,7 +128,8 @@ impl<R: BufRead> Lines<R> {
         if self.buffer.is_empty() {
             return Ok(false);
         }
-        if self.buffer.last() == Some(&b'\n') {
+        self.is_ended = self.buffer.last() == Some(&b'\n');
+        if self.is_ended {
             self.buffer.pop();
             if self.buffer.last() == Some(&b'\r') {
                 self.buffer.pop();

@@ -41,15 +41,15 @@ pub fn finite(text: &str, decimal: u8) -> Result<f64, NotANumber> {
     };
     match parsed {
         Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) => Err(bad(Some(
-            "if it stands for no value, list it under `missing` in the column map",
-        ))),
+        Ok(_) => Err(bad(Some(NO_VALUE))),
         Err(_) if text.contains(',') => Err(bad(Some(
             "a decimal comma is declared by `decimal = \",\"`; thousands may not be separated",
         ))),
         Err(_) => Err(bad(None)),
     }
 }
+
+const NO_VALUE: &str = "if it stands for no value, list it under `missing` in the column map";
 
 const fn bad(hint: Option<&'static str>) -> NotANumber {
     NotANumber {
@@ -71,7 +71,9 @@ pub(crate) fn count(text: &str) -> Result<u64, NotANumber> {
         .or_else(|_| digits.parse::<i64>().map(i64::cast_unsigned))
         .map_err(|_| NotANumber {
             expected: "a whole number of at most 64 bits",
-            hint: None,
+            hint: (text.parse())
+                .is_ok_and(|number: f64| !number.is_finite())
+                .then_some(NO_VALUE),
         })
 }
 

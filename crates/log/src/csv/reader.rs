@@ -1,7 +1,7 @@
 //! The reader of one table.
 
-use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use grouser_files::columns::Table;
 use grouser_files::nearest;
@@ -22,9 +22,26 @@ const SET_BACK_S: f64 = 60.0;
 /// A message shows this much of a bad field.
 const SHOWN: usize = 64;
 
+/// What the readers of a log's tables count together.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Counts {
+    /// Bytes that were read.
+    pub(crate) read: Arc<AtomicU64>,
+    cut_off: Arc<Mutex<Vec<Cell>>>,
+}
+
+impl Counts {
+    /// The last lines of tables that are cut off.
+    pub(crate) fn cut_off(&self) -> MutexGuard<'_, Vec<Cell>> {
+        // Whoever panicked left whole places behind.
+        self.cut_off.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
 /// Samples of one table in the order of time.
 ///
-/// It reads line by line: memory does not grow with the file. The first error ends it.
+/// It reads line by line: memory does not grow with the file. The first error ends it, but for one in a last line without
+/// a line end, which is cut off.
 pub(crate) struct CsvReader {
     lines: Lines,
     names: Vec<String>,
@@ -35,18 +52,19 @@ pub(crate) struct CsvReader {
     look_ahead: usize,
     rows: u64,
     last_ns: Option<i64>,
+    counts: Counts,
     done: bool,
 }
 
 impl CsvReader {
     /// Opens a table and reads its header. `wheels` are the log's wheels, to which the samples' indices refer;
-    /// `look_ahead` rows are held back; bytes read are added to `count`.
+    /// `look_ahead` rows are held back; `counts` receives what is read and what is cut off.
     pub(crate) fn open(
         source: &Source,
         table: &Table,
-        (wheels, look_ahead, count): (&[String], usize, &Arc<AtomicU64>),
+        (wheels, look_ahead, counts): (&[String], usize, &Counts),
     ) -> Result<Self> {
-        let mut lines = Lines::of(source, count)?;
+        let mut lines = Lines::of(source, &counts.read)?;
         let mut names: Vec<String> = Vec::new();
         let mut header = lines.cell();
         let mut fields = Vec::new();
@@ -88,6 +106,7 @@ impl CsvReader {
             look_ahead,
             rows: 0,
             last_ns: None,
+            counts: counts.clone(),
             done: false,
         })
     }
@@ -104,9 +123,19 @@ impl CsvReader {
                 Ok(false)
             };
         }
+        let taken = self.take_row();
+        // Of a single row it is not known whether the file is a table at all.
+        if taken.is_err() && self.rows > 0 && !self.lines.is_ended() {
+            self.counts.cut_off().push(self.lines.cell());
+            return Ok(false);
+        }
+        taken.map(|()| true)
+    }
+
+    fn take_row(&mut self) -> Result<()> {
         let text = self.lines.text()?;
         if text.is_empty() {
-            return Ok(true);
+            return Ok(());
         }
         let here = self.lines.cell();
         split(text, self.separator, &mut self.fields)
@@ -146,7 +175,7 @@ impl CsvReader {
             })
             .map_err(bad)?;
         self.rows += 1;
-        Ok(true)
+        Ok(())
     }
 }
 
@@ -208,7 +237,15 @@ fn bad_quote(here: &Cell, names: &[String], bad: BadQuote) -> Error {
 }
 
 fn bad_field(here: &Cell, names: &[String], found: &str, bad: BadField) -> Error {
-    let NotANumber { expected, hint } = bad.problem;
+    let NotANumber { expected, mut hint } = bad.problem;
+    if names
+        .get(bad.field)
+        .is_some_and(|name| name == found.trim())
+    {
+        hint = Some(
+            "the header is repeated here: two logs stand in one file; split it, or remove the line",
+        );
+    }
     Error::NotANumber {
         at: cell(here, names, bad.field),
         found: found.chars().take(SHOWN).collect(),

@@ -28,7 +28,10 @@ impl Layout {
         let mut lines = Lines::open(path)?;
         let mut first = Vec::new();
         while first.len() < LAYOUT_LINES && lines.advance()? {
-            first.push(lines.text()?.to_owned());
+            match lines.text() {
+                Err(_) if first.len() > 1 && !lines.is_ended() => break,
+                text => first.push(text?.to_owned()),
+            }
         }
         let mut ends = (0..first.len()).rev().filter(|at| !first[*at].is_empty());
         let last = ends.next().ok_or_else(|| Error::Empty {

@@ -84,6 +84,9 @@ pub struct SheetTime {
     pub jumps: u64,
 }
 
+/// An open quotation mark: no row.
+const CUT: &str = "\"";
+
 /// What a table holds.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -102,6 +105,8 @@ pub struct Sheet {
     pub rows: u64,
     /// Rows with another number of fields than the header.
     pub ragged: u64,
+    /// Is the last of them cut off? It has no line end.
+    pub is_cut_off: bool,
     /// Its times, where a column of time was found.
     pub time: Option<SheetTime>,
 }
@@ -128,6 +133,7 @@ impl Sheet {
                 .collect(),
             rows: 0,
             ragged: 0,
+            is_cut_off: false,
             time: None,
         };
         for _ in 0..layout.header_lines {
@@ -139,7 +145,10 @@ impl Sheet {
         let mut fields = Vec::new();
         while lines.advance()? {
             progress(count.load(std::sync::atomic::Ordering::Relaxed));
-            let text = lines.text()?;
+            let text = match lines.text() {
+                Err(_) if sheet.rows > 0 && !lines.is_ended() => CUT,
+                text => text?,
+            };
             if text.is_empty() {
                 continue;
             }
@@ -147,6 +156,7 @@ impl Sheet {
                 || fields.len() != layout.names.len()
             {
                 sheet.ragged += 1;
+                sheet.is_cut_off = !lines.is_ended();
                 continue;
             }
             sheet.rows += 1;

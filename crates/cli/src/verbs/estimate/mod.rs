@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::container::Container;
-use grouser_log::{LOOK_AHEAD, Log, UsedTopic};
+use grouser_log::{Cell, LOOK_AHEAD, Log, UsedTopic};
 use grouser_page::run::LogRecorder;
 use grouser_replay::{
     Compared, Inputs, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary,
@@ -471,6 +471,7 @@ fn warnings(
             left_out.late
         ));
     }
+    out.extend(left_out.cut_off.iter().map(cut_off));
     if left_out.excluded > 0 {
         out.push(format!(
             "{} readings are not used: {}",
@@ -491,6 +492,11 @@ fn warnings(
         }
     }
     out
+}
+
+/// The last line of a table is cut off.
+pub(crate) fn cut_off(at: &Cell) -> String {
+    format!("{at}: is cut off at the end of the file, and left out")
 }
 
 /// The JSON schema: of an estimate, or of a calibration.

@@ -17,6 +17,7 @@ use crate::output::OutputFile;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::verb_report::Report;
+use crate::verbs::estimate::cut_off;
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -231,11 +232,16 @@ fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     for file in log.files() {
         session.used_file(file)?;
     }
-    Ok(Report::done(
+    let mut report = Report::done(
         readings_fields().object((path, records, messages)),
         format!(
             "wrote {}: {messages} messages of {records} readings\n",
             shown(path)
         ),
-    ))
+    );
+    for at in log.left_out().cut_off {
+        report.warnings.push(cut_off(&at));
+        report.outcome = Outcome::Doubtful;
+    }
+    Ok(report)
 }

@@ -10,11 +10,15 @@ use crate::verb_report::Report;
 
 pub(super) fn report(sheet: &Sheet) -> Report {
     let mut report = Report::done(fields().object(sheet), text(sheet));
-    if sheet.ragged > 0 {
+    let ragged = sheet.ragged - u64::from(sheet.is_cut_off);
+    if ragged > 0 {
         report.warnings.push(format!(
-            "{} lines have another number of fields than the header",
-            sheet.ragged
+            "{ragged} lines have another number of fields than the header"
         ));
+    }
+    if sheet.is_cut_off {
+        let warning = "the last line is cut off: an estimate leaves it out";
+        report.warnings.push(warning.to_owned());
     }
     report
 }
@@ -103,6 +107,7 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Sheet> {
         "names_line" "line with the names" = sheet.names_line;
         "rows" "rows" = sheet.rows;
         "ragged_rows" "rows with another number of fields than the header" = sheet.ragged;
+        "cut_off" "whether the last of them is cut off" = sheet.is_cut_off;
         "duration_s" "time from the first row to the last" = sheet.time.as_ref().map(|time| time.duration_s);
         "rate_hz" "rate" = sheet.time.as_ref().and_then(|time| time.rate_hz);
         "longest_interval_s" "longest interval" = sheet.time.as_ref().map(|time| time.longest_s);
