@@ -81,6 +81,7 @@ impl Slots {
                     None => Slot::Place(own, y),
                 }),
                 Meaning::SpeedForward => Some(Slot::Speed(own, part(Meaning::SpeedLeft))),
+                Meaning::SpeedSize => Some(Slot::Speed(own, None)),
                 Meaning::CommandForward => Some(Slot::Command(own, part(Meaning::CommandLeft))),
                 // second parts of the above have no wheel
                 meaning => wheel().map(|wheel| Slot::Wheel(meaning, wheel, own)),

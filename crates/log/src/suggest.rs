@@ -94,6 +94,7 @@ pub fn suggest_for_sheets<'a>(sheets: impl IntoIterator<Item = (&'a Sheet, &'a s
         let motion = [
             Meaning::PoseX,
             Meaning::SpeedForward,
+            Meaning::SpeedSize,
             Meaning::DisplacementForward,
         ];
         needs_reference &= !motion.into_iter().any(|meaning| sheet.has(meaning));

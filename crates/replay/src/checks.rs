@@ -73,6 +73,8 @@ pub enum Doubt {
     YawRateScale(f64),
     /// These wheels turn against the motion by the reference, bit by bit in the robot's order, and others with it.
     Reversed(u64),
+    /// The speed over ground is never negative, though the wheels ran this far backwards, m.
+    SpeedWithoutSign(f64),
     /// The angle of the steering disagrees with the gyro.
     Steering(SteeringFault),
     /// The filter refused most readings of its only reference.
@@ -148,6 +150,11 @@ impl fmt::Display for Doubt {
                     places.join(", ")
                 )
             }
+            Self::SpeedWithoutSign(way) => write!(
+                f,
+                "the speed over ground is never negative, but the wheels ran {way:.1} m backwards: it is the size of the speed. \
+                 `meaning = \"speed_size\"` (of its column, or under `[[topics.field]]`) gives it the sign of the wheels"
+            ),
             Self::Steering(SteeringFault::Reversed) => write!(
                 f,
                 "the gyro turns against the steering: the sign of `steering_angle` is wrong (`scale = -1.0` in its column)"
@@ -167,7 +174,8 @@ impl fmt::Display for Doubt {
             Self::ReferenceTurned(angle) => write!(
                 f,
                 "the reference moves {:.0}° to the left of the direction in which the wheels drive: its axes or its yaw \
-                 are described wrongly (`pose_yaw_offset_deg` in the robot file corrects a pose: {:.0} more than there)",
+                 are described wrongly (`pose_yaw_offset_deg` in the robot file corrects a pose: {:.0} more than there; of fixes and \
+                 places without a heading the robot's first way counts as forwards)",
                 angle.to_degrees(),
                 -angle.to_degrees()
             ),
@@ -205,6 +213,7 @@ impl Doubt {
                 | Self::YawRateScale(_)
                 | Self::Steering(_)
                 | Self::Reversed(_)
+                | Self::SpeedWithoutSign(_)
                 | Self::ReferenceTurned(_)
                 | Self::AccelerationTurned(_)
                 | Self::Exchanged { .. }

@@ -211,6 +211,7 @@ fn reference(
                 needs(Meaning::DisplacementForward, "columns of displacement")
             }
             Reference::Pose => needs(Meaning::PoseX, "columns of a pose"),
+            Reference::Speed if log.measures(Meaning::SpeedSize) => None,
             Reference::Speed => needs(Meaning::SpeedForward, "a column of speed over ground"),
             Reference::FreeWheel => {
                 let mut free = file

@@ -23,6 +23,7 @@ use crate::reckoning::Reckoning;
 use crate::reference_delay::ReferenceDelay;
 use crate::samples::{is_used, rotating_wheel};
 use crate::sink::{Row, Sink, Step};
+use crate::speed_sign::SignWatch;
 use crate::steering::WheelSteering;
 use crate::steering_watch::SteeringWatch;
 use crate::summary::{Spread, Status, Summary};
@@ -86,6 +87,7 @@ pub struct Engine {
     corrections: Corrections,
     steering: Option<WheelSteering>,
     pose: PoseWatch,
+    speed_sign: SignWatch,
     /// `None` of a robot that steers by one angle.
     signs: Option<EncoderSigns>,
     steered: Option<SteeringWatch>,
@@ -187,6 +189,7 @@ impl Engine {
                 settings.low_speed,
                 settings.position_sigma,
             ),
+            speed_sign: SignWatch::default(),
             signs: (steering.is_none()).then(|| EncoderSigns::new(&robot, settings.low_speed)),
             steered: steering.as_ref().and_then(SteeringWatch::new),
             // Steered wheels turn the robot otherwise than by the speeds of its sides.
@@ -265,6 +268,7 @@ impl Engine {
         if is_used(&sample.measurement, self.inputs.wheel_sensor) {
             self.axes.take(&sample);
             self.pose.take(&sample);
+            self.speed_sign.take(&sample);
             if let Some(steered) = &mut self.steered {
                 steered.take(&sample);
             }
@@ -375,6 +379,7 @@ impl Engine {
                 let size: f64 = rims.clone().map(f64::abs).sum();
                 self.ground.step(now, time_s, size / count);
             }
+            self.speed_sign.step(&body, self.settings.low_speed);
             self.ways.count(&body, rims);
         } else if time_s < self.span.0 {
             self.ways.wait(&body);
@@ -517,6 +522,8 @@ impl Engine {
             exchange,
             axes: self.axes.summary(),
             pose: self.pose.summary(),
+            speed_without_sign_m: (self.speed_sign.backwards())
+                .filter(|_| reference == Reference::Speed),
             reversed: self.signs.as_ref().and_then(EncoderSigns::reversed),
             steering: self.steered.as_ref().and_then(SteeringWatch::fault),
             ground_changes_s: self.ground.called_s().to_vec(),

@@ -6,11 +6,11 @@ use grouser_real::{Real, wrap_angle};
 use grouser_slip::window::WindowMeans;
 use grouser_slip::{Measurement, Reference};
 
-use crate::choice::{Inputs, robot_wheels};
+use crate::choice::Inputs;
 use crate::error::{Error, Result};
 use crate::held::Held;
 use crate::options::Options;
-use crate::samples::{is_used, of_robot};
+use crate::samples::{RobotSamples, is_used};
 use crate::ways::along_rims;
 
 /// Sums are kept of blocks of this length, s: longer than the errors of a reference are correlated.
@@ -147,7 +147,7 @@ fn half_width(blocks: &[Block], all: &Block, of: fn(&Block) -> f64) -> Option<f6
 }
 
 fn blocks_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<Block>> {
-    let wheels = robot_wheels(log, file)?;
+    let mut samples = RobotSamples::new(log, file)?;
     let inputs = Inputs::of(log, file, options)?;
     if inputs.reference == Reference::Grip {
         return Err(Error::NoReference {
@@ -170,7 +170,7 @@ fn blocks_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<Block
         if !held.keeps(&sample) {
             continue;
         }
-        let sample = of_robot(sample, &wheels);
+        let sample = samples.convert(sample);
         let start = *start_ns.get_or_insert(sample.time_ns);
         let time_s = sample.time_ns.saturating_sub(start) as f64 * 1e-9;
         if !is_used(&sample.measurement, inputs.wheel_sensor) {

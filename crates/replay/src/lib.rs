@@ -54,6 +54,7 @@ mod sink;
 mod smooth;
 mod soil_learning;
 mod soil_reading;
+mod speed_sign;
 mod start;
 mod steering;
 mod steering_watch;

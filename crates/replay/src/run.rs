@@ -13,7 +13,7 @@ use crate::held::Held;
 use crate::method::Method;
 use crate::options::Options;
 use crate::reference_delay::{Postponed, ReferenceDelay, reference_delay};
-use crate::samples::of_robot;
+use crate::samples::RobotSamples;
 use crate::sink::{Row, Rows, Sink};
 use crate::summary::Summary;
 
@@ -136,7 +136,7 @@ fn run_once(
     clocks: &Clocks,
     sink: &mut impl Sink,
 ) -> Result<Summary> {
-    let wheels = robot_wheels(log, file)?;
+    let mut samples = RobotSamples::new(log, file)?;
     let inputs = Inputs::of(log, file, options)?;
     let mut file = file.clone();
     let method = options.method_for(&file.robot, inputs.reference);
@@ -151,7 +151,7 @@ fn run_once(
         if !held.keeps(&sample) {
             continue;
         }
-        for sample in postponed.take(of_robot(sample, &wheels)) {
+        for sample in postponed.take(samples.convert(sample)) {
             engine.push(sample, sink)?;
         }
     }

@@ -1,5 +1,6 @@
 //! Which of a log's samples are used, and what they say.
 
+use grouser_files::columns::Meaning;
 use grouser_files::robot::{RobotFile, WheelSensor};
 use grouser_log::Measures;
 use grouser_real::{Real, wrap_angle};
@@ -7,13 +8,17 @@ use grouser_slip::{Measurement, Sample};
 
 use crate::choice::{LogWheel, robot_wheels};
 use crate::error::Result;
+use crate::speed_sign::WheelSign;
 
-/// The samples of a live source as those of the robot: wheels in the robot's order, speeds as rates, currents as torques.
+/// The samples of a live source as those of the robot: wheels in the robot's order, speeds as rates, currents as torques; a
+/// speed over ground of which only the size is measured has the sign of the wheels.
 ///
 /// [`run`](crate::run()) does the same for a log.
 #[derive(Clone, Debug)]
 pub struct RobotSamples {
     wheels: Vec<LogWheel>,
+    /// Where the speed over ground is measured by its size alone.
+    sign: Option<WheelSign>,
 }
 
 impl RobotSamples {
@@ -22,15 +27,22 @@ impl RobotSamples {
     /// # Errors
     /// [`Error::UnknownWheel`](crate::Error::UnknownWheel) for a wheel that the robot does not have.
     pub fn new(source: &impl Measures, file: &RobotFile) -> Result<Self> {
+        let has_sign =
+            source.measures(Meaning::SpeedForward) || !source.measures(Meaning::SpeedSize);
         Ok(Self {
             wheels: robot_wheels(source, file)?,
+            sign: (!has_sign).then(|| WheelSign::new(&file.robot)),
         })
     }
 
-    /// The sample for [`Engine::push`](crate::Engine::push).
+    /// The sample for [`Engine::push`](crate::Engine::push); samples come in the order of time.
     #[must_use]
-    pub fn convert(&self, sample: Sample) -> Sample {
-        of_robot(sample, &self.wheels)
+    pub fn convert(&mut self, sample: Sample) -> Sample {
+        let mut sample = of_robot(sample, &self.wheels);
+        if let Some(sign) = &mut self.sign {
+            sign.apply(&mut sample);
+        }
+        sample
     }
 }
 

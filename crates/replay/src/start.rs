@@ -7,11 +7,11 @@ use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::start::{Progress, StartCheck};
 
 use crate::checks::Doubt;
-use crate::choice::{Inputs, robot_wheels};
+use crate::choice::Inputs;
 use crate::error::Result;
 use crate::held::Held;
 use crate::options::Options;
-use crate::samples::{is_used, of_robot};
+use crate::samples::{RobotSamples, is_used};
 use crate::summary::Summary;
 
 /// What [`check_start`] found.
@@ -64,7 +64,7 @@ impl StartOutcome {
 /// # Errors
 /// Whatever makes the log useless, and a robot that the filter does not take.
 pub fn check_start(log: &Log, file: &RobotFile, options: &Options) -> Result<StartOutcome> {
-    let wheels = robot_wheels(log, file)?;
+    let mut samples = RobotSamples::new(log, file)?;
     let inputs = Inputs::of(log, file, options)?;
     let settings = FilterSettings {
         // a log is in order of time: there is nothing to wait for
@@ -81,7 +81,7 @@ pub fn check_start(log: &Log, file: &RobotFile, options: &Options) -> Result<Sta
         if !held.keeps(&sample) {
             continue;
         }
-        let sample = of_robot(sample, &wheels);
+        let sample = samples.convert(sample);
         if !is_used(&sample.measurement, inputs.wheel_sensor) {
             continue;
         }

@@ -147,6 +147,8 @@ pub struct Summary {
     pub axes: AxisCheck,
     /// Whether the pose turns as gyro and wheels do, and moves where its yaw points.
     pub pose: PoseCheck,
+    /// How far the wheels ran backwards beside a speed over ground that has no sign, m.
+    pub speed_without_sign_m: Option<f64>,
     /// Wheels that turn against the reference while others turn with it, bit by bit in the robot's order.
     pub reversed: Option<u64>,
     /// How the angle of the steering disagrees with the gyro.
@@ -200,6 +202,8 @@ impl Summary {
             acceleration.map(Doubt::AccelerationTurned),
             (self.longest_gap_s > MAX_GAP_S).then_some(Doubt::ClockJump(self.longest_gap_s)),
         ];
+        let without_sign = self.speed_without_sign_m.map(Doubt::SpeedWithoutSign);
+        let of_filter = without_sign.into_iter().chain(of_filter);
         of_filter.chain(axes.into_iter().flatten()).collect()
     }
 }

@@ -29,6 +29,7 @@ mod robotino;
 mod robotino_free_wheel;
 mod robotino_without_reference;
 mod smoothing;
+mod speed_sign;
 mod steered;
 mod written_messages;
 mod wrong_geometry;

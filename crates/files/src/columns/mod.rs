@@ -76,6 +76,8 @@ pub enum Meaning {
     SpeedForward,
     /// Speed over ground to the left.
     SpeedLeft,
+    /// Size of the speed over ground, as satellite receivers state it: its sign is that of the wheels.
+    SpeedSize,
     /// Commanded speed forwards.
     CommandForward,
     /// Commanded speed to the left.
@@ -84,7 +86,7 @@ pub enum Meaning {
 
 impl Meaning {
     /// Every meaning: its name in files, and what it measures.
-    pub const ALL: [(&'static str, Self, Quantity); 23] = [
+    pub const ALL: [(&'static str, Self, Quantity); 24] = [
         ("wheel_count", Self::WheelCount, Quantity::Ticks),
         ("wheel_angle", Self::WheelAngle, Quantity::Angle),
         ("wheel_rate", Self::WheelRate, Quantity::AngularRate),
@@ -122,6 +124,7 @@ impl Meaning {
         ("pose_yaw", Self::PoseYaw, Quantity::Angle),
         ("speed_forward", Self::SpeedForward, Quantity::Speed),
         ("speed_left", Self::SpeedLeft, Quantity::Speed),
+        ("speed_size", Self::SpeedSize, Quantity::Speed),
         ("command_forward", Self::CommandForward, Quantity::Speed),
         ("command_left", Self::CommandLeft, Quantity::Speed),
     ];

@@ -33,7 +33,7 @@ const FIRST_INTERVAL_NS: i64 = 50_000_000;
 /// ```
 pub fn overview(log: &Log, robot: &RobotFile) -> grouser_replay::Result<Vec<u8>> {
     let log = &log.of_wheels();
-    let samples = RobotSamples::new(log, robot)?;
+    let mut samples = RobotSamples::new(log, robot)?;
     let wheels = robot.robot.wheels();
     let mut ways: Vec<Way> = wheels.iter().map(|_| Way::default()).collect();
     let mut moments = Moments::new(wheels.len());

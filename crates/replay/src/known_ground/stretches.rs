@@ -8,13 +8,13 @@ use grouser_slip::{Reference, Robot, WheelRole};
 
 use super::ripple::roller_ripple;
 use super::stretch::{Roller, Stretch};
-use crate::choice::{Inputs, robot_wheels};
+use crate::choice::Inputs;
 use crate::effort::EffortUnit;
 use crate::error::Result;
 use crate::ground_change::{BLOCK_TIME_S, RECENT_BLOCKS};
 use crate::ground_watch::GroundWatch;
 use crate::options::Options;
-use crate::samples::{is_used, of_robot};
+use crate::samples::{RobotSamples, is_used};
 
 /// Slips and speeds are means over this time, s: the interval of a slip is that of one second.
 const WINDOW_S: f64 = 1.0;
@@ -50,7 +50,7 @@ pub(crate) struct LogStretches {
 
 /// Drives a log, with or without a reference.
 pub(crate) fn stretches(log: &Log, file: &RobotFile, options: &Options) -> Result<LogStretches> {
-    let wheels = robot_wheels(log, file)?;
+    let mut samples = RobotSamples::new(log, file)?;
     let inputs = Inputs::with_or_without_reference(log, file, options)?;
     let mut settings = file.settings;
     settings.reference = inputs.reference;
@@ -66,7 +66,7 @@ pub(crate) fn stretches(log: &Log, file: &RobotFile, options: &Options) -> Resul
     let mut group_ns = None;
     let mut time_s = 0.0;
     for sample in log.samples(&vec![0; log.clocks()])? {
-        let sample = of_robot(sample?, &wheels);
+        let sample = samples.convert(sample?);
         let start = *start_ns.get_or_insert(sample.time_ns);
         // All samples of one time have come.
         if let Some(now_ns) = group_ns.filter(|group| *group != sample.time_ns)

@@ -7,11 +7,11 @@ use grouser_slip::{Measurement, Reference};
 use super::rims::Rims;
 use super::steps::{Step, Steps};
 use super::track::Track;
-use crate::choice::{Inputs, robot_wheels};
+use crate::choice::Inputs;
 use crate::error::Result;
 use crate::held::Held;
 use crate::options::Options;
-use crate::samples::{is_used, of_robot};
+use crate::samples::{RobotSamples, is_used};
 
 /// Nothing is known between two readings of a gyro that are further apart, s: whether a rate is of the moment of its stamp or
 /// the mean since the one before, half of the time between them, is not known.
@@ -49,7 +49,7 @@ impl Tracks {
         shifts: &[i64],
         mut held: Held,
     ) -> Result<Self> {
-        let wheels = robot_wheels(log, file)?;
+        let mut samples = RobotSamples::new(log, file)?;
         let inputs = Inputs::of(log, file, options)?;
         if matches!(inputs.reference, Reference::FreeWheel | Reference::Grip) {
             return Ok(Self::default());
@@ -64,7 +64,7 @@ impl Tracks {
             if !held.keeps(&sample) {
                 continue;
             }
-            let sample = of_robot(sample, &wheels);
+            let sample = samples.convert(sample);
             let start = *start_ns.get_or_insert(sample.time_ns);
             let time_s = sample.time_ns.saturating_sub(start) as f64 * 1e-9;
             if time_s > MAX_LOG_S {

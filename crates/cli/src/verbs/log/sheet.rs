@@ -30,6 +30,7 @@ fn lacks(sheet: &Sheet) -> Vec<&'static str> {
     let motion = [
         Meaning::PoseX,
         Meaning::SpeedForward,
+        Meaning::SpeedSize,
         Meaning::DisplacementForward,
     ];
     let needs = [

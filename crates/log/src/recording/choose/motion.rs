@@ -129,7 +129,9 @@ impl Choosing<'_> {
                     .to_owned(),
             );
         }
-        if !self.measures(Meaning::SpeedForward)
+        if ![Meaning::SpeedForward, Meaning::SpeedSize]
+            .iter()
+            .any(|meaning| self.measures(*meaning))
             && let Some(seen) = first(|view, topic| {
                 matches!(view, View::Odometry(_) | View::Twist { .. })
                     && is_over_ground(topic)
@@ -140,7 +142,7 @@ impl Choosing<'_> {
             if is_twist && words(&seen.channel.topic).any(|word| ON_EARTH.contains(&word.as_str()))
             {
                 let word = "size of the speed over ground, to the east and north";
-                self.take(seen, Job::SpeedOnEarth, word, [SPEED[0]]);
+                self.take(seen, Job::SpeedOnEarth, word, [(Meaning::SpeedSize, None)]);
             } else {
                 self.take(seen, Job::Speed, "speed over ground", SPEED);
             }
