@@ -3,6 +3,8 @@
 //! A sensor whose axes are described wrongly is refused by the filter or makes it wrong; here the angle itself is measured,
 //! so that the output can name the cause.
 
+use std::ops::RangeInclusive;
+
 use grouser_real::Real;
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
@@ -21,6 +23,8 @@ const MIN_SIGNIFICANCE: f64 = 5.0;
 /// than the second number is an outlier of the reference.
 const MIN_CHANGE_M_PER_S: f64 = 0.03;
 const MAX_CHANGE_M_PER_S: f64 = 2.0;
+/// What accelerations are as multiples of the changes of the rims' speed, which slip changes too.
+const SCALES: RangeInclusive<f64> = 0.2..=5.0;
 /// Way of the reference that must have been compared, m, and the share of it that must point one way.
 const MIN_WAY_M: f64 = 1.0;
 const MIN_SHARE: f64 = 0.6;
@@ -207,6 +211,20 @@ impl AxisWatch {
     }
 }
 
+impl AxisWatch {
+    /// Do the accelerations of the whole log show another scale or sign along the robot than that of metres per second
+    /// squared? `None` of a log that is too short for it.
+    pub(crate) fn has_other_scale(&self) -> Option<bool> {
+        let [cos, sin] = self.along?;
+        let changes = &self.by_rims;
+        let speed_variance = changes.speed_variance()?;
+        let is_other = changes
+            .direction()
+            .is_some_and(|([x, y], _)| !SCALES.contains(&((cos * x + sin * y) / speed_variance)));
+        Some(is_other)
+    }
+}
+
 /// Sums of the changes of speed by rims or reference and by the accelerometer, m/s.
 #[derive(Clone, Copy, Debug, Default)]
 struct Changes {
@@ -233,14 +251,18 @@ impl Changes {
         }
     }
 
+    /// The variance of the changes of speed, m²/s², where it suffices.
+    fn speed_variance(&self) -> Option<f64> {
+        let n = self.count;
+        let variance = self.speed_square / n - Real::powi(self.speed / n, 2);
+        (n >= MIN_WINDOWS && variance > Real::powi(MIN_CHANGE_M_PER_S, 2)).then_some(variance)
+    }
+
     /// The direction of the acceleration that goes with speeding up, and its significance, where that suffices. Biases and
     /// the slope of the ground are constants of it.
     fn direction(&self) -> Option<([f64; 2], f64)> {
         let n = self.count;
-        let speed_variance = self.speed_square / n - Real::powi(self.speed / n, 2);
-        if !(n >= MIN_WINDOWS && speed_variance > Real::powi(MIN_CHANGE_M_PER_S, 2)) {
-            return None;
-        }
+        let speed_variance = self.speed_variance()?;
         let covariance =
             [0, 1].map(|i| self.product[i] / n - self.speed * self.gained[i] / (n * n));
         let means = self.gained.map(|sum| sum / n);

@@ -109,29 +109,7 @@ impl fmt::Display for Doubt {
                 f,
                 "no reading of the reference could be used: how fast the robot travels is not known, and no slip is"
             ),
-            Self::Pose(PoseFault::YawConstant) => write!(
-                f,
-                "`pose_yaw` stays the same while the robot turns: the orientation is not measured (an identity), or another \
-                 axis of the pose points up"
-            ),
-            Self::Pose(PoseFault::YawMirrored) => write!(
-                f,
-                "`pose_yaw` turns against gyro or wheels: it counts to the right (`scale = -1.0` in its column turns it round), \
-                 or the axis that points up is another"
-            ),
-            Self::Pose(PoseFault::YawUnit(scale)) => write!(
-                f,
-                "`pose_yaw` turns by {scale:.1} times what gyro or wheels turn by: is its unit another than described (rad, deg)?"
-            ),
-            Self::Pose(PoseFault::PlaceMirrored) => write!(
-                f,
-                "the places of the pose turn against its yaw: `pose_x` and `pose_y` are exchanged, or one of them has the wrong \
-                 sign (`scale = -1.0` in its column)"
-            ),
-            Self::Pose(PoseFault::Unit(scale)) => write!(
-                f,
-                "the pose moves {scale:.3} times as far as the wheels: is it in another unit than described (cm, mm)?"
-            ),
+            Self::Pose(fault) => pose_fault(f, *fault),
             Self::YawRateScale(scale) => write!(
                 f,
                 "the gyro turns by {scale:.2} times what pose and wheels turn by: its unit or its sign is described wrongly"
@@ -200,6 +178,39 @@ impl fmt::Display for Doubt {
                 "the times of the log jump by {gap_s:.0} s: its clock was set, or it holds more than one drive"
             ),
         }
+    }
+}
+
+fn pose_fault(f: &mut fmt::Formatter<'_>, fault: PoseFault) -> fmt::Result {
+    match fault {
+        PoseFault::YawConstant => write!(
+            f,
+            "`pose_yaw` stays the same while the robot turns: the orientation is not measured (an identity), or another \
+             axis of the pose points up"
+        ),
+        PoseFault::YawMirrored => write!(
+            f,
+            "`pose_yaw` turns against gyro or wheels: it counts to the right (`scale = -1.0` in its column turns it round), \
+             or the axis that points up is another"
+        ),
+        PoseFault::YawUnit(scale) => write!(
+            f,
+            "`pose_yaw` turns by {scale:.1} times what gyro or wheels turn by: is its unit another than described (rad, deg)?"
+        ),
+        PoseFault::PlaceMirrored => write!(
+            f,
+            "the places of the pose turn against its yaw: `pose_x` and `pose_y` are exchanged, or one of them has the wrong \
+             sign (`scale = -1.0` in its column)"
+        ),
+        PoseFault::Unit(scale) => write!(
+            f,
+            "the pose moves {scale:.3} times as far as the wheels: is it in another unit than described (cm, mm){}?",
+            if scale < 1.0 {
+                ", or do the wheels slip so much"
+            } else {
+                ""
+            }
+        ),
     }
 }
 

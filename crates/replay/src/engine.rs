@@ -521,6 +521,7 @@ impl Engine {
             turns,
             exchange,
             axes: self.axes.summary(),
+            has_other_acceleration: self.axes.has_other_scale(),
             pose: self.pose.summary(),
             speed_without_sign_m: (self.speed_sign.backwards())
                 .filter(|_| reference == Reference::Speed),

@@ -45,8 +45,11 @@ const DRIFT_RAD: f64 = 0.3;
 /// Ways in succession have errors alike: this times their variance, and not less than the second number, rad².
 const WAY_VARIANCE_FACTOR: f64 = 2.0;
 const MIN_WAY_VARIANCE: f64 = 4e-4;
-/// A reference that goes this much farther than the wheels, or that share of it, in the median has another unit.
+/// A reference that goes this much farther than the wheels in the median has another unit.
 const MAX_WAY_SCALE: f64 = 3.0;
+/// One whose ways are shorter than this share of the wheels', in nine of ten cases, probably has: the slip of a robot that
+/// drives is not as great all the time, and centimetres are the next unit.
+const MIN_WAY_SCALE: f64 = 0.125;
 
 /// How a pose disagrees with the robot's other sensors.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,13 +78,20 @@ pub struct PoseCheck {
     pub gyro_scale: Option<f64>,
     /// The angle from its yaw to the course of straight ways, rad, where it is clear.
     pub course: Option<f64>,
+    /// Does its yaw turn as the gyro does?
+    pub(crate) gyro_agrees: bool,
+    /// Nine of ten of its ways are a lesser multiple of the wheels' than this.
+    long_way_scale: Option<f64>,
 }
 
 impl PoseCheck {
-    /// Ways of the pose that are far shorter than the wheels': another unit, or a slip that no check on firm ground has.
+    /// Ways of the pose that are all far shorter than the wheels': another unit, or a robot that is stuck all the time.
     pub(crate) fn small_unit(&self) -> Option<PoseFault> {
-        let is_small = |scale: &f64| *scale < 1.0 / MAX_WAY_SCALE;
-        self.way_scale.filter(is_small).map(PoseFault::Unit)
+        let is_small = |scale: &f64| *scale < MIN_WAY_SCALE;
+        self.long_way_scale
+            .filter(is_small)
+            .and(self.way_scale)
+            .map(PoseFault::Unit)
     }
 }
 
@@ -283,6 +293,8 @@ impl PoseWatch {
             fault,
             way_scale,
             gyro_scale,
+            gyro_agrees: self.gyro_pose.is_known() && self.gyro_pose.agrees(1.0),
+            long_way_scale: is_known.then(|| scales[scales.len() * 9 / 10]),
         }
     }
 

@@ -37,13 +37,39 @@ impl StartOutcome {
     /// With what a run through the estimator found of how the sensors are described.
     #[must_use]
     pub fn beside(self, summary: &Summary) -> Self {
-        if matches!(self, Self::Implausible { .. }) {
-            return self;
-        }
+        let found = match self {
+            Self::Implausible { fault, .. } if is_refuted(&fault, summary) => Self::Plausible,
+            Self::Implausible { .. } => return self,
+            other => other,
+        };
         let mut doubts = summary.doubts().into_iter();
         let small = summary.pose.small_unit().map(Doubt::Pose);
-        (doubts.find(Doubt::is_description).or(small)).map_or(self, Self::Contradicted)
+        (doubts.find(Doubt::is_description).or(small)).map_or(found, Self::Contradicted)
     }
+}
+
+/// Does the whole log refute what a part of it looked like? Slopes under an accelerometer, and a wheel that spins, look like
+/// another unit or sign for a while.
+fn is_refuted(fault: &Fault, summary: &Summary) -> bool {
+    let Fault::Implausible {
+        field, looks_like, ..
+    } = fault
+    else {
+        return false;
+    };
+    // what shows at rest needs no speed to compare with
+    let is_at_rest = looks_like.ends_with("at rest") || looks_like.ends_with("stand");
+    let is_refuted = match *field {
+        "yaw rate" => {
+            let wheel = summary.turns.as_ref().and_then(|turns| turns.wheel);
+            summary.pose.gyro_agrees || wheel.is_some()
+        }
+        "acceleration forward" | "acceleration left" => {
+            summary.axes.acceleration.is_none() && summary.has_other_acceleration == Some(false)
+        }
+        _ => false,
+    };
+    is_refuted && !is_at_rest
 }
 
 /// Holds the sensors of a log against each other: units, signs and axes.

@@ -145,6 +145,8 @@ pub struct Summary {
     pub exchange: Option<ExchangeCheck>,
     /// Whether accelerometer and reference point in the direction in which the wheels drive.
     pub axes: AxisCheck,
+    /// Whether the accelerations of the whole log show another scale or sign.
+    pub(crate) has_other_acceleration: Option<bool>,
     /// Whether the pose turns as gyro and wheels do, and moves where its yaw points.
     pub pose: PoseCheck,
     /// How far the wheels ran backwards beside a speed over ground that has no sign, m.

@@ -31,5 +31,6 @@ mod robotino_without_reference;
 mod smoothing;
 mod speed_sign;
 mod steered;
+mod whole_log_check;
 mod written_messages;
 mod wrong_geometry;
