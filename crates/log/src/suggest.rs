@@ -8,7 +8,7 @@ use std::fmt::Write as _; // writing to a string cannot fail
 use grouser_files::columns::Meaning;
 use grouser_files::{PLACEHOLDER, TomlText};
 
-use crate::sheet::{Sheet, SheetColumn, open_question};
+use crate::sheet::{Sheet, SheetColumn, open_question, perhaps_of_wheels};
 use crate::survey::{Survey, Topic, Use};
 
 /// More wheels than a robot has.
@@ -159,6 +159,15 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
                     "    # {{ column = {}, meaning = \"\", wheel = {}, unit = \"\" }},  # {question}",
                     TomlText::quoted(&column.name),
                     TomlText::quoted(&wheel)
+                );
+            } else if let Some(guess) = perhaps_of_wheels(column) {
+                let _ = writeln!(
+                    table,
+                    "    # {{ column = {}, meaning = \"{}\", unit = \"{}\" }},  # if it measures the ground (camera, \
+                     GNSS, lidar); not if it was made of the wheels",
+                    TomlText::quoted(&column.name),
+                    guess.meaning.name(),
+                    guess.unit
                 );
             }
             continue;

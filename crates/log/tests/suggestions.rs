@@ -267,6 +267,50 @@ fn the_whole_file_for_a_table() {
 }
 
 #[test]
+fn units_in_names_and_columns_of_topics() {
+    let text = for_table(
+        "a",
+        "t,fl_current_A,left_torque [Nm],x_mm,y_mm,yaw_deg,steering_angle_deg\n0,1,2,3,4,90,6\n1,1,2,3,4,180,6\n",
+    );
+    for line in [
+        "{ column = \"fl_current_A\", meaning = \"motor_current\", wheel = \"fl\", unit = \"A\" },",
+        "{ column = \"left_torque [Nm]\", meaning = \"wheel_torque\", wheel = \"left\", unit = \"N m\" },",
+        "{ column = \"x_mm\", meaning = \"pose_x\", unit = \"mm\" },",
+        "{ column = \"y_mm\", meaning = \"pose_y\", unit = \"mm\" },",
+        "{ column = \"yaw_deg\", meaning = \"pose_yaw\", unit = \"deg\" },",
+        "{ column = \"steering_angle_deg\", meaning = \"steering_angle\", unit = \"deg\" },",
+    ] {
+        assert!(text.contains(&format!("\n    {line}\n")), "{line}: {text}");
+    }
+    // beside places in another spelling; a speed that is negative has a sign
+    let text = for_table(
+        "a",
+        "t,pos_x_mm,pos_y_mm,yaw_deg,gps_speed_kmh\n0,1,2,90,3\n1,1,2,180,-3\n",
+    );
+    for line in [
+        "{ column = \"yaw_deg\", meaning = \"pose_yaw\", unit = \"deg\" },",
+        "{ column = \"gps_speed_kmh\", meaning = \"speed_forward\", unit = \"km/h\" },",
+    ] {
+        assert!(text.contains(&format!("\n    {line}\n")), "{line}: {text}");
+    }
+    // an odometry of unknown origin is no reference, one that measures the ground is
+    let of = |topic: &str| {
+        let names = ["x", "y"].map(|axis| format!("/{topic}/pose/position/{axis}"));
+        for_table(
+            "a",
+            &format!("t,left_angle,{}\n0,1,2,3\n1,1,2,3\n", names.join(",")),
+        )
+    };
+    let text = of("odometry");
+    let line = "\n    # { column = \"/odometry/pose/position/x\", meaning = \"pose_x\", unit = \"m\" },  # if it measures \
+                the ground (camera, GNSS, lidar); not if it was made of the wheels\n";
+    assert!(text.contains(line) && text.contains(REFERENCE), "{text}");
+    assert!(of("vio").contains(
+        "\n    { column = \"/vio/pose/position/x\", meaning = \"pose_x\", unit = \"m\" },\n"
+    ));
+}
+
+#[test]
 fn several_tables_are_one_robot() {
     let folder = folder();
     let sheet =

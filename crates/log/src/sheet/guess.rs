@@ -1,8 +1,10 @@
 //! What a column probably means, by its name.
 
 use grouser_files::columns::Meaning;
+use grouser_files::unit::{Quantity, UNITS};
 
 use super::SheetColumn;
+use crate::recording::is_over_ground;
 
 /// What a column probably means.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,7 +62,7 @@ pub(super) fn time_rank(name: &str) -> Option<u8> {
     let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
     if is(&["stamp"]) && !is(&["sec", "nsec", "nanosec", "secs", "nsecs"]) {
         Some(0)
-    } else if is(&["time", "timestamp", "datetime", "zeit"]) && !is(&["dt", "delta"]) {
+    } else if is(&["time", "timestamp", "datetime", "zeit", "utc"]) && !is(&["dt", "delta"]) {
         Some(1)
     } else if matches!(words.as_slice(), [one] if one == "t" || is_time_unit(one))
         || matches!(words.as_slice(), [one, unit] if one == "t" && is_time_unit(unit))
@@ -72,7 +74,10 @@ pub(super) fn time_rank(name: &str) -> Option<u8> {
 }
 
 fn is_time_unit(word: &str) -> bool {
-    matches!(word, "s" | "ms" | "us" | "ns" | "sec" | "seconds")
+    matches!(
+        word,
+        "s" | "ms" | "us" | "ns" | "sec" | "seconds" | "millis"
+    )
 }
 
 /// The unit of a time, by its name, else by its size and its median interval.
@@ -104,25 +109,107 @@ pub(super) fn time_unit(column: &SheetColumn, median: Option<f64>) -> &'static s
     }
 }
 
-/// The guess for a column; `unit` is what a header line says, which then must fit.
-pub(super) fn guess(name: &str, unit: Option<&str>, whole: bool) -> Option<Guess> {
-    let unit = unit.filter(|unit| !unit.is_empty());
-    let mut guess = by_name(&words(name), unit, whole)?;
-    if let Some(unit) = unit {
-        let unit = if unit == "ticks" { "tick" } else { unit };
-        let (_, _, quantity) = Meaning::ALL
-            .into_iter()
-            .find(|(_, own, _)| *own == guess.meaning)?;
-        let (known, _) = quantity
-            .units()
-            .into_iter()
-            .find(|(known, _)| *known == unit)?;
-        guess.unit = known;
+/// How people write units at the end of a name, in the words of [`words`]; the longer ones first. What is no unit of a column
+/// map stands for one that fits no meaning.
+const UNIT_WORDS: &[(&str, &str)] = &[
+    ("km per h", "km/h"),
+    ("km h", "km/h"),
+    ("kmh", "km/h"),
+    ("kph", "km/h"),
+    ("m per s2", "m/s2"),
+    ("m s2", "m/s2"),
+    ("m s²", "m/s2"),
+    ("mm per s", "mm/s"),
+    ("mm s", "mm/s"),
+    ("cm per s", "cm/s"),
+    ("cm s", "cm/s"),
+    ("m per s", "m/s"),
+    ("m s", "m/s"),
+    ("mps", "m/s"),
+    ("mrad s", "mrad/s"),
+    ("rad per s", "rad/s"),
+    ("rad s", "rad/s"),
+    ("deg per s", "deg/s"),
+    ("deg s", "deg/s"),
+    ("dps", "deg/s"),
+    ("rpm", "rpm"),
+    ("n m", "N m"),
+    ("nm", "N m"),
+    ("mnm", "mN m"),
+    ("ma", "mA"),
+    ("mm", "mm"),
+    ("cm", "cm"),
+    ("km", "km"),
+    ("ft", "ft"),
+    ("m", "m"),
+    ("degrees", "deg"),
+    ("deg", "deg"),
+    ("rad", "rad"),
+    ("mrad", "mrad"),
+    ("mg", "mg"),
+    ("mph", "mph"),
+    ("a", "A"),
+    ("g", "g"),
+    ("in", "in"),
+    ("ticks", "tick"),
+];
+
+/// The words of a name without the unit that it ends with, and that unit.
+fn split_unit(name: &str) -> (Vec<String>, Option<&'static str>) {
+    let mut all = words(name);
+    let joined = all.join(" ");
+    let ends = |(spelled, _): &&(&str, &str)| {
+        let before = joined.strip_suffix(spelled);
+        before.is_some_and(|before| before.ends_with(' '))
+    };
+    let Some((spelled, unit)) = UNIT_WORDS.iter().find(ends) else {
+        return (all, None);
+    };
+    if *unit != "tick" {
+        all.truncate(all.len() - spelled.split(' ').count());
     }
+    (all, Some(unit))
+}
+
+/// The guess for a column; `unit` is what a header line says. It, or the unit in the name, must fit.
+pub(super) fn guess(name: &str, unit: Option<&str>, whole: bool) -> Option<Guess> {
+    let (words, in_name) = split_unit(name);
+    let Some(unit) = unit.filter(|unit| !unit.is_empty()) else {
+        let found = by_name_and_unit(&words, in_name, whole);
+        return match in_name {
+            // or a channel, say
+            Some("A" | "g" | "in") => found.or_else(|| by_name(&self::words(name), None, whole)),
+            _ => found,
+        };
+    };
+    let spelled = self::words(unit).join(" ");
+    let known = UNIT_WORDS.iter().find(|(words, _)| *words == spelled);
+    by_name_and_unit(&words, known.map(|(_, unit)| *unit).or(Some(unit)), whole)
+}
+
+fn by_name_and_unit(words: &[String], stated: Option<&str>, whole: bool) -> Option<Guess> {
+    let quantity_of = |unit| UNITS.iter().find(|(name, ..)| *name == unit).map(|of| of.1);
+    let mut guess = by_name(words, stated.and_then(quantity_of), whole)?;
+    let Some(stated) = stated else {
+        return Some(guess);
+    };
+    if (guess.meaning, quantity_of(stated)?) == (Meaning::WheelRate, Quantity::Speed) {
+        guess.meaning = Meaning::WheelSpeed;
+    }
+    let (_, _, own) = Meaning::ALL
+        .into_iter()
+        .find(|(_, meaning, _)| *meaning == guess.meaning)?;
+    // `rate_deg` is in degrees per second
+    let unit = match (own, stated) {
+        (Quantity::AngularRate, "deg") => "deg/s",
+        (Quantity::AngularRate, "rad") => "rad/s",
+        _ => stated,
+    };
+    (guess.unit, _) = own.units().into_iter().find(|(known, _)| *known == unit)?;
     Some(guess)
 }
 
-fn by_name(words: &[String], unit: Option<&str>, whole: bool) -> Option<Guess> {
+fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -> Option<Guess> {
     let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
     let of = |meaning, unit| {
         Some(Guess {
@@ -138,9 +225,6 @@ fn by_name(words: &[String], unit: Option<&str>, whole: bool) -> Option<Guess> {
             unit,
         })
     };
-    let degrees = is(&["deg", "degrees", "dps"]);
-    let rate_unit = if degrees { "deg/s" } else { "rad/s" };
-    let angle_unit = if degrees { "deg" } else { "rad" };
     let command = is(&["cmd", "command", "commanded", "setpoint", "target", "set"]);
     let other = [
         "covariance",
@@ -155,11 +239,15 @@ fn by_name(words: &[String], unit: Option<&str>, whole: bool) -> Option<Guess> {
         "accel",
         "orientation",
     ];
+    let of_a_wheel = is(&["wheel", "motor", "left", "right", "joint"])
+        || words.iter().any(|word| is_numbered(word))
+        || (stated.is_some() && words.iter().any(|word| word.len() == 2 && is_corner(word)));
+    if !command && let Some(found) = stated.and_then(|stated| by_unit(words, stated, of_a_wheel)) {
+        return Some(found);
+    }
     if is(&other) {
         return None;
     }
-    let of_a_wheel = is(&["wheel", "motor", "left", "right", "joint"])
-        || words.iter().any(|word| is_numbered(word));
     let turns =
         is(&["gyro", "gyroscope", "imu"]) || (is(&["angular"]) && is(&["velocity", "rate"]));
     if command {
@@ -172,33 +260,28 @@ fn by_name(words: &[String], unit: Option<&str>, whole: bool) -> Option<Guess> {
     }
     let bare = matches!(words, [wheel, place] if wheel == "wheel" && is_corner(place));
     let counts = is(&["tick", "ticks", "count", "counts", "encoder", "enc"]);
-    if whole && (counts || bare || unit == Some("ticks")) {
+    if whole && (counts || bare || stated == Some(Quantity::Ticks)) {
         return of_wheel(Meaning::WheelCount, "tick");
     }
     if (turns && (is(&["z"]) || is_gyro(words)))
         || (is(&["yaw"]) && is(&["rate", "velocity"]))
         || is(&["yawrate"])
     {
-        return of(Meaning::YawRate, rate_unit);
+        return of(Meaning::YawRate, "rad/s");
     }
-    if of_a_wheel && is(&["velocity", "vel", "speed", "rate", "omega", "rpm"]) {
-        let unit = if is(&["rpm"]) { "rpm" } else { rate_unit };
-        return if is(&["mps"]) || (is(&["m"]) && is(&["s"])) {
-            of_wheel(Meaning::WheelSpeed, "m/s")
-        } else if is(&["m"]) {
-            None
-        } else {
-            of_wheel(Meaning::WheelRate, unit)
-        };
+    let is_speed = matches!(stated, Some(Quantity::Speed | Quantity::AngularRate));
+    if of_a_wheel && (is_speed || is(&["velocity", "vel", "speed", "rate", "omega", "rpm"])) {
+        let unit = if is(&["rpm"]) { "rpm" } else { "rad/s" };
+        return of_wheel(Meaning::WheelRate, unit);
     }
     if of_a_wheel && is(&["position", "pos", "angle"]) {
-        return of_wheel(Meaning::WheelAngle, angle_unit);
+        return of_wheel(Meaning::WheelAngle, "rad");
     }
     match words {
         [one] if one == "dx" => return of(Meaning::DisplacementForward, "m"),
         [one] if one == "dy" => return of(Meaning::DisplacementLeft, "m"),
         [one] if one == "dang" || one == "dyaw" => {
-            return of(Meaning::DisplacementTurn, angle_unit);
+            return of(Meaning::DisplacementTurn, "rad");
         }
         _ => {}
     }
@@ -207,7 +290,7 @@ fn by_name(words: &[String], unit: Option<&str>, whole: bool) -> Option<Guess> {
     ]) {
         None
     } else if is(&["yaw", "heading", "theta"]) {
-        of(Meaning::PoseYaw, angle_unit)
+        of(Meaning::PoseYaw, "rad")
     } else if is(&["x"]) {
         of(Meaning::PoseX, "m")
     } else if is(&["y"]) {
@@ -215,6 +298,70 @@ fn by_name(words: &[String], unit: Option<&str>, whole: bool) -> Option<Guess> {
     } else {
         None
     }
+}
+
+/// What only a stated unit makes clear.
+fn by_unit(words: &[String], stated: Quantity, of_a_wheel: bool) -> Option<Guess> {
+    let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
+    let of = |meaning, unit| Guess {
+        meaning,
+        wheel: None,
+        unit,
+    };
+    let found = match stated {
+        Quantity::Torque if of_a_wheel && is(&["torque", "effort"]) => {
+            of(Meaning::WheelTorque, "N m")
+        }
+        Quantity::Current if of_a_wheel && is(&["current", "amps"]) => {
+            of(Meaning::MotorCurrent, "A")
+        }
+        Quantity::Angle if is(&["steering", "steer"]) && of_a_wheel => {
+            of(Meaning::WheelSteering, "rad")
+        }
+        Quantity::Angle if is(&["steering", "steer"]) => of(Meaning::SteeringAngle, "rad"),
+        Quantity::Acceleration if is(&["x", "forward"]) => of(Meaning::AccelerationForward, "m/s2"),
+        Quantity::Acceleration if is(&["y", "left"]) => of(Meaning::AccelerationLeft, "m/s2"),
+        Quantity::Speed if is(&["gps", "gnss", "ground", "sog"]) && is(&["speed", "sog"]) => {
+            of(Meaning::SpeedSize, "m/s")
+        }
+        Quantity::Speed if is(&["speed", "velocity"]) && is(&["forward"]) && !of_a_wheel => {
+            of(Meaning::SpeedForward, "m/s")
+        }
+        _ => return None,
+    };
+    let wheel = found.meaning.is_of_a_wheel().then(|| wheel(words));
+    match wheel {
+        Some(None) => None,
+        wheel => Some(Guess {
+            wheel: wheel.flatten(),
+            ..found
+        }),
+    }
+}
+
+/// The unit of a column whose name is one of `names` and at most a unit; `default` where it states none.
+pub(super) fn bare_unit(
+    name: &str,
+    names: &[&str],
+    default: Option<&'static str>,
+) -> Option<&'static str> {
+    let (words, unit) = split_unit(name);
+    match words.as_slice() {
+        [one] if names.contains(&one.as_str()) => unit.or(default),
+        _ => None,
+    }
+}
+
+/// What a column means if the topic that it was taken of measures the ground: tools name columns by topics, and most
+/// odometry is computed from the wheels.
+pub(crate) fn perhaps_of_wheels(column: &SheetColumn) -> Option<Guess> {
+    let name = &column.name;
+    if !name.starts_with('/') || is_over_ground(name) || column.others > 0 {
+        return None;
+    }
+    let found = guess(name, None, column.whole)?;
+    let of_pose = [Meaning::PoseX, Meaning::PoseY, Meaning::PoseYaw];
+    of_pose.contains(&found.meaning).then_some(found)
 }
 
 /// Is it the name of a gyro of one axis, with its unit at most?
@@ -236,7 +383,7 @@ fn is_gyro(words: &[String]) -> bool {
 pub(crate) fn open_question(column: &SheetColumn) -> Option<(String, &'static str)> {
     let words = words(&column.name);
     let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
-    let says_unit = is(&["rad", "deg", "degrees", "dps", "rpm", "m", "mps"]);
+    let says_unit = split_unit(&column.name).1.is_some() || is(&["rad", "deg", "rpm", "m"]);
     let size = column.max.max(-column.min);
     if column.others > 0 || column.numbers == 0 || says_unit {
         return None;
@@ -272,7 +419,8 @@ fn wheel(words: &[String]) -> Option<String> {
     const MEASURED: &[&str] = &[
         "field", "wheel", "tick", "ticks", "count", "counts", "encoder", "enc", "velocity", "vel",
         "speed", "rate", "omega", "rpm", "position", "pos", "angle", "joint", "rad", "deg", "per",
-        "s", "data", "msg", "raw", "degrees", "motor", "m", "mps",
+        "s", "data", "msg", "raw", "degrees", "motor", "m", "mps", "torque", "effort", "current",
+        "steering", "steer",
     ];
     let kept: Vec<&str> = words
         .iter()
@@ -409,6 +557,65 @@ mod tests {
     }
 
     #[test]
+    fn a_unit_in_the_name_counts() {
+        use Meaning as M;
+        for (name, meaning, wheel, unit) in [
+            ("pose_x_mm", M::PoseX, None, "mm"),
+            ("pos_x_cm", M::PoseX, None, "cm"),
+            ("position_x_in", M::PoseX, None, "in"),
+            ("WheelSpeed_FL [km/h]", M::WheelSpeed, Some("fl"), "km/h"),
+            ("wheel_speed_fl_kmh", M::WheelSpeed, Some("fl"), "km/h"),
+            ("fr_wheel_speed_mm_s", M::WheelSpeed, Some("fr"), "mm/s"),
+            ("fl_speed_m_s", M::WheelSpeed, Some("fl"), "m/s"),
+            ("left_vel_mps", M::WheelSpeed, Some("left"), "m/s"),
+            ("wheel_rate_fl_deg_s", M::WheelRate, Some("fl"), "deg/s"),
+            ("fl_rpm", M::WheelRate, Some("fl"), "rpm"),
+            ("rpm_left", M::WheelRate, Some("left"), "rpm"),
+            ("gyro_z_deg_s", M::YawRate, None, "deg/s"),
+            ("yaw_rate [deg/s]", M::YawRate, None, "deg/s"),
+            ("steering_angle_deg", M::SteeringAngle, None, "deg"),
+            ("SteeringAngle [deg]", M::SteeringAngle, None, "deg"),
+            ("fl_steering_deg", M::WheelSteering, Some("fl"), "deg"),
+            ("GPS_Speed [km/h]", M::SpeedSize, None, "km/h"),
+            ("ground_speed_kmh", M::SpeedSize, None, "km/h"),
+            ("speed_forward_kmh", M::SpeedForward, None, "km/h"),
+            ("acc_x_g", M::AccelerationForward, None, "g"),
+            ("acceleration_y [m/s²]", M::AccelerationLeft, None, "m/s2"),
+            ("left_torque_nm", M::WheelTorque, Some("left"), "N m"),
+            ("left_torque [Nm]", M::WheelTorque, Some("left"), "N m"),
+            ("fl_current_A", M::MotorCurrent, Some("fl"), "A"),
+            (
+                "right_motor_current_ma",
+                M::MotorCurrent,
+                Some("right"),
+                "mA",
+            ),
+            ("cmd_speed_kmh", M::CommandForward, None, "km/h"),
+        ] {
+            let found = guess(name, None, false);
+            let found = found.map(|guess| (guess.meaning, guess.wheel, guess.unit));
+            let wheel = wheel.map(str::to_owned);
+            assert_eq!(found, Some((meaning, wheel, unit)), "{name}");
+        }
+        // a channel of an encoder
+        let found = guess("left_enc_a", None, true).unwrap();
+        assert_eq!((found.meaning, found.unit), (M::WheelCount, "tick"));
+        // units that no column map has, or that do not fit
+        for name in [
+            "yaw_rate_mrad_s",
+            "pose_x_ft",
+            "wheel_speed_fl_mph",
+            "acc_x_mg",
+            "pose_x_deg",
+            "pose_heading_mm",
+        ] {
+            assert_eq!(guess(name, None, false), None, "{name}");
+        }
+        let of_line = guess("wheel_speed_fl", Some("kmh"), false).unwrap();
+        assert_eq!((of_line.meaning, of_line.unit), (M::WheelSpeed, "km/h"));
+    }
+
+    #[test]
     fn times_are_known_by_name_size_and_rhythm() {
         for (name, rank) in [
             ("header.stamp", Some(0)),
@@ -418,6 +625,8 @@ mod tests {
             ("delta_time", None),
             ("t", Some(2)),
             ("ms", Some(2)),
+            ("millis", Some(2)),
+            ("utc", Some(1)),
             ("t_left", None),
             ("x", None),
         ] {

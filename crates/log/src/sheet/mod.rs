@@ -8,14 +8,15 @@ use std::path::Path;
 use std::sync::Arc;
 
 use grouser_files::columns::{Meaning, TimeUnit};
+use grouser_files::unit::Quantity;
 use grouser_real::Real;
 
 use crate::csv::{Lines, finite, split, time_ns};
 use crate::error::Result;
 use crate::source::Source;
 pub use guess::Guess;
-pub(crate) use guess::open_question;
-use guess::{guess, time_rank, time_unit};
+use guess::{bare_unit, guess, time_rank, time_unit};
+pub(crate) use guess::{open_question, perhaps_of_wheels};
 use layout::Layout;
 
 /// A yaw of more than a turn may be one in degrees, rad.
@@ -201,17 +202,7 @@ impl Sheet {
             clock.finish(column, unit)
         });
         let time = sheet.time.as_ref().map(|time| time.column);
-        let units = layout.units;
-        for (index, column) in sheet.columns.iter_mut().enumerate() {
-            if Some(index) != time && column.others == 0 && column.numbers > 0 {
-                let unit = units.get(index).map(String::as_str);
-                column.guess = guess(&column.name, unit, column.whole);
-                let is_stated = unit.is_some_and(|unit| !unit.is_empty());
-                if !is_stated && open_question(column).is_some() {
-                    column.guess = None;
-                }
-            }
-        }
+        guess_columns(&mut sheet.columns, time, &layout.units);
         guess_pose(&mut sheet.columns);
         drop_doubles(&mut sheet.columns);
         Ok(sheet)
@@ -258,43 +249,75 @@ fn time_candidates(names: &[String]) -> Vec<usize> {
     ranked.into_iter().map(|(_, index)| index).collect()
 }
 
-/// The pose of a table that calls it `x`, `y` and `theta`, and has no other.
-fn guess_pose(columns: &mut [SheetColumn]) {
-    let is_pose = |column: &SheetColumn| {
-        let guess = column.guess.as_ref();
-        guess.is_some_and(|guess| guess.meaning == Meaning::PoseX)
-    };
-    if columns.iter().any(is_pose) {
-        return;
+/// What each column but that of time means by its name and unit.
+fn guess_columns(columns: &mut [SheetColumn], time: Option<usize>, units: &[String]) {
+    for (index, column) in columns.iter_mut().enumerate() {
+        if Some(index) == time || column.others > 0 || column.numbers == 0 {
+            continue;
+        }
+        let unit = units.get(index).map(String::as_str);
+        column.guess = guess(&column.name, unit, column.whole);
+        let is_stated = unit.is_some_and(|unit| !unit.is_empty());
+        if !is_stated && open_question(column).is_some() || perhaps_of_wheels(column).is_some() {
+            column.guess = None;
+        }
+        // a speed that is negative at times has a sign
+        if let Some(guess) = &mut column.guess
+            && guess.meaning == Meaning::SpeedSize
+            && column.min < 0.0
+        {
+            guess.meaning = Meaning::SpeedForward;
+        }
     }
-    let find = |names: &[&str]| {
-        columns.iter().position(|column| {
+}
+
+/// The pose of a table that calls it `x`, `y` and `theta`, and has no other; and its yaw, where only that is bare.
+fn guess_pose(columns: &mut [SheetColumn]) {
+    let has = |columns: &[SheetColumn], meaning| {
+        let mut guesses = columns.iter().filter_map(|column| column.guess.as_ref());
+        guesses.any(|guess| guess.meaning == meaning)
+    };
+    let find = |names: &[&str], default| {
+        columns.iter().enumerate().find_map(|(index, column)| {
             let is_number = column.others == 0 && column.numbers > 0 && column.guess.is_none();
-            is_number && names.contains(&column.name.to_lowercase().as_str())
+            let unit = bare_unit(&column.name, names, default).filter(|_| is_number)?;
+            Some((index, unit))
         })
     };
-    let places = [
-        find(&["x"]),
-        find(&["y"]),
-        find(&["theta", "yaw", "heading"]),
-    ];
-    let [Some(x), Some(y), Some(yaw)] = places else {
-        return;
-    };
+    let yaw = find(&["theta", "yaw", "heading"], None);
     // in degrees, or counted on over several turns: the numbers do not say which
-    if columns[yaw].max.max(-columns[yaw].min) > MAX_YAW_RAD {
-        return;
-    }
-    for (column, meaning, unit) in [
-        (x, Meaning::PoseX, "m"),
-        (y, Meaning::PoseY, "m"),
-        (yaw, Meaning::PoseYaw, "rad"),
-    ] {
-        columns[column].guess = Some(Guess {
-            meaning,
-            wheel: None,
-            unit,
-        });
+    let in_radians = |(index, _): &(usize, _)| {
+        let column: &SheetColumn = &columns[*index];
+        column.max.max(-column.min) <= MAX_YAW_RAD
+    };
+    let yaw = yaw.or_else(|| find(&["theta", "yaw", "heading"], Some("rad")).filter(in_radians));
+    let found = if has(columns, Meaning::PoseX) {
+        let yaw = find(&["theta", "yaw"], None).filter(|_| !has(columns, Meaning::PoseYaw));
+        [yaw.map(|yaw| (Meaning::PoseYaw, yaw)), None, None]
+    } else {
+        let places = (find(&["x"], Some("m")), find(&["y"], Some("m")), yaw);
+        let (Some(x), Some(y), Some(yaw)) = places else {
+            return;
+        };
+        [
+            Some((Meaning::PoseX, x)),
+            Some((Meaning::PoseY, y)),
+            Some((Meaning::PoseYaw, yaw)),
+        ]
+    };
+    for (meaning, (index, unit)) in found.into_iter().flatten() {
+        let quantity = if meaning == Meaning::PoseYaw {
+            Quantity::Angle
+        } else {
+            Quantity::Length
+        };
+        if quantity.units().iter().any(|(known, _)| *known == unit) {
+            columns[index].guess = Some(Guess {
+                meaning,
+                wheel: None,
+                unit,
+            });
+        }
     }
 }
 
