@@ -260,6 +260,48 @@ fn a_reference_that_lags_is_reported_used_and_calibrated() {
     ]));
     let delay_s = found["reference_delay"]["delay_s"].as_f64().unwrap();
     assert!((delay_s - 0.15).abs() < 0.01, "{delay_s}");
+    // stamps of whole seconds; and a log without wheels
+    let fine = fs::read_to_string(folder.path("log/wheels.csv")).unwrap();
+    let coarse = fine.lines().map(|line| {
+        let (time, rest) = line.split_once(',').unwrap();
+        format!("{},{rest}\n", time.split('.').next().unwrap())
+    });
+    fs::create_dir(folder.path("coarse")).unwrap();
+    let positions = fs::read_to_string(folder.path("log/positions.csv")).unwrap();
+    fs::write(folder.path("coarse/positions.csv"), &positions).unwrap();
+    let printed = |log: &str| {
+        let output = grouser(&[log, "--robot", &robot]);
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let hint = printed(&folder.path("coarse"));
+    assert!(
+        hint.contains("measures no powered wheel") && hint.contains("[[topics.field]]"),
+        "{hint}"
+    );
+    fs::write(folder.path("coarse/wheels.csv"), coarse.collect::<String>()).unwrap();
+    let warning = printed(&folder.path("coarse"));
+    assert!(
+        warning.contains(" not later than the one before (is the time rounded"),
+        "{warning}"
+    );
+    // the files of one run are no runs
+    let [wheels, positions] =
+        ["wheels", "positions"].map(|name| folder.path(&format!("log/{name}.csv")));
+    let output = grouser(&[
+        &wheels,
+        &positions,
+        "--robot",
+        &robot,
+        "--calibrate",
+        &calibrated,
+    ]);
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{printed}");
+    assert!(
+        printed.contains("wheels.csv`: reference `any` needs")
+            && printed.contains("hint: each LOG is a run of its own"),
+        "{printed}"
+    );
     let found = json(&grouser(&[&log, "--robot", &calibrated, "--json"]));
     let delay = &found["reference_delay"];
     assert_eq!(

@@ -320,7 +320,9 @@ impl Error {
             Self::Apart { .. } => {
                 Some("`offset_s` in `time` of the column map is added to a table's times".into())
             }
-            Self::OutOfOrder { .. } => Some("sort the log by time, or split it".into()),
+            Self::OutOfOrder { .. } => Some(
+                "sort the log by time, or split it; a column of the nanoseconds within a second is no time".into(),
+            ),
             _ => None,
         }
     }

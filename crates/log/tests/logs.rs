@@ -244,7 +244,10 @@ fn errors_say_where_and_what_to_do() {
             "name the files of one run, or the beginning that their names share",
         ),
         (set_back, "split the log where its clock was set"),
-        (late, "sort the log by time, or split it"),
+        (
+            late,
+            "sort the log by time, or split it; a column of the nanoseconds within a second is no time",
+        ),
     ] {
         assert_eq!(error.hint().as_deref(), Some(hint), "{error}");
     }

@@ -160,6 +160,11 @@ impl Error {
                  `--known-ground` bounds the slip"
                     .into(),
             ),
+            Self::NoWheels { .. } => Some(
+                "wheels are the joints of a sensor_msgs/JointState or grouser_msgs/WheelTicks (`joint` of a `[[wheel]]` names \
+                 its joint), numbers of other messages that `[[topics.field]]` names, or columns that the column map names"
+                    .into(),
+            ),
             Self::MixedEfforts { .. } => Some(
                 "learn the grounds with the robot file and the column map that the log is read with: \
                  `torque_per_ampere_nm` of the wheels makes torques of currents"

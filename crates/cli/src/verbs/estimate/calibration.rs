@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use grouser_files::Document;
 use grouser_files::robot::{Revision, revised};
 use grouser_log::Log;
+use grouser_replay::Error::{NoReference, NoWheels, WheelNotMeasured};
 use grouser_replay::{
-    Calibration, Factor, GeometryCalibration, IntervalCalibration, ReferenceDelay,
+    Calibration, Factor, GeometryCalibration, Inputs, IntervalCalibration, ReferenceDelay,
     calibrate_geometry, calibrate_intervals, calibrate_radius, calibrate_reference_delay,
 };
 use grouser_report::{Fields, Object, fields};
@@ -71,6 +72,17 @@ pub(super) fn read_runs(
     let mut logs = Vec::new();
     for path in files.logs {
         let log = request.log(std::slice::from_ref(path))?;
+        let is_one_of_several = files.logs.len() > 1;
+        if let Err(error @ (NoWheels { .. } | WheelNotMeasured { .. } | NoReference { .. })) =
+            Inputs::of(&log, &request.robot, &request.options)
+            && is_one_of_several
+        {
+            return Err(Error::usage(
+                format!("{}: {error}", shown(path)),
+                "each LOG is a run of its own here: of a run in several files name the folder, or the beginning that their \
+                 names share",
+            ));
+        }
         for file in log.files() {
             session.used_file(file)?;
         }

@@ -23,7 +23,7 @@ use grouser_replay::{
     Compared, Inputs, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary,
     Truth, check_start, run_into, soil_readings, unused_currents,
 };
-use grouser_slip::Reference;
+use grouser_slip::{Reference, Rejected};
 
 use self::calibration::Job;
 use self::object::Found;
@@ -444,12 +444,7 @@ fn warnings(
             currents.join(", ")
         ));
     }
-    if summary.rejected.total() > 0 {
-        out.push(format!(
-            "{} samples were rejected",
-            summary.rejected.total()
-        ));
-    }
+    out.extend(rejected(&summary.rejected));
     out.extend(log.notes().iter().cloned());
     let left_out = log.left_out();
     if left_out.damages > 0 {
@@ -492,6 +487,26 @@ fn warnings(
         }
     }
     out
+}
+
+/// How many samples were rejected, and why.
+fn rejected(rejected: &Rejected) -> Option<String> {
+    let reasons = [
+        (rejected.bad_value, "with a value that no sensor has"),
+        (
+            rejected.not_later,
+            "not later than the one before (is the time rounded, to whole seconds say?)",
+        ),
+        (rejected.jump, "faster than the robot moves"),
+        (rejected.unknown, "of no wheel of the robot"),
+    ];
+    let reasons: Vec<String> = reasons
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, why)| format!("{count} {why}"))
+        .collect();
+    let total = rejected.total();
+    (total > 0).then(|| format!("{total} samples were rejected: {}", reasons.join(", ")))
 }
 
 /// The last line of a table is cut off.
