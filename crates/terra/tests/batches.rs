@@ -2,8 +2,8 @@
 
 use grouser_terra::{
     Accuracy, Angle, BatchColumns, BatchInput, BatchKernel, BatchPoints, BestOf, BestSlipColumns,
-    Error, Kinematics, RigidWheel, Settings, Slip, SlopeOutcome, Soil, SoilParams, SolveStatus,
-    WheelOnSoil, catalogue,
+    Error, Kinematics, LawChoice, RigidWheel, Settings, ShearLaw, Slip, SlipNorm, SlopeOutcome,
+    Soil, SoilParams, SolveStatus, StressPosition, WheelOnSoil, catalogue,
 };
 use proptest::prelude::*;
 
@@ -17,20 +17,44 @@ fn point() -> impl Strategy<Value = Point> {
     (0.02..0.6_f64, 0.02..0.5_f64, rebound, slip, z)
 }
 
+/// Laws of which some change a wheel that drives straight ahead.
+fn laws() -> impl Strategy<Value = LawChoice> {
+    let shear = [
+        ShearLaw::Coupled,
+        ShearLaw::SlipVelocity,
+        ShearLaw::SlipVelocityRegular,
+        ShearLaw::Independent,
+    ];
+    let any = (
+        prop::sample::select(&StressPosition::ALL),
+        prop::sample::select(&[SlipNorm::Greater, SlipNorm::Root]),
+        prop::option::of(prop::sample::select(shear.to_vec())),
+    );
+    let any = any.prop_map(|(stress_position, slip_norm, shear)| LawChoice {
+        stress_position,
+        slip_norm,
+        shear,
+        ..LawChoice::default()
+    });
+    prop_oneof![2 => Just(LawChoice::default()), 1 => any]
+}
+
 fn soil() -> impl Strategy<Value = Soil> {
     (
         0..5_usize,
         0.1..2.5_f64,
         -3.5..-1.0_f64,
         prop_oneof![Just(0.0), 0.0..2e4_f64],
+        laws(),
     )
-        .prop_map(|(key, n, log_k, cohesion)| {
+        .prop_map(|(key, n, log_k, cohesion, laws)| {
             let key = ["dry-sand", "sandy-loam", "clayey-soil", "snow", "lunar"][key];
             let params = *catalogue::find(key).unwrap().soil().unwrap().params();
             Soil::new(SoilParams {
                 n,
                 k_shear: 10_f64.powf(log_k),
                 cohesion,
+                laws,
                 ..params
             })
             .unwrap()

@@ -49,6 +49,15 @@ impl StressPosition {
 }
 
 impl StressPosition {
+    /// Is it the slip itself that moves the greatest stress of a wheel that drives straight ahead?
+    pub(crate) fn takes_driving_slip(self, norm: SlipNorm) -> bool {
+        match self {
+            Self::InPlane | Self::Magnitude => true,
+            Self::Whole | Self::Sliding => norm == SlipNorm::Greater,
+            Self::Saturating => false,
+        }
+    }
+
     /// Its name in files.
     #[must_use]
     pub const fn key(self) -> &'static str {

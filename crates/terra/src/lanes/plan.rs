@@ -4,6 +4,7 @@ use grouser_real::Real;
 
 use crate::contact::ladder::{ExponentTables, LIMITS, Step};
 use crate::pressure::Pressure;
+use crate::shear::ShearLaw;
 use crate::soil::{Soil, SoilLaws};
 
 use super::columns::{BatchColumns, Inputs};
@@ -35,10 +36,15 @@ pub(super) struct Prepared {
 
 impl Prepared {
     /// `None` for a soil whose exponent depends on slip: no one Gauss-Jacobi rule serves it; and for one
-    /// whose contact changes with slip by a law that the lanes do not have.
+    /// whose contact or shear changes with slip by a law that the lanes do not have.
     pub(super) fn new(soil: &Soil) -> Option<Self> {
         let laws = soil.laws::<f64>();
-        if laws.rear_driving != 0.0 || laws.transport_layer != 0.0 {
+        let choice = laws.choice;
+        if laws.rear_driving != 0.0
+            || laws.transport_layer != 0.0
+            || !choice.stress_position.takes_driving_slip(choice.slip_norm)
+            || choice.shear == Some(ShearLaw::SlipVelocityRegular)
+        {
             return None;
         }
         soil.tables().map(|tables| Self {
