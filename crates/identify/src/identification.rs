@@ -1,13 +1,16 @@
 //! A job done: plates, then shear, then the wheel, each stage with what those before it found.
 
 use grouser_files::soil::{SoilFile, SoilNumber};
+use grouser_real::Real;
 use grouser_terra::{Angle, Bekker, OpenSoil, Pressure};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
+use crate::inherited;
 use crate::job::{Job, PlateSource, WheelJob};
 use crate::least_squares::{
     Bounded, Interval, Settings, Status, Uncertainty, Verdict, multi_start, profile,
+    student_quantile,
 };
 use crate::parameter::Parameter;
 use crate::plate::{self, PlateFit, PlateRecord, PlateTest, fit_plates, read_bag};
@@ -71,9 +74,9 @@ pub struct WheelNumber {
     pub parameter: Parameter,
     /// Its value, SI.
     pub value: f64,
-    /// Its standard error, SI; NaN where the data do not determine it.
+    /// Its standard error, SI, with what plates and shear tests leave uncertain; NaN where the data do not determine it.
     pub standard_error: f64,
-    /// Its 95 % interval, SI.
+    /// Its 95 % interval, SI, likewise.
     pub interval: Interval,
     /// What the data say about it.
     pub verdict: Verdict,
@@ -135,8 +138,7 @@ pub fn identify(job: &Job) -> Result<Identification> {
         out.shear = Some(ShearStage { readings, fit });
     }
     if let Some(wheel) = &job.wheel {
-        let stage = wheel_stage(wheel, &mut out.soil)?;
-        out.wheel = Some(stage);
+        wheel_stage((job, wheel), &mut out)?;
     }
     Ok(out)
 }
@@ -161,8 +163,12 @@ fn plates(job: &Job) -> Result<PlateStage> {
     })
 }
 
-/// Fits the wheel's numbers and puts them into `soil`.
-fn wheel_stage(job: &WheelJob, soil: &mut OpenSoil) -> Result<WheelStage> {
+/// Fits the wheel's numbers and puts them into the soil.
+///
+/// The fit holds what earlier stages found for exact; the errors of its answer contain theirs. Source: error propagation
+/// through the stages, as for two-step estimators (Murphy & Topel 1985, J. Business & Economic Statistics 3).
+fn wheel_stage((whole, job): (&Job, &WheelJob), out: &mut Identification) -> Result<()> {
+    let soil = &out.soil;
     let tests = wheel::read_table(&job.table)?;
     check_known(job, soil)?;
     let fixed = Fixed {
@@ -178,7 +184,10 @@ fn wheel_stage(job: &WheelJob, soil: &mut OpenSoil) -> Result<WheelStage> {
         ..Settings::default()
     };
     let (best, reached) = multi_start(&model, model.count(), &start, &settings, &job.starts)?;
-    let uncertainty = Uncertainty::of(&best, job.loss);
+    let mut uncertainty = Uncertainty::of(&best, job.loss);
+    let changes = inherited::changes(out, (whole, job), (&fixed, &tests), &best);
+    let inherited = uncertainty.widen(&best, job.loss, changes.as_deref());
+    let quantile = student_quantile(0.975, uncertainty.freedom);
     let intervals = (0..best.x.len())
         .into_par_iter()
         .map(|index| {
@@ -187,7 +196,17 @@ fn wheel_stage(job: &WheelJob, soil: &mut OpenSoil) -> Result<WheelStage> {
                     steps: 40,
                     ..settings
                 };
-                return profile(&model, &best, index, 0.95, &short);
+                let own = profile(&model, &best, index, 0.95, &short)?;
+                let (x, bound) = (best.x[index], &best.bounds[index]);
+                let end = |own: Option<f64>| {
+                    let reach = own? - x;
+                    let end = x + Real::hypot(reach, quantile * inherited[index]).copysign(reach);
+                    (end > bound.lower && end < bound.upper).then_some(end)
+                };
+                return Ok(Interval {
+                    low: end(own.low),
+                    high: end(own.high),
+                });
             }
             let half = uncertainty.half_width(index, 0.95);
             let end = |value: f64| value.is_finite().then_some(value);
@@ -213,10 +232,10 @@ fn wheel_stage(job: &WheelJob, soil: &mut OpenSoil) -> Result<WheelStage> {
         })
         .collect();
     for (parameter, value) in job.parameters.iter().zip(&best.x) {
-        parameter.put(soil, *value);
+        parameter.put(&mut out.soil, *value);
     }
-    soil.fitted = wheel::fitted_range(&job.wheel, &tests);
-    Ok(WheelStage {
+    out.soil.fitted = wheel::fitted_range(&job.wheel, &tests);
+    out.wheel = Some(WheelStage {
         said: predict(&fixed, &tests, &job.parameters, &best.x)?,
         tests,
         numbers,
@@ -225,7 +244,8 @@ fn wheel_stage(job: &WheelJob, soil: &mut OpenSoil) -> Result<WheelStage> {
         status: best.status,
         reached,
         starts: job.starts.starts.max(1),
-    })
+    });
+    Ok(())
 }
 
 /// What a soil file must have.

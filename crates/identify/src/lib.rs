@@ -10,6 +10,7 @@
 mod error;
 mod identification;
 mod identified;
+mod inherited;
 mod job;
 pub mod least_squares;
 mod parameter;

@@ -11,6 +11,7 @@ mod marquardt;
 mod multi_start;
 mod profile;
 mod qr;
+mod redundancy;
 mod student;
 mod uncertainty;
 
@@ -20,6 +21,7 @@ pub use marquardt::{Settings, fit};
 pub use multi_start::{StartSettings, multi_start};
 pub use profile::{Interval, profile};
 pub(crate) use qr::solve_damped;
+pub(crate) use redundancy::redundancy;
 pub use student::student_quantile;
 pub use uncertainty::{Uncertainty, Verdict};
 

@@ -18,6 +18,17 @@ pub struct Interval {
     pub high: Option<f64>,
 }
 
+impl Interval {
+    /// Its ends `factor` times as far from `value`.
+    pub(crate) fn widened(self, value: f64, factor: f64) -> Self {
+        let wide = |end: f64| value + factor * (end - value);
+        Self {
+            low: self.low.map(wide),
+            high: self.high.map(wide),
+        }
+    }
+}
+
 /// A model with one variable held at a value.
 struct Held<'a, M> {
     model: &'a M,

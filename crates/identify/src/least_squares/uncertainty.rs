@@ -62,6 +62,8 @@ pub struct Uncertainty {
     pub verdicts: Vec<Verdict>,
     /// Greatest over least singular value of the scaled Jacobian.
     pub condition: f64,
+    /// (JᵀWJ)⁻¹ without what the data do not see; 0 on bounds.
+    inverse: Vec<Vec<f64>>,
 }
 
 impl Uncertainty {
@@ -119,6 +121,7 @@ impl Uncertainty {
                 })
                 .collect(),
             condition: (greatest / least.max(0.0)).sqrt(),
+            inverse: vec![vec![0.0; n]; n],
         };
         let blind = |value: f64| !(value > BLIND_SINGULAR_RATIO * BLIND_SINGULAR_RATIO * greatest);
         for (place, &i) in seen.iter().enumerate() {
@@ -134,6 +137,7 @@ impl Uncertainty {
             out.verdicts[k] = Verdict::Identified;
             for (other, &j) in seen.iter().enumerate() {
                 let shared = determined(&modes, &blind, place, other);
+                out.inverse[k][free[j]] = shared / (norms[i] * norms[j]);
                 let apart = (variance * determined(&modes, &blind, other, other)).sqrt();
                 out.correlation[k][free[j]] = shared / apart;
             }
@@ -146,6 +150,86 @@ impl Uncertainty {
     #[must_use]
     pub fn half_width(&self, index: usize, confidence: f64) -> f64 {
         student_quantile(0.5 + 0.5 * confidence, self.freedom) * self.standard_errors[index]
+    }
+
+    /// The same where `redundancy` readings count as one.
+    pub(crate) fn of_alike(mut self, fit: &Fit, redundancy: f64) -> Self {
+        for error in &mut self.standard_errors {
+            *error *= redundancy.sqrt();
+        }
+        self.find_loose(fit);
+        self
+    }
+
+    /// Independent mixtures of these parameters, each as far as one standard deviation of it: the columns of a root of their
+    /// covariance. `None` where the data do not determine one of them.
+    pub(crate) fn scatter(&self, parameters: &[usize]) -> Option<Vec<Vec<f64>>> {
+        let moves = |k: usize| self.verdicts[k] != Verdict::OnBound;
+        let free: Vec<usize> = parameters.iter().copied().filter(|k| moves(*k)).collect();
+        let error = |k: usize| self.standard_errors[k];
+        if free.iter().any(|k| !error(*k).is_finite()) {
+            return None;
+        }
+        let correlation = |k: usize| free.iter().map(move |j| self.correlation[k][*j]).collect();
+        let modes = symmetric(free.iter().map(|k| correlation(*k)).collect());
+        let mixture = |(value, vector): (f64, Vec<f64>)| {
+            let mut mixture = vec![0.0; self.standard_errors.len()];
+            for (k, share) in free.iter().zip(vector) {
+                mixture[*k] = error(*k) * share * value.max(0.0).sqrt();
+            }
+            mixture
+        };
+        Some(modes.into_iter().map(mixture).collect())
+    }
+
+    /// Adds to the errors what numbers contribute that the fit held for exact. Each of `changes` is how far all residuals
+    /// change with one standard deviation of such a number, or of a mixture of them, independent of the others; `None`:
+    /// nothing bounds them. Returns the standard deviation that is added for each parameter.
+    ///
+    /// With the residuals' change y the answer moves by −(JᵀWJ)⁻¹ JᵀW y.
+    pub(crate) fn widen(
+        &mut self,
+        fit: &Fit,
+        loss: Loss,
+        changes: Option<&[Vec<f64>]>,
+    ) -> Vec<f64> {
+        let n = fit.x.len();
+        let Some(changes) = changes else {
+            for k in 0..n {
+                self.standard_errors[k] = f64::NAN;
+                self.correlation[k].fill(f64::NAN);
+                if self.verdicts[k] == Verdict::Identified {
+                    self.verdicts[k] = Verdict::Loose;
+                }
+            }
+            return vec![f64::NAN; n];
+        };
+        let weights: Vec<f64> = fit.residuals.iter().map(|r| loss.weight(*r)).collect();
+        let moved = |change: &Vec<f64>| -> Vec<f64> {
+            let pull = |k: usize| -> f64 {
+                let rows = fit.jacobian.iter().zip(&weights).zip(change);
+                rows.map(|((row, weight), y)| weight * row[k] * y).sum()
+            };
+            let pulls: Vec<f64> = (0..n).map(pull).collect();
+            let rows = self.inverse.iter();
+            rows.map(|row| -row.iter().zip(&pulls).map(|(a, b)| a * b).sum::<f64>())
+                .collect()
+        };
+        let moved: Vec<Vec<f64>> = changes.iter().map(moved).collect();
+        let added = |k: usize, j: usize| moved.iter().map(|x| x[k] * x[j]).sum::<f64>();
+        let own = self.standard_errors.clone();
+        let together =
+            |k: usize, j: usize, correlation: f64| correlation * own[k] * own[j] + added(k, j);
+        let variance = |k: usize| together(k, k, 1.0);
+        for k in 0..n {
+            for j in 0..n {
+                let shared = together(k, j, self.correlation[k][j]);
+                self.correlation[k][j] = shared / (variance(k) * variance(j)).sqrt();
+            }
+            self.standard_errors[k] = variance(k).sqrt();
+        }
+        self.find_loose(fit);
+        (0..n).map(|k| added(k, k).sqrt()).collect()
     }
 
     fn find_loose(&mut self, fit: &Fit) {

@@ -7,7 +7,7 @@ use grouser_real::Scalar;
 use super::test::PlateTest;
 use crate::error::{Error, Result};
 use crate::least_squares::{
-    Bounded, Fit, Interval, Loss, Settings, Uncertainty, Verdict, fit, profile,
+    Bounded, Fit, Interval, Loss, Settings, Uncertainty, Verdict, fit, profile, redundancy,
 };
 
 /// How plate tests are fitted.
@@ -79,6 +79,30 @@ pub struct PlateFit {
     pub fit: Fit,
 }
 
+impl PlateFit {
+    /// How far (n, k_c/b + k_phi at the width b, k_c) move with one standard deviation of each independent mixture of what
+    /// was fitted to `tests`, n held where it is not `free`; `None` where the tests do not determine them.
+    pub(crate) fn scatter(
+        &self,
+        tests: &[PlateTest],
+        (loss, width): (Loss, f64),
+        free: bool,
+    ) -> Option<Vec<[f64; 3]>> {
+        let shape = Shape::of(tests);
+        let fitted: Vec<usize> = (usize::from(!free)..=shape.moduli()).collect();
+        let mixtures = Uncertainty::of(&self.fit, loss).scatter(&fitted)?;
+        let moved = |mixture: &Vec<f64>| {
+            // d exp(x) = exp(x) dx
+            let modulus = |index: usize| Real::exp(self.fit.x[index]) * mixture[index];
+            let (narrow, wide) = (modulus(1), modulus(shape.moduli()));
+            let k = shape.between(narrow, wide, width);
+            let k_c = shape.cohesive(narrow, wide);
+            [mixture[0], k, k_c].map(|moved| self.redundancy.sqrt() * moved)
+        };
+        Some(mixtures.iter().map(moved).collect())
+    }
+}
+
 /// ln p of each reading as a function of (n, ln k or ln k under the narrowest and the widest plate, datums).
 struct Law<'a> {
     tests: &'a [PlateTest],
@@ -95,6 +119,17 @@ enum Shape {
 }
 
 impl Shape {
+    fn of(tests: &[PlateTest]) -> Self {
+        let widths = tests.iter().map(|test| test.plate.width);
+        let least = widths.clone().fold(f64::INFINITY, f64::min);
+        let greatest = widths.fold(0.0, f64::max);
+        if greatest > least * (1.0 + 1e-6) {
+            Self::Two { least, greatest }
+        } else {
+            Self::One
+        }
+    }
+
     fn moduli(self) -> usize {
         match self {
             Self::One => 1,
@@ -106,10 +141,26 @@ impl Shape {
     fn modulus<R: Scalar>(self, x: &[R], width: f64) -> R {
         match self {
             Self::One => x[1].exp(),
+            Self::Two { .. } => self.between(x[1].exp(), x[2].exp(), width),
+        }
+    }
+
+    /// k at a width from k at the least and at the greatest width, or from the only one.
+    fn between<R: Scalar>(self, narrow: R, wide: R, width: f64) -> R {
+        match self {
+            Self::One => narrow,
             Self::Two { least, greatest } => {
                 let share = (1.0 / width - 1.0 / greatest) / (1.0 / least - 1.0 / greatest);
-                R::from_f64(share) * x[1].exp() + R::from_f64(1.0 - share) * x[2].exp()
+                R::from_f64(share) * narrow + R::from_f64(1.0 - share) * wide
             }
+        }
+    }
+
+    /// k_c from k at the least and at the greatest width.
+    fn cohesive(self, narrow: f64, wide: f64) -> f64 {
+        match self {
+            Self::One => 0.0,
+            Self::Two { least, greatest } => (narrow - wide) / (1.0 / least - 1.0 / greatest),
         }
     }
 }
@@ -156,14 +207,7 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
         })
         .collect();
     let count: usize = used.iter().map(Vec::len).sum();
-    let widths = tests.iter().map(|test| test.plate.width);
-    let least = widths.clone().fold(f64::INFINITY, f64::min);
-    let greatest = widths.fold(0.0, f64::max);
-    let shape = if greatest > least * (1.0 + 1e-6) {
-        Shape::Two { least, greatest }
-    } else {
-        Shape::One
-    };
+    let shape = Shape::of(tests);
     if count < 10 || used.iter().any(Vec::is_empty) {
         return Err(Error::TooFew {
             residuals: count,
@@ -210,7 +254,8 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
     let found = fit(&law, count, &start, &search)?;
     let uncertainty = Uncertainty::of(&found, settings.loss);
     let residuals = split(&found.residuals, &used);
-    let redundancy = redundancy(&residuals);
+    let series = residuals.iter().map(|test| test.iter().map(|(_, r)| *r));
+    let redundancy = redundancy(series);
     let widen = redundancy.sqrt();
     let intervals = (0..found.x.len())
         .map(|index| profile(&law, &found, index, 0.95, &search))
@@ -232,17 +277,13 @@ fn assemble(
     (shape, residuals, redundancy): (Shape, Vec<Vec<(usize, f64)>>, f64),
 ) -> PlateFit {
     let n = found.x[0];
-    let wide = |end: Option<f64>, value: f64| end.map(|end| value + widen * (end - value));
     let number = |name: String, index: usize| {
         let x = found.x[index];
         PlateParameter {
             name,
             value: x,
             standard_error: widen * uncertainty.standard_errors[index],
-            interval: Interval {
-                low: wide(intervals[index].low, x),
-                high: wide(intervals[index].high, x),
-            },
+            interval: intervals[index].widened(x, widen),
             verdict: uncertainty.verdicts[index],
         }
     };
@@ -275,7 +316,7 @@ fn assemble(
                 modulus(format!("k_pa_per_m_n_at_b_{width_mm}_mm"), index)
             };
             let (narrow, wide) = (at(1, least), at(2, greatest));
-            let k_c = (narrow.value - wide.value) / (1.0 / least - 1.0 / greatest);
+            let k_c = shape.cohesive(narrow.value, wide.value);
             let k_phi = narrow.value - k_c / least;
             parameters.extend([narrow, wide]);
             (k_c, k_phi)
@@ -307,22 +348,4 @@ fn split(residuals: &[f64], used: &[Vec<usize>]) -> Vec<Vec<(usize, f64)>> {
                 .collect()
         })
         .collect()
-}
-
-/// (1 + ρ)/(1 − ρ) with ρ the correlation of neighbouring residuals, at least 1 and at most the number of
-/// readings.
-fn redundancy(residuals: &[Vec<(usize, f64)>]) -> f64 {
-    let (mut products, mut squares, mut count) = (0.0, 0.0, 0.0);
-    for test in residuals {
-        for pair in test.windows(2) {
-            products += pair[0].1 * pair[1].1;
-        }
-        squares += test.iter().map(|(_, r)| r * r).sum::<f64>();
-        count += test.len() as f64;
-    }
-    if !(squares > 0.0) {
-        return 1.0;
-    }
-    let rho = (products / squares).clamp(0.0, 1.0);
-    ((1.0 + rho) / (1.0 - rho).max(1e-12)).clamp(1.0, 0.25 * count)
 }

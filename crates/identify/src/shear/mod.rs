@@ -7,7 +7,9 @@ use grouser_real::Scalar;
 use grouser_terra::{MohrCoulomb, mobilised_janosi};
 
 use crate::error::{Error, Result};
-use crate::least_squares::{Bounded, Fit, Interval, Loss, Settings, Uncertainty, fit, profile};
+use crate::least_squares::{
+    Bounded, Fit, Interval, Loss, Settings, Uncertainty, fit, profile, redundancy,
+};
 use crate::table::{Column, Table};
 
 /// One reading of a shear test.
@@ -27,12 +29,14 @@ pub struct ShearReading {
 pub struct ShearFit {
     /// Cohesion, Pa; angle of friction, rad; shear modulus K, m.
     pub values: [f64; 3],
-    /// Their standard errors.
+    /// Their standard errors, with the correlation from reading to reading taken into account.
     pub standard_errors: [f64; 3],
-    /// Their 95 % intervals by profile likelihood.
+    /// Their 95 % intervals by profile likelihood, likewise widened.
     pub intervals: [Interval; 3],
-    /// What the data say about them.
+    /// What the data say about them, likewise.
     pub uncertainty: Uncertainty,
+    /// How many times more readings there are than independent ones (from the residuals' correlation).
+    pub redundancy: f64,
     /// The fit; residuals in Pa.
     pub fit: Fit,
 }
@@ -90,7 +94,9 @@ impl Functions for Law<'_> {
 /// Huber's threshold, if `loss` has one, is in Pa.
 ///
 /// Source: \[JH61\] with Mohr-Coulomb's strength. Readings at one normal stress only do not separate cohesion
-/// from friction, and readings past the rise alone do not determine K: the result names both.
+/// from friction, and readings past the rise alone do not determine K: the result names both. Errors are widened where
+/// readings that follow each other have residuals that are alike, as those of plates
+/// ([`fit_plates`](crate::plate::fit_plates)); a test ends where the displacement begins anew.
 ///
 /// # Errors
 /// [`Error::TooFew`] for fewer readings than numbers.
@@ -156,13 +162,18 @@ pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
             found = other;
         }
     }
-    let uncertainty = Uncertainty::of(&found, loss);
+    let tests = readings.chunk_by(|a, b| b.displacement >= 0.5 * a.displacement);
+    let mut rest = found.residuals.iter().copied();
+    let series = tests.map(|test| rest.by_ref().take(test.len()).collect::<Vec<_>>());
+    let redundancy = redundancy(series.map(Vec::into_iter));
+    let uncertainty = Uncertainty::of(&found, loss).of_alike(&found, redundancy);
     let mut intervals = [Interval {
         low: None,
         high: None,
     }; 3];
     for (index, slot) in intervals.iter_mut().enumerate() {
-        *slot = profile(&law, &found, index, 0.95, &settings)?;
+        let own = profile(&law, &found, index, 0.95, &settings)?;
+        *slot = own.widened(found.x[index], redundancy.sqrt());
     }
     let three = |list: &[f64]| [list[0], list[1], list[2]];
     Ok(ShearFit {
@@ -170,6 +181,7 @@ pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
         standard_errors: three(&uncertainty.standard_errors),
         intervals,
         uncertainty,
+        redundancy,
         fit: found,
     })
 }
@@ -205,6 +217,48 @@ mod tests {
             assert!(interval.low.unwrap() < truth && truth < interval.high.unwrap());
             let half = found.uncertainty.half_width(index, 0.95);
             assert!((found.values[index] - truth).abs() < half);
+        }
+    }
+
+    /// Noise that lasts, as a logger's: of 60 shear boxes of four loads the intervals hold the truth in 57 ± 1.7 where
+    /// noise is independent, and nearly as often where neighbours have a correlation of 0.9.
+    #[test]
+    fn readings_that_are_alike_widen_the_intervals() {
+        let mut state = 1_u64;
+        let mut uniform = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            ((state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+        };
+        // twelve uniform numbers: nearly normal, of variance 1
+        let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        for (rho, least) in [(0.0, 52), (0.9, 46)] {
+            let mut hits = [0; 3];
+            for _ in 0..60 {
+                let mut list = Vec::new();
+                for load in [3e3, 6e3, 10e3, 15e3] {
+                    let mut noise = normal();
+                    for step in 1..=60 {
+                        noise = rho * noise + (1.0 - rho * rho).sqrt() * normal();
+                        let displacement = 1e-3 * f64::from(step);
+                        let strength = 1600.0 + load * 34_f64.to_radians().tan();
+                        list.push(ShearReading {
+                            normal: load,
+                            displacement,
+                            shear: strength * (1.0 - (-displacement / 0.016).exp()) + 100.0 * noise,
+                        });
+                    }
+                }
+                let found = fit_shear(&list, Loss::Squares).unwrap();
+                let truth = [1600.0, 34_f64.to_radians(), 0.016];
+                for ((hits, truth), interval) in hits.iter_mut().zip(truth).zip(found.intervals) {
+                    let (low, high) = (interval.low.unwrap_or(0.0), interval.high.unwrap());
+                    *hits += i32::from(low <= truth && truth <= high);
+                }
+            }
+            println!("correlation {rho}: c, φ and K in {hits:?} of 60");
+            assert!(hits.iter().all(|hits| *hits >= least), "{rho}: {hits:?}");
         }
     }
 

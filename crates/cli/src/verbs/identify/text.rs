@@ -40,7 +40,12 @@ pub(super) fn text(found: &Identification) -> String {
         out.push_str(&table(&stage.fit.numbers()));
     }
     if let Some(stage) = &found.shear {
-        let _ = writeln!(out, "{} shear readings", stage.readings.len());
+        let readings = stage.readings.len();
+        let _ = writeln!(
+            out,
+            "{readings} shear readings that tell as much as {} independent ones",
+            rounded(readings as f64 / stage.fit.redundancy, 3),
+        );
         out.push_str(&table(&stage.fit.numbers()));
     }
     if let Some(stage) = &found.wheel {
