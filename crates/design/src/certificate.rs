@@ -127,6 +127,7 @@ impl Design {
             .equalities
             .extend((0..count).map(|w| format!("load is carried @ {w}")));
         params.absolute *= count;
+        params.worlds = count;
         for row in &mut params.linear {
             row.coefficients.resize(n + count * CONTACT_VARIABLES, 0.0);
         }

@@ -33,7 +33,8 @@ pub enum Method {
         /// w_i ≥ 0, one per objective, at least one above 0.
         weights: Vec<f64>,
     },
-    /// Minimise Σ w_i f_i(x).
+    /// Minimise Σ w_i f_i(x). Of an objective in several worlds ([`ProblemParams::worlds`](crate::ProblemParams)) the worst
+    /// w_i f_i counts alone.
     Weighted {
         /// w_i ≥ 0, one per objective, at least one above 0.
         weights: Vec<f64>,

@@ -135,6 +135,8 @@ pub struct ProblemParams<'a> {
     pub linear: Vec<LinearConstraint>,
     /// So many of the first objectives count with their absolute value.
     pub absolute: usize,
+    /// So many neighbours among the objectives are one objective in as many worlds: a weighted sum counts the worst of them.
+    pub worlds: usize,
     /// The functions.
     pub model: Box<dyn Model + 'a>,
 }
@@ -153,6 +155,7 @@ impl<'a> ProblemParams<'a> {
             equalities: Vec::new(),
             linear: Vec::new(),
             absolute: 0,
+            worlds: 1,
             model: Box::new(model),
         }
     }
@@ -198,6 +201,13 @@ impl<'a> ProblemParams<'a> {
         self.absolute = count;
         self
     }
+
+    /// Each objective stands `count` times, once in each world.
+    #[must_use]
+    pub fn worlds(mut self, count: usize) -> Self {
+        self.worlds = count;
+        self
+    }
 }
 
 /// A checked optimisation problem.
@@ -223,7 +233,7 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// No variables or objectives; a start, coefficient or right-hand side that is not finite; a bound
     /// that is NaN or a lower one above its upper one; a row of the wrong length; a name used twice;
-    /// more absolute objectives than objectives.
+    /// more absolute objectives than objectives; worlds that objectives, or absolute ones, are no multiple of.
     pub fn new(params: ProblemParams<'a>) -> Result<Self> {
         if params.variables.is_empty() {
             return Err(Error::Empty { what: "variables" });
@@ -283,6 +293,13 @@ impl<'a> Problem<'a> {
                 limit: params.objectives.len(),
             });
         }
+        for (what, count) in [
+            ("the objectives of all worlds", params.objectives.len()),
+            ("the absolute objectives of all worlds", params.absolute),
+        ] {
+            let whole = count.next_multiple_of(params.worlds.max(1));
+            Error::check_length(what, count, whole)?;
+        }
         let curved = params.variables.len();
         Ok(Self { params, curved })
     }
@@ -326,6 +343,7 @@ impl<'a> Problem<'a> {
                 equalities: self.params.equalities.clone(),
                 linear: self.params.linear.clone(),
                 absolute: self.params.absolute,
+                worlds: self.params.worlds,
                 model: Box::new(&self.params.model),
             },
             curved: self.curved,
@@ -366,6 +384,19 @@ impl<'a> Problem<'a> {
     #[must_use]
     pub fn absolute(&self) -> usize {
         self.params.absolute
+    }
+
+    /// The objectives' places, those of one objective in every world together, with their weights where these are above 0: one
+    /// of weight 0 may have no value.
+    pub(crate) fn weighted<'w>(
+        &self,
+        weights: &'w [f64],
+    ) -> impl Iterator<Item = Vec<(usize, f64)>> + 'w {
+        let worlds = self.params.worlds.max(1);
+        weights.chunks(worlds).enumerate().map(move |(group, own)| {
+            let places = (worlds * group..).zip(own.iter().copied());
+            places.filter(|(_, weight)| *weight > 0.0).collect()
+        })
     }
 
     /// The functions.

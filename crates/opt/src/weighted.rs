@@ -1,7 +1,7 @@
 //! The weighted sum Σ w_i f_i as a problem with one objective.
 //!
-//! Objectives that count with their absolute value get a variable each, t_i ≥ ±f_i, and Σ w_i t_i is
-//! minimised: smooth, and exact at the optimum.
+//! Objectives that count with their absolute value, and those of several worlds, of which the worst counts, get a variable
+//! each, t_i ≥ ±f_i in every world, and Σ w_i t_i is minimised: smooth, and exact at the optimum.
 
 use crate::callback::Callback;
 use crate::error::Result;
@@ -13,40 +13,42 @@ use crate::settings::Settings;
 use crate::solution::Solution;
 use crate::sqp;
 
+/// An objective with a variable t of its own: Σ has weight · t, and each row's share · f ≤ t.
+struct Lifted {
+    weight: f64,
+    /// Places of objectives, with their shares.
+    rows: Vec<(usize, f64)>,
+}
+
 struct Sum<'a> {
     problem: &'a Problem<'a>,
-    weights: &'a [f64],
-    /// Of each lifted objective.
-    lifted: Vec<usize>,
+    lifted: Vec<Lifted>,
+    /// Places and weights of the objectives that are summed as they are.
+    plain: Vec<(usize, f64)>,
 }
 
 impl Sum<'_> {
+    /// t_i, each with the rows below it.
+    fn rows(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+        let lifted = self.lifted.iter().enumerate();
+        lifted.flat_map(|(t, lifted)| lifted.rows.iter().map(move |(i, share)| (t, *i, *share)))
+    }
+
     /// The functions in their new order, from the old values and x.
     fn arrange(&self, x: &[f64], old: &[f64], new: &mut [f64]) {
         let n = self.problem.variables().len();
         let m = self.problem.objectives().len();
-        let mut sum = 0.0;
-        for (t, &i) in self.lifted.iter().enumerate() {
-            sum += self.weights[i] * x[n + t];
-        }
-        let plain = self.problem.absolute()..m;
-        for (weight, value) in self.weights[plain.clone()].iter().zip(&old[plain]) {
-            // An objective that does not count may have no value.
-            if *weight > 0.0 {
-                sum += weight * value;
-            }
-        }
-        new[0] = sum;
-        let mut rows = new[1..].iter_mut();
-        for (t, &i) in self.lifted.iter().enumerate() {
-            for sign in [1.0, -1.0] {
-                if let Some(row) = rows.next() {
-                    *row = sign * old[i] - x[n + t];
-                }
-            }
-        }
-        for (row, old) in rows.zip(&old[m..]) {
-            *row = *old;
+        let lifted = self
+            .lifted
+            .iter()
+            .zip(&x[n..])
+            .map(|(own, t)| own.weight * t);
+        let plain = self.plain.iter().map(|(i, weight)| weight * old[*i]);
+        new[0] = lifted.chain(plain).sum();
+        let rows = self.rows().map(|(t, i, share)| share * old[i] - x[n + t]);
+        let all = rows.chain(old[m..].iter().copied());
+        for (new, value) in new[1..].iter_mut().zip(all) {
+            *new = value;
         }
     }
 }
@@ -76,26 +78,22 @@ impl Model for Sum<'_> {
         let mut row = 0;
         let sum = jacobian.row_mut(row);
         sum.fill(0.0);
-        for i in self.problem.absolute()..m {
-            if self.weights[i] > 0.0 {
-                for (out, g) in sum.iter_mut().zip(slopes.row(i)) {
-                    *out += self.weights[i] * g;
-                }
+        for (i, weight) in &self.plain {
+            for (out, g) in sum.iter_mut().zip(slopes.row(*i)) {
+                *out += weight * g;
             }
         }
-        for (t, &i) in self.lifted.iter().enumerate() {
-            sum[n + t] = self.weights[i];
+        for (t, lifted) in self.lifted.iter().enumerate() {
+            sum[n + t] = lifted.weight;
         }
-        for (t, &i) in self.lifted.iter().enumerate() {
-            for sign in [1.0, -1.0] {
-                row += 1;
-                let out = jacobian.row_mut(row);
-                out.fill(0.0);
-                for (out, g) in out.iter_mut().zip(slopes.row(i)) {
-                    *out = sign * g;
-                }
-                out[n + t] = -1.0;
+        for (t, i, share) in self.rows() {
+            row += 1;
+            let out = jacobian.row_mut(row);
+            out.fill(0.0);
+            for (out, g) in out.iter_mut().zip(slopes.row(i)) {
+                *out = share * g;
             }
+            out[n + t] = -1.0;
         }
         for constraint in m..old.len() {
             row += 1;
@@ -106,14 +104,43 @@ impl Model for Sum<'_> {
     }
 }
 
-/// Σ w_i f_i at a point, |f_i| where absolute.
+/// Σ w_i f_i at a point, |f_i| where absolute, of several worlds the worst.
 pub(crate) fn utility(problem: &Problem<'_>, weights: &[f64], x: &[f64]) -> f64 {
     let mut values = vec![f64::NAN; problem.function_count()];
     problem.model().values(x, &mut values);
-    let sized = |(i, f): (usize, &f64)| if i < problem.absolute() { f.abs() } else { *f };
-    let counted = values.iter().enumerate().zip(weights);
-    let counted = counted.filter(|(_, weight)| **weight > 0.0);
-    counted.map(|(f, weight)| weight * sized(f)).sum()
+    let term = |(i, weight): (usize, f64)| {
+        let f = values[i];
+        weight * if i < problem.absolute() { f.abs() } else { f }
+    };
+    let worse = |a: f64, b: f64| if b > a || b.is_nan() { b } else { a };
+    let groups = problem.weighted(weights);
+    groups
+        .filter_map(|group| group.into_iter().map(term).reduce(worse))
+        .sum()
+}
+
+/// The objectives with a variable of their own, and the others with their weights.
+fn divided(problem: &Problem<'_>, weights: &[f64]) -> (Vec<Lifted>, Vec<(usize, f64)>) {
+    let (mut lifted, mut plain) = (Vec::new(), Vec::new());
+    for group in problem.weighted(weights) {
+        let is_absolute = group.first().is_some_and(|(i, _)| *i < problem.absolute());
+        if group.len() < 2 && !is_absolute {
+            plain.extend(group);
+            continue;
+        }
+        let weight = group
+            .iter()
+            .fold(0.0, |most: f64, (_, weight)| most.max(*weight));
+        let signs: &[f64] = if is_absolute { &[1.0, -1.0] } else { &[1.0] };
+        let rows = group
+            .iter()
+            .flat_map(|(i, own)| signs.iter().map(move |sign| (*i, sign * own / weight)));
+        let rows: Vec<_> = rows.collect();
+        if !rows.is_empty() {
+            lifted.push(Lifted { weight, rows });
+        }
+    }
+    (lifted, plain)
 }
 
 pub(crate) fn solve(
@@ -124,23 +151,25 @@ pub(crate) fn solve(
 ) -> Result<Solution> {
     let n = problem.variables().len();
     let m = problem.objectives().len();
-    let lifted: Vec<usize> = (0..problem.absolute())
-        .filter(|&i| weights[i] > 0.0)
-        .collect();
+    let (lifted, plain) = divided(problem, weights);
     let start: Vec<f64> = problem.variables().iter().map(|v| v.start).collect();
     let mut values = vec![f64::NAN; problem.function_count()];
     problem.model().values(&start, &mut values);
     let mut variables = problem.variables().to_vec();
     let mut inequalities = Vec::new();
-    for &i in &lifted {
-        let size = values[i].abs();
+    for own in &lifted {
+        let sizes = own.rows.iter().map(|(i, share)| share * values[*i]);
+        let size = sizes.fold(f64::NEG_INFINITY, f64::max);
         let start = if size.is_finite() { size } else { 0.0 };
+        let name = |i: usize| &problem.objectives()[i];
         variables.push(Variable::free(
-            format!("\u{2502}{}\u{2502}", problem.objectives()[i]),
+            format!("\u{2502}{}\u{2502}", name(own.rows[0].0)),
             start,
         ));
-        inequalities.push(format!("+ {}", problem.objectives()[i]));
-        inequalities.push(format!("- {}", problem.objectives()[i]));
+        inequalities.extend(own.rows.iter().map(|(i, share)| {
+            let sign = if *share < 0.0 { '-' } else { '+' };
+            format!("{sign} {}", name(*i))
+        }));
     }
     let added = inequalities.len();
     inequalities.extend_from_slice(problem.inequalities());
@@ -149,10 +178,16 @@ pub(crate) fn solve(
         .iter()
         .map(|row| {
             let mut row: LinearConstraint = row.clone();
-            row.coefficients.resize(n + lifted.len(), 0.0);
+            row.coefficients.resize(variables.len(), 0.0);
             row
         })
         .collect();
+    let sum = Sum {
+        problem,
+        lifted,
+        plain,
+    };
+    let rows: Vec<_> = sum.rows().map(|(_, i, share)| (i, share)).collect();
     let inner = Problem::new(ProblemParams {
         variables,
         objectives: vec!["weighted sum".to_owned()],
@@ -160,11 +195,8 @@ pub(crate) fn solve(
         equalities: problem.equalities().to_vec(),
         linear,
         absolute: 0,
-        model: Box::new(Sum {
-            problem,
-            weights,
-            lifted: lifted.clone(),
-        }),
+        worlds: 1,
+        model: Box::new(sum),
     })?
     .linear_after(problem.curved());
     let mut solution = sqp::solve(&inner, &Method::Minimax, settings, callback);
@@ -173,8 +205,17 @@ pub(crate) fn solve(
     problem.model().values(&solution.x, &mut values);
     solution.objectives = values[..m].to_vec();
     solution.maximum = sqp::greatest(problem, &values);
-    let total: f64 = weights.iter().sum();
-    solution.multipliers.objectives = weights.iter().map(|w| w / total).collect();
+    // a world's share of its objective's weight is the multiplier of its row
+    let mut prices = weights.to_vec();
+    for group in problem.weighted(weights).filter(|group| group.len() > 1) {
+        for (i, _) in group {
+            let own = rows.iter().zip(&solution.multipliers.inequalities);
+            let own = own.filter(|((row, _), _)| *row == i);
+            prices[i] = own.map(|((_, share), price)| share.abs() * price).sum();
+        }
+    }
+    let total: f64 = prices.iter().sum();
+    solution.multipliers.objectives = prices.iter().map(|w| w / total).collect();
     solution.multipliers.hard_goals = vec![0.0; m];
     solution.multipliers.inequalities.drain(..added);
     solution.inequalities.drain(..added);

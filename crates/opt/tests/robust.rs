@@ -1,8 +1,9 @@
 //! Robust measures against closed forms, and the samples they stand on.
 
 use grouser_opt::{
-    Differences, Error, Exact, Functions, Measure, Method, ProblemParams, Settings, Sobol,
-    Solution, Uncertainty, World, check_derivatives, robust, sample, solve,
+    Binary, CertifySettings, Differences, Error, Exact, Functions, Measure, Method, ProblemParams,
+    Settings, Sobol, Solution, Tape, TapedFunctions, Uncertainty, Variable, World, certify,
+    check_derivatives, evaluate, robust, sample, solve,
 };
 use grouser_real::Scalar;
 
@@ -59,6 +60,62 @@ fn worst_case_is_the_middle_of_the_extremes() {
     let (x, solution) = best(&PLACES, Measure::WorstCase);
     near(x, 3.5);
     assert_eq!(solution.objectives.len(), 4);
+}
+
+/// (x − a)² and (x − b)² as operations.
+fn bowls(a: f64, b: f64) -> TapedFunctions {
+    let mut tape = Tape::new();
+    let x = tape.variable(0);
+    let functions = [a, b].map(|place| {
+        let place = tape.constant(place);
+        let away = tape.binary(Binary::Sub, x, place);
+        tape.binary(Binary::Mul, away, away)
+    });
+    TapedFunctions {
+        functions: functions.to_vec(),
+        tape,
+    }
+}
+
+/// w max(x², (x − 1)²) + max((x − 4)², (x − 6)²): for 0.5 < x < 5 that is w x² + (x − 6)², least at 6/(1 + w); with a great
+/// w at the kink. The sum over both worlds would be least at 11/4 for w = 1.
+#[test]
+fn a_weighted_sum_counts_each_objective_in_its_worst_world() {
+    for (w, place) in [(1.0, 3.0), (3.0, 1.5), (100.0, 0.5)] {
+        let params = ProblemParams::new(&[2.0], 2, bowls(0.0, 0.0))
+            .variables([Variable::bounded("x", 2.0, -10.0, 10.0)]);
+        let worlds =
+            [(0.0, 4.0), (1.0, 6.0)].map(|(a, b)| World::new(format!("{a} {b}"), bowls(a, b)));
+        let joint = robust(params, worlds.into(), Measure::WorstCase).unwrap();
+        let weights = vec![w, w, 1.0, 1.0];
+        let method = Method::Weighted { weights };
+        let solution = solve(joint.problem(), &method, &Settings::default()).unwrap();
+        assert!(solution.status.is_solved(), "{:?}", solution.status);
+        near(solution.x[0], place);
+        let least = w * place * place + (place - 6.0_f64).powi(2);
+        near(solution.utility, least);
+        let merit = evaluate(joint.problem(), &method, &solution.x).unwrap();
+        near(merit.utility, least);
+        // where one world is the worst it has the whole price
+        let prices = &solution.multipliers.objectives;
+        near(prices.iter().sum(), 1.0);
+        near(prices[0] + prices[1], w / (1.0 + w));
+        near(prices[3], 1.0 / (1.0 + w));
+        if place > 0.5 {
+            near(prices[1], 0.0);
+        }
+        let proved = certify(joint.problem(), &method, &CertifySettings::default()).unwrap();
+        assert!(proved.status.is_proved());
+        assert!(
+            proved.lower <= least + 1e-9 && least <= proved.upper + 1e-6,
+            "{proved:?}"
+        );
+        assert!(
+            proved.lower > least - 0.01 * least,
+            "{} {least}",
+            proved.lower
+        );
+    }
 }
 
 #[test]

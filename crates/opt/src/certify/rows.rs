@@ -60,7 +60,7 @@ impl Rows {
         }
         let mut list: Vec<(String, LinearKind, Node)> = Vec::new();
         if let Method::Weighted { weights } = method {
-            let node = weighted_sum(&mut tape, &functions, weights, problem.absolute());
+            let node = weighted_sum(&mut tape, &functions, weights, problem);
             list.push(("weighted sum".to_owned(), LinearKind::Objective, node));
         }
         for row in Program::new(problem, method).rows {
@@ -190,23 +190,34 @@ fn scaled(tape: &mut Tape, node: Node, factor: f64) -> Node {
     tape.binary(Binary::Mul, node, factor)
 }
 
-fn weighted_sum(tape: &mut Tape, functions: &[Node], weights: &[f64], absolute: usize) -> Node {
+fn weighted_sum(
+    tape: &mut Tape,
+    functions: &[Node],
+    weights: &[f64],
+    problem: &Problem<'_>,
+) -> Node {
     let mut sum = None;
-    for (index, (&weight, &function)) in weights.iter().zip(functions).enumerate() {
-        // an objective of weight 0 may have no value
-        if weight == 0.0 {
-            continue;
+    for group in problem.weighted(weights) {
+        let mut worst = None;
+        for (index, weight) in group {
+            let function = functions[index];
+            let size = if index < problem.absolute() {
+                tape.unary(Unary::Abs, function)
+            } else {
+                function
+            };
+            let term = scaled(tape, size, weight);
+            worst = Some(match worst {
+                Some(worst) => tape.binary(Binary::Max, worst, term),
+                None => term,
+            });
         }
-        let size = if index < absolute {
-            tape.unary(Unary::Abs, function)
-        } else {
-            function
-        };
-        let term = scaled(tape, size, weight);
-        sum = Some(match sum {
-            Some(sum) => tape.binary(Binary::Add, sum, term),
-            None => term,
-        });
+        if let Some(term) = worst {
+            sum = Some(match sum {
+                Some(sum) => tape.binary(Binary::Add, sum, term),
+                None => term,
+            });
+        }
     }
     sum.unwrap_or_else(|| tape.constant(0.0))
 }

@@ -162,6 +162,7 @@ pub(super) fn problem<'a>(
         equalities: worlds.names(&params.equalities),
         linear,
         absolute: 0,
+        worlds: 1,
         model: Box::new(Cvar { worlds, share }),
     })?
     .linear_after(n))

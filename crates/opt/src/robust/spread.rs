@@ -101,6 +101,7 @@ pub(super) fn problem<'a>(
         inequalities: worlds.names(&params.inequalities),
         equalities: worlds.names(&params.equalities),
         absolute: 0,
+        worlds: 1,
         objectives: params.objectives,
         variables: params.variables,
         linear: params.linear,

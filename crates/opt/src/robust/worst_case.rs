@@ -46,6 +46,7 @@ pub(super) fn problem<'a>(params: ProblemParams<'a>, worlds: Worlds<'a>) -> Resu
         inequalities: worlds.names(&params.inequalities),
         equalities: worlds.names(&params.equalities),
         absolute: worlds.absolute * worlds.count(),
+        worlds: worlds.count(),
         variables: params.variables,
         linear: params.linear,
         model: Box::new(WorstCase(worlds)),
