@@ -90,6 +90,11 @@ impl<T> Field<'_, T> {
                 None => number.to_string(),
             },
             Value::String(text) => quoted(text),
+            // keys, which have no space
+            Value::Array(words) if words.iter().all(Value::is_string) => {
+                let words: Vec<&str> = words.iter().filter_map(Value::as_str).collect();
+                quoted(&words.join(" "))
+            }
             other => quoted(&other.to_string()),
         }
     }

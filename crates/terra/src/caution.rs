@@ -112,6 +112,22 @@ impl fmt::Display for Caution {
     }
 }
 
+/// The numbers of a contact that cautions follow from, whoever found them.
+pub(crate) struct Judged {
+    /// θ_m/θ_1 before it is held in [0, 1].
+    pub(crate) position: f64,
+    /// Sinkage, m.
+    pub(crate) sinkage: f64,
+    /// Radius, m.
+    pub(crate) radius: f64,
+    /// Does the shear change its sign?
+    pub(crate) reverses: bool,
+    /// Does the point lie outside the tests of its soil?
+    pub(crate) outside_fit: bool,
+    /// Work lost in the contact, per radian, and what its rounding is measured by, N m.
+    pub(crate) lost_work: (f64, f64),
+}
+
 /// A set of cautions.
 ///
 /// ```
@@ -126,6 +142,19 @@ impl fmt::Display for Caution {
 pub struct Cautions(u16);
 
 impl Cautions {
+    /// Adds those that follow from numbers.
+    pub(crate) fn judge(&mut self, of: &Judged) {
+        self.insert_if(of.position >= 1.0, Caution::NoNormalStress);
+        self.insert_if(of.position < 0.0, Caution::MaximumStressHeld);
+        self.insert_if(of.sinkage > of.radius / 3.0, Caution::DeepSinkage);
+        self.insert_if(of.sinkage > of.radius, Caution::HubInSoil);
+        self.insert_if(of.reverses, Caution::ShearReversal);
+        self.insert_if(of.outside_fit, Caution::OutsideFit);
+        let (lost, scale) = of.lost_work;
+        // rounding of the balance's terms, which may cancel
+        self.insert_if(lost < -1e-9 * scale, Caution::WorkGained);
+    }
+
     /// Adds one.
     pub fn insert(&mut self, caution: Caution) {
         self.0 |= 1 << caution as u16;

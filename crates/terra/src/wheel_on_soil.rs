@@ -1,7 +1,7 @@
 //! A wheel on a soil.
 
 use crate::bulldozing::Bulldozing;
-use crate::caution::{Caution, Cautions};
+use crate::caution::{Caution, Cautions, Judged};
 use crate::contact::{
     Contact, ContactAngles, ContactConstants, Dug, ExponentTables, Motion, Order, WheelSize,
     entry_angle, sinkage_from_entry_angle,
@@ -361,29 +361,25 @@ impl WheelOnSoil {
     ) {
         let angles = contact.angles();
         let sinkage = sinkage_from_entry_angle(angles.theta_1, self.size.radius);
-        let position = self.laws.position_at(&kinematics.motion());
-        cautions.insert_if(position >= 1.0, Caution::NoNormalStress);
-        cautions.insert_if(position < 0.0, Caution::MaximumStressHeld);
-        cautions.insert_if(sinkage > self.size.radius / 3.0, Caution::DeepSinkage);
-        cautions.insert_if(sinkage > self.size.radius, Caution::HubInSoil);
-        let arc = angles.theta_1 - angles.theta_2;
-        cautions.insert_if(contact.shear.reverses(arc), Caution::ShearReversal);
-        let apart = contact.shear.law == ShearLaw::Independent && contact.shear.sideways;
-        cautions.insert_if(apart, Caution::ShearAboveStrength);
-        let outside = self.soil.params().fitted.is_some_and(|fitted| {
+        let outside_fit = self.soil.params().fitted.is_some_and(|fitted| {
             !fitted.holds(kinematics, self.wheel.width(), forces.vertical_force)
         });
-        cautions.insert_if(outside, Caution::OutsideFit);
+        let radius = self.size.radius;
+        let pull = forces.drawbar_pull.abs() * radius;
+        cautions.judge(&Judged {
+            position: self.laws.position_at(&kinematics.motion()),
+            sinkage,
+            radius,
+            reverses: contact.shear.reverses(angles.theta_1 - angles.theta_2),
+            outside_fit,
+            lost_work: (forces.lost_work, forces.torque.abs().max(pull)),
+        });
+        let apart = contact.shear.law == ShearLaw::Independent && contact.shear.sideways;
+        cautions.insert_if(apart, Caution::ShearAboveStrength);
         cautions.insert_if(
             self.lugs_are_sparse(sinkage, kinematics.slip().value()),
             Caution::LugSpacing,
         );
-        let scale = forces
-            .torque
-            .abs()
-            .max(forces.drawbar_pull.abs() * self.size.radius);
-        // rounding of the balance's terms, which may cancel
-        cautions.insert_if(forces.lost_work < -1e-9 * scale, Caution::WorkGained);
     }
 }
 

@@ -2,8 +2,8 @@
 
 use grouser_terra::{
     Accuracy, Angle, BatchColumns, BatchInput, BatchKernel, BatchPoints, BestOf, BestSlipColumns,
-    Error, Kinematics, LawChoice, RigidWheel, Settings, ShearLaw, Slip, SlipNorm, SlopeOutcome,
-    Soil, SoilParams, SolveStatus, StressPosition, WheelOnSoil, catalogue,
+    Error, FittedRange, Kinematics, LawChoice, RigidWheel, Settings, ShearLaw, Slip, SlipNorm,
+    SlopeOutcome, Soil, SoilParams, SolveStatus, StressPosition, WheelOnSoil, catalogue,
 };
 use proptest::prelude::*;
 
@@ -168,6 +168,40 @@ proptest! {
                     .max((f.torque - got.torque).abs() / p.0);
                 prop_assert!(off <= 1e-9 * size, "{:e} at {:?}", off / size, p);
             }
+        }
+    }
+
+    /// Cautions from the numbers of lanes are those of the general kernel.
+    #[test]
+    fn cautions_are_those_of_single_points(
+        soil in soil(),
+        (c_1, c_2) in (-0.2..0.9_f64, -0.5..0.9_f64),
+        points in prop::collection::vec(point(), 1..40),
+    ) {
+        let fitted = FittedRange {
+            slip: (-0.2, 0.6),
+            slip_angle: (0.0, 0.0),
+            width: (0.1, 0.4),
+            load: (0.0, 1e4),
+        };
+        let soil = Soil::new(SoilParams { c_1, c_2, fitted: Some(fitted), ..*soil.params() }).unwrap();
+        let kernel = BatchKernel::new(soil);
+        let columns = Columns::new(&points);
+        let n = points.len();
+        let [mut sinkage, mut vertical_force, mut drawbar_pull, mut torque] = [(); 4].map(|()| vec![f64::NAN; n]);
+        let mut status = vec![SolveStatus::default(); n];
+        let mut out = BatchColumns {
+            sinkage: &mut sinkage,
+            vertical_force: &mut vertical_force,
+            drawbar_pull: &mut drawbar_pull,
+            torque: &mut torque,
+            status: &mut status,
+        };
+        kernel.forces(&columns.points(), &columns.sinkage, &mut out).unwrap();
+        for (at, p) in points.iter().enumerate() {
+            let motion = Kinematics::straight(Slip::new(p.3).unwrap());
+            let single = contact(&soil, *p).at_sinkage(columns.sinkage[at], &motion).unwrap();
+            prop_assert_eq!(kernel.cautions(&columns.points(), &out, at), single.cautions, "{:?}", p);
         }
     }
 

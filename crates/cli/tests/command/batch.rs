@@ -167,13 +167,14 @@ fn a_bad_row_stops_nothing() {
     let lines: Vec<&str> = out.lines().skip(1).collect();
     assert_eq!(lines.len(), 2 * bad.len());
     for (pair, (row, status)) in lines.chunks(2).zip(bad) {
-        // The status is the last field, in quotation marks where it holds a comma.
-        let found = pair[0].rsplit_once(",\"").map_or_else(
-            || pair[0].rsplit(',').next().unwrap().to_owned(),
+        // The status stands before the cautions, in quotation marks where it holds a comma.
+        let bad = pair[0].strip_suffix(',').unwrap();
+        let found = bad.rsplit_once(",\"").map_or_else(
+            || bad.rsplit(',').next().unwrap().to_owned(),
             |(_, quoted)| quoted.trim_end_matches('"').to_owned(),
         );
         assert!(found.starts_with(status), "{row}: {found}");
-        assert!(pair[1].ends_with(",ok"), "{}", pair[1]);
+        assert!(pair[1].ends_with(",ok,"), "{}", pair[1]);
     }
 }
 
@@ -307,9 +308,9 @@ fn lines_are_whole_wherever_a_read_ends() {
         for (i, row) in rows.iter().enumerate() {
             let note = format!(",40,{i} {},", "n".repeat(i % 701));
             let (middle, status) = if i == 2000 {
-                ("\u{fffd}", ",bad-input: the row is not UTF-8")
+                ("\u{fffd}", ",bad-input: the row is not UTF-8,")
             } else {
-                (note.as_str(), ",ok")
+                (note.as_str(), ",ok,")
             };
             assert!(row.contains(middle) && row.ends_with(status), "{row}");
         }
@@ -382,7 +383,7 @@ fn a_slip_angle_is_read() {
         out.lines()
             .next()
             .unwrap()
-            .ends_with("torque_nm,side_force_n,status")
+            .ends_with("torque_nm,side_force_n,status,cautions")
     );
     let wheel = line(
         "wheel --soil dry-sand --radius-m 0.1 --width-m 0.1 --load-n 40 --slip 0.3 --slip-angle-deg 20 --json",
@@ -481,6 +482,101 @@ fn rows_outside_a_fit_are_counted() {
         "--json".into(),
     ]);
     assert_eq!(said.json()["outside_fit"], 3, "{said:?}");
+}
+
+/// The cautions of a row are those of `wheel` at the same point: on lanes and off them, braked, drifting and with lugs.
+#[test]
+fn cautions_are_those_of_single_points() {
+    let folder = Folder::new();
+    let mut text = String::from(
+        "soil,radius_m,width_m,rebound,slip,slip_angle_deg,load_n,sinkage_m,grouser_height_m,grouser_count\n",
+    );
+    let mut points = Vec::new();
+    for soil in ["dry-sand", "clayey-soil"] {
+        for slip in ["0.9", "0.2", "-0.7"] {
+            for (load, sinkage) in [("200", ""), ("30", ""), ("", "0.04"), ("", "0.003")] {
+                for (angle, lugs, rebound) in [
+                    ("0", "", "0"),
+                    ("20", "", "0"),
+                    ("0", "0.01", "0"),
+                    ("0", "", "0.4"),
+                ] {
+                    let count = if lugs.is_empty() { "" } else { "6" };
+                    writeln!(
+                        text,
+                        "{soil},0.1,0.05,{rebound},{slip},{angle},{load},{sinkage},{lugs},{count}"
+                    )
+                    .unwrap();
+                    let by = if load.is_empty() {
+                        ["--sinkage-m", sinkage]
+                    } else {
+                        ["--load-n", load]
+                    };
+                    let mut words = vec![
+                        "wheel",
+                        "--json",
+                        "--soil",
+                        soil,
+                        "--radius-m",
+                        "0.1",
+                        "--width-m",
+                        "0.05",
+                    ];
+                    words.extend(by);
+                    let numbers = [
+                        format!("--slip={slip}"),
+                        format!("--slip-angle-deg={angle}"),
+                        format!("--rebound={rebound}"),
+                    ];
+                    let mut words: Vec<String> = words
+                        .into_iter()
+                        .map(str::to_owned)
+                        .chain(numbers)
+                        .collect();
+                    if !lugs.is_empty() {
+                        words.extend([
+                            format!("--grouser-height-m={lugs}"),
+                            format!("--grouser-count={count}"),
+                        ]);
+                    }
+                    points.push(words);
+                }
+            }
+        }
+    }
+    let input = folder.file("in.csv", &text);
+    let output = folder.path("out.csv");
+    let said = grouser([
+        "batch".into(),
+        input,
+        "-o".into(),
+        output.clone(),
+        "--json".into(),
+    ])
+    .json();
+    let rows = table(&std::fs::read_to_string(output).unwrap());
+    assert_eq!(rows.len(), points.len());
+    let mut cautioned = 0;
+    let mut counts = BTreeMap::new();
+    for (row, words) in rows.iter().zip(points) {
+        let wheel = grouser(words.clone()).json();
+        let keys: Vec<&str> = wheel["cautions"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|key| key.as_str().unwrap())
+            .collect();
+        assert_eq!(row["status"], wheel["status"], "{words:?}");
+        assert_eq!(row["cautions"], keys.join(" "), "{words:?}");
+        cautioned += u64::from(!keys.is_empty());
+        for key in keys {
+            *counts.entry(key.to_owned()).or_insert(0_u64) += 1;
+        }
+    }
+    assert!(counts.len() >= 4, "{counts:?}");
+    assert_eq!(said["with_cautions"], cautioned);
+    let said: BTreeMap<String, u64> = serde_json::from_value(said["cautions"].clone()).unwrap();
+    assert_eq!(said, counts);
 }
 
 /// A row of a table with a dozen soils, each named twice, is the row of a table that has its soil alone.

@@ -80,7 +80,7 @@ fn a_table_and_a_figure_in_one_run() {
     assert_eq!(folder.names(), ["c.csv", "c.svg"]);
     let text = std::fs::read_to_string(csv).unwrap();
     assert!(text.starts_with(
-        "soil,radius_m,width_m,rebound,slip,sinkage_m,load_n,vertical_force_n,drawbar_pull_n,torque_nm,status\n"
+        "soil,radius_m,width_m,rebound,slip,sinkage_m,load_n,vertical_force_n,drawbar_pull_n,torque_nm,status,cautions\n"
     ));
     assert_eq!(text.lines().count(), 1 + 2 * 40);
 }

@@ -1,5 +1,6 @@
 //! Batches: many operating points on one soil, eight at a time.
 
+use crate::caution::{Cautions, Judged};
 use crate::error::{Error, Result};
 use crate::kinematics::Kinematics;
 use crate::settings::Settings;
@@ -242,6 +243,88 @@ impl BatchKernel {
             slip: slip.into(),
         };
         Workspace::with(|room| self.run(&points, load.into(), out, (Task::Curve, room)))
+    }
+
+    /// What to keep in mind about the solved point at a place of columns, from its numbers alone, as
+    /// [`WheelOnSoil::at_sinkage`] has it; nothing of a point that is not solved. Whether several sinkages carry a load is said
+    /// by [`WheelOnSoil::under_load`] only: on soil that rises behind the wheel or that a rim carries along, and for s < 0.
+    ///
+    /// ```
+    /// use grouser_terra::{BatchColumns, BatchKernel, BatchPoints, Caution, SolveStatus, catalogue};
+    /// let kernel = BatchKernel::new(catalogue::find("dry-sand").expect("in the catalogue").soil()?);
+    /// let points = BatchPoints {
+    ///     radius: 0.1.into(),
+    ///     width: 0.05.into(),
+    ///     rebound: 0.0.into(),
+    ///     slip: 0.9.into(),
+    /// };
+    /// let [mut sinkage, mut vertical_force, mut drawbar_pull, mut torque] = [[0.0]; 4];
+    /// let mut columns = BatchColumns {
+    ///     sinkage: &mut sinkage,
+    ///     vertical_force: &mut vertical_force,
+    ///     drawbar_pull: &mut drawbar_pull,
+    ///     torque: &mut torque,
+    ///     status: &mut [SolveStatus::default()],
+    /// };
+    /// kernel.under_load(&points, 200.0, &mut columns)?;
+    /// assert!(kernel.cautions(&points, &columns, 0).contains(Caution::DeepSinkage)); // 67 mm
+    /// # Ok::<(), grouser_terra::Error>(())
+    /// ```
+    #[must_use]
+    pub fn cautions(
+        &self,
+        points: &BatchPoints<'_>,
+        found: &BatchColumns<'_>,
+        at: usize,
+    ) -> Cautions {
+        let mut out = Cautions::default();
+        if found.status[at] != SolveStatus::Solved {
+            return out;
+        }
+        let Ok(slip) = Slip::new(points.slip.at(at)) else {
+            return out;
+        };
+        let motion = Kinematics::straight(slip);
+        let (s, radius, width) = (slip.value(), points.radius.at(at), points.width.at(at));
+        let (sinkage, vertical_force) = (found.sinkage[at], found.vertical_force[at]);
+        let (pull, torque) = (found.drawbar_pull[at] * radius, found.torque[at]);
+        let rebound = points.rebound.at(at);
+        // a driving wheel shears forwards, and compacts what does not spring back
+        let is_driving = slip.is_driving();
+        let lost_work = if is_driving && rebound == 0.0 {
+            0.0
+        } else {
+            torque * (1.0 + s.min(0.0)) - pull * (1.0 - s.max(0.0))
+        };
+        let fitted = self.soil.params().fitted;
+        out.judge(&Judged {
+            position: self.soil.laws().position_at(&motion.motion::<f64>()),
+            sinkage,
+            radius,
+            reverses: !is_driving && self.reverses((radius, width, rebound), sinkage, &motion),
+            outside_fit: fitted.is_some_and(|f| !f.holds(&motion, width, vertical_force)),
+            lost_work: (lost_work, torque.abs().max(pull.abs())),
+        });
+        out
+    }
+
+    /// Does the shear under a wheel of this radius and width, m, change its sign?
+    fn reverses(
+        &self,
+        (radius, width, rebound): (f64, f64, f64),
+        sinkage: f64,
+        motion: &Kinematics,
+    ) -> bool {
+        let contact = || -> Result<_> {
+            let wheel = RigidWheel::new(radius, width)?;
+            let soil = self.soil.with_rebound(rebound)?;
+            let contact = WheelOnSoil::new(wheel, soil, Settings::default())?;
+            Ok(contact.contact(contact.entry_angle(sinkage, motion)?, motion))
+        };
+        contact().is_ok_and(|contact| {
+            let angles = contact.angles();
+            contact.shear.reverses(angles.theta_1 - angles.theta_2)
+        })
     }
 
     fn run(

@@ -10,10 +10,11 @@ use crate::operation::Prescribed;
 use grouser_files::{is_quantity_name, nearest};
 use grouser_log::csv::{Field, quoted, split};
 use grouser_report::number::{parse_finite, parse_plain, push_exact};
+use grouser_terra::Cautions;
 
 /// The columns that are added, in order; the side force only beside a column of slip angles, the fluctuations as
 /// lugs pass only beside columns of lugs.
-const ADDED: [&str; 7] = [
+const ADDED: [&str; 8] = [
     "vertical_force_n",
     "drawbar_pull_n",
     "torque_nm",
@@ -21,6 +22,7 @@ const ADDED: [&str; 7] = [
     PULL_FLUCTUATION,
     TORQUE_FLUCTUATION,
     "status",
+    "cautions",
 ];
 const SIDE_FORCE: &str = "side_force_n";
 const PULL_FLUCTUATION: &str = "pull_fluctuation_n";
@@ -121,6 +123,8 @@ pub(super) struct Numbers {
     pub(super) side: f64,
     /// Fluctuation of pull (N) and torque (N m) as lugs pass; `None` for a smooth wheel.
     pub(super) fluctuation: Option<[f64; 2]>,
+    /// What to keep in mind.
+    pub(super) cautions: Cautions,
 }
 
 /// A row: its line, and its operating point or what is wrong.
@@ -342,10 +346,16 @@ impl Columns {
                 "`grouser_height_m` is empty, but other sizes of the lugs are not".to_owned(),
             );
         }
+        let count = optional(self.grouser_count, "grouser_count")?.unwrap_or(0.0);
+        if count.fract() != 0.0 {
+            return Err(format!(
+                "`grouser_count` is {count}, but must be a whole number"
+            ));
+        }
         let grousers = match height {
             Some(height) if height != 0.0 => Some([
                 height,
-                optional(self.grouser_count, "grouser_count")?.unwrap_or(0.0),
+                count,
                 optional(self.grouser_thickness, "grouser_thickness_m")?.unwrap_or(0.0),
             ]),
             _ => None,
@@ -406,6 +416,13 @@ impl Columns {
         }
         text.push(',');
         text.push_str(status);
+        text.push(',');
+        let mut gap = "";
+        for caution in numbers.iter().flat_map(|of| of.cautions.iter()) {
+            text.push_str(gap);
+            text.push_str(caution.key());
+            gap = " ";
+        }
         text.push('\n');
     }
 

@@ -2,9 +2,11 @@
 
 use std::ops::Range;
 
-use grouser_terra::{BatchColumns, BatchKernel, BatchPoints, SolveStatus};
+use grouser_terra::{
+    BatchColumns, BatchKernel, BatchPoints, Caution, Cautions, MAX_MISS, Soil, SolveStatus,
+};
 
-use super::columns::{Numbers, Row};
+use super::columns::{Numbers, Point, Row};
 use super::soils::Soils;
 use crate::operation::Prescribed;
 
@@ -27,6 +29,7 @@ pub(super) struct Found {
     vertical_force: Vec<f64>,
     drawbar_pull: Vec<f64>,
     torque: Vec<f64>,
+    cautions: Vec<Cautions>,
 }
 
 impl Found {
@@ -46,6 +49,7 @@ impl Found {
             // lanes have no slip angle and no lugs
             side: 0.0,
             fluctuation: None,
+            cautions: self.cautions[place],
         });
         (status, numbers)
     }
@@ -69,7 +73,7 @@ impl Found {
             vertical_force: &mut self.vertical_force[range.clone()],
             drawbar_pull: &mut self.drawbar_pull[range.clone()],
             torque: &mut self.torque[range.clone()],
-            status: &mut self.status[range],
+            status: &mut self.status[range.clone()],
         };
         // The columns are equally long, so that the kernel refuses none.
         let _ = if by_load {
@@ -77,7 +81,23 @@ impl Found {
         } else {
             kernel.forces(&points, given, &mut out)
         };
+        for (at, cautions) in self.cautions[range].iter_mut().enumerate() {
+            *cautions = kernel.cautions(&points, &out, at);
+            let missed = (out.vertical_force[at] - given[at]).abs();
+            let is_coarse = by_load && missed > MAX_MISS * given[at]; // NaN where there is no solution
+            cautions.insert_if(is_coarse, Caution::LoadBelowResolution);
+        }
     }
+}
+
+/// Is a point for the kernel? One with a drift or lugs is not, nor one whose load several sinkages may carry, of which the
+/// general search knows.
+fn is_served(point: &Point<'_>, soil: &Soil) -> bool {
+    let soil = soil.params();
+    let rises = point.rebound.unwrap_or(soil.rebound) > 0.0 || soil.transport_layer > 0.0;
+    let is_searched = matches!(point.prescribed, Prescribed::Load(_));
+    let may_be_several = is_searched && (rises || point.slip < 0.0);
+    point.slip_angle_deg == 0.0 && point.grousers.is_none() && !may_be_several
 }
 
 /// What the kernel finds of each row.
@@ -85,10 +105,9 @@ pub(super) fn solve(rows: &[Row<'_>], soils: &Soils<'_>) -> Found {
     // twice the soil's number, and one more for a load
     let group = |row: usize| {
         let point = rows[row].point.as_ref().ok()?;
-        let (number, _) = soils.of_row(row)?;
+        let (number, known) = soils.of_row(row)?;
         let by_load = matches!(point.prescribed, Prescribed::Load(_));
-        let is_served = point.slip_angle_deg == 0.0 && point.grousers.is_none();
-        is_served.then_some(2 * number + usize::from(by_load))
+        is_served(point, &known.soil).then_some(2 * number + usize::from(by_load))
     };
     let groups: Vec<Option<usize>> = (0..rows.len()).map(group).collect();
     // how many points a group has, then where its next point goes
@@ -114,6 +133,7 @@ pub(super) fn solve(rows: &[Row<'_>], soils: &Soils<'_>) -> Found {
         vertical_force: column(),
         drawbar_pull: column(),
         torque: column(),
+        cautions: vec![Cautions::default(); points.given.len()],
     };
     let starts = next.clone();
     for (row, group) in groups.iter().enumerate() {

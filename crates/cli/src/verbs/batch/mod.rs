@@ -11,7 +11,8 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use grouser_terra::{
-    Angle, Kinematics, MAX_MISS, RigidWheel, Settings, Slip, Soil, SolveStatus, WheelOnSoil,
+    Angle, Caution, Cautions, Kinematics, RigidWheel, Settings, Slip, Soil, SolveStatus,
+    WheelOnSoil,
 };
 
 use self::columns::{Columns, Numbers, Point, Row};
@@ -39,7 +40,8 @@ use grouser_report::{Fields, fields};
         grouser_thickness_m (these five optional), and sinkage_m or \
         load_n or both, of which exactly one is filled in each row. Every column of the input is kept; sinkage_m \
         is filled in place, and vertical_force_n, drawbar_pull_n, torque_nm, side_force_n (beside slip_angle_deg), \
-        pull_fluctuation_n and torque_fluctuation_nm (beside lugs) and status are added. A column that looks like another \
+        pull_fluctuation_n and torque_fluctuation_nm (beside lugs), status and cautions (their keys, with spaces between) are \
+        added. A column that looks like another \
         quantity is refused; a remark is called note_… or measured_…. A row that cannot be solved gets a \
         status and never stops the others. The table is streamed: it may be larger than memory.",
     after_help = "Examples:\n  grouser batch points.csv -o solved.csv\n  grouser batch - -o - < points.csv | head"
@@ -56,17 +58,17 @@ pub(crate) struct Arguments {
 }
 
 /// How many rows ended how.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Counts {
     rows: u64,
     ok: u64,
     no_solution: u64,
     not_converged: u64,
     bad_input: u64,
-    /// Solved rows whose vertical force misses the load.
-    coarse: u64,
-    /// Solved rows outside the tests that their soil was fitted on.
-    outside_fit: u64,
+    /// Solved rows with a caution.
+    cautioned: u64,
+    /// Solved rows by caution.
+    cautions: BTreeMap<Caution, u64>,
 }
 
 /// The table and what became of its rows.
@@ -85,9 +87,11 @@ fn fields<'a>() -> Fields<'a, Solved<'a>> {
         "not_converged" "rows whose search did not converge" = solved.counts.not_converged;
         "bad_input" "rows with a bad value" = solved.counts.bad_input;
         "below_resolution" "solved rows whose load is smaller than the solver resolves: their vertical force differs from it" =
-            solved.counts.coarse;
+            solved.counts.with(Caution::LoadBelowResolution);
         "outside_fit" "solved rows whose slip, slip angle, width or load lies outside the tests that their soil was fitted on" =
-            solved.counts.outside_fit;
+            solved.counts.with(Caution::OutsideFit);
+        "with_cautions" "solved rows with a caution" = solved.counts.cautioned;
+        "cautions" "solved rows by caution" values = Some(solved.counts.cautions.iter().map(|(caution, count)| (caution.key(), *count)));
         "soils" "the soils and their sources" values = Some(solved.soils.clone());
         "output" "the table that was written" = solved.output.display().to_string();
     }
@@ -131,7 +135,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             let soil = soils.of_row(place).map(|(_, known)| &known.soil);
             let status = match found.of_row(place) {
                 (status @ (SolveStatus::Solved | SolveStatus::NoSolution), numbers) => {
-                    solved.push(&columns, row, (numbers, soil), status)
+                    solved.push(&columns, row, numbers, status)
                 }
                 // by the general solver and in its words
                 _ => complete(&mut solved, (&columns, row), soil, arguments, &mut cache),
@@ -167,18 +171,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let mut report = Report::done(fields().object(solved), text);
     report.is_aside = arguments.output == Path::new(STANDARD);
     report.warnings = columns.warnings();
-    if counts.coarse > 0 {
-        report.warnings.push(format!(
-            "{} rows have a load that is smaller than the solver resolves: compare `vertical_force_n`",
-            counts.coarse
-        ));
-    }
-    if counts.outside_fit > 0 {
-        report.warnings.push(format!(
-            "{} rows lie outside the tests that their soil was fitted on (slip, slip angle, width or load)",
-            counts.outside_fit
-        ));
-    }
+    let caution =
+        |(caution, count): (&Caution, &u64)| format!("caution at {count} rows: {caution}");
+    report.warnings.extend(counts.cautions.iter().map(caution));
     if counts.ok == 0 {
         report.outcome = Outcome::NoResult;
         report.failure = Some("no row could be solved; `status` says why".to_owned());
@@ -186,12 +181,6 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         report.outcome = Outcome::Doubtful;
     }
     Ok(report)
-}
-
-/// Does a solved row's vertical force miss its load?
-fn misses(row: &Row<'_>, vertical_force: f64) -> bool {
-    let load = row.point.as_ref().ok().and_then(|p| p.prescribed.load());
-    load.is_some_and(|load| !((vertical_force - load).abs() <= MAX_MISS * load))
 }
 
 /// A chunk of the table with its answers.
@@ -206,11 +195,11 @@ impl Chunk {
         &mut self,
         columns: &Columns,
         row: &Row<'_>,
-        (numbers, soil): (Option<Numbers>, Option<&Soil>),
+        numbers: Option<Numbers>,
         status: SolveStatus,
     ) -> SolveStatus {
         if let Some(numbers) = numbers {
-            self.counts.note(row, numbers.forces[0], soil);
+            self.counts.note(numbers.cautions);
         }
         columns.push_line(&mut self.text, row, numbers, status.key());
         status
@@ -221,7 +210,9 @@ impl Chunk {
 #[derive(Default)]
 struct Cache(Option<(CacheKey, WheelOnSoil)>);
 
-type CacheKey = (String, [u64; 2], Option<[u64; 3]>, Option<u64>);
+/// The soil's name, and the bits of the numbers.
+type CacheKey = (String, Bits);
+type Bits = ([u64; 2], Option<[u64; 3]>, Option<u64>);
 
 /// Appends a row with its answer by the general solver, as a line.
 fn complete(
@@ -247,13 +238,14 @@ fn complete(
                 ],
                 side: point.side_force,
                 fluctuation: passage(point).map(|lugs| [lugs.pull, lugs.torque]),
+                cautions: point.cautions,
             });
             let status = match answer.status {
                 Status::Ok => SolveStatus::Solved,
                 Status::NoSolution(_) => SolveStatus::NoSolution,
                 Status::NotConverged => SolveStatus::NotConverged,
             };
-            solved.push(columns, row, (numbers, soil), status)
+            solved.push(columns, row, numbers, status)
         }
         Err(message) => {
             let status = format!("bad-input: {message}");
@@ -271,14 +263,13 @@ fn solve(
 ) -> Result<Answer, String> {
     let refuse = |error| Names::Columns.message(&error);
     let wheel = (point.radius_m, point.width_m);
-    let key = (
-        point.soil.to_string(),
+    let bits = (
         [wheel.0.to_bits(), wheel.1.to_bits()],
         point.grousers.map(|sizes| sizes.map(f64::to_bits)),
         point.rebound.map(f64::to_bits),
     );
     let pair = match &cache.0 {
-        Some((last, pair)) if *last == key => pair.clone(),
+        Some(((soil, last), pair)) if *soil == point.soil && *last == bits => pair.clone(),
         _ => {
             let soil = match soil {
                 Some(soil) => *soil,
@@ -297,7 +288,7 @@ fn solve(
                     .map_err(refuse)?;
             }
             let pair = WheelOnSoil::new(wheel, soil, Settings::default()).map_err(refuse)?;
-            cache.0 = Some((key, pair.clone()));
+            cache.0 = Some(((point.soil.to_string(), bits), pair.clone()));
             pair
         }
     };
@@ -313,22 +304,21 @@ fn motion(point: &Point<'_>, slip: Slip) -> grouser_terra::Result<Kinematics> {
     Kinematics::with_slip_angle(slip, Angle::from_deg(point.slip_angle_deg))
 }
 
-/// Does a point lie outside the tests that its soil was fitted on?
-fn is_outside_fit(point: &Point<'_>, soil: &Soil, vertical_force: f64) -> bool {
-    let Some(fitted) = &soil.params().fitted else {
-        return false;
-    };
-    let motion = Slip::new(point.slip).and_then(|slip| motion(point, slip));
-    motion.is_ok_and(|motion| !fitted.holds(&motion, point.width_m, vertical_force))
-}
-
 impl Counts {
-    /// Counts what is doubtful of a solved row with its vertical force, N.
-    fn note(&mut self, row: &Row<'_>, vertical_force: f64, soil: Option<&Soil>) {
-        self.coarse += u64::from(misses(row, vertical_force));
-        let Ok(point) = &row.point else { return };
-        self.outside_fit +=
-            u64::from(soil.is_some_and(|soil| is_outside_fit(point, soil, vertical_force)));
+    /// Counts the cautions of a solved row.
+    fn note(&mut self, cautions: Cautions) {
+        if cautions.is_empty() {
+            return;
+        }
+        self.cautioned += 1;
+        for caution in cautions.iter() {
+            *self.cautions.entry(caution).or_default() += 1;
+        }
+    }
+
+    /// How many rows have a caution.
+    fn with(&self, caution: Caution) -> u64 {
+        self.cautions.get(&caution).copied().unwrap_or_default()
     }
 
     fn add(&mut self, status: SolveStatus) {
@@ -347,8 +337,10 @@ impl Counts {
         self.no_solution += other.no_solution;
         self.not_converged += other.not_converged;
         self.bad_input += other.bad_input;
-        self.coarse += other.coarse;
-        self.outside_fit += other.outside_fit;
+        self.cautioned += other.cautioned;
+        for (caution, count) in &other.cautions {
+            *self.cautions.entry(*caution).or_default() += count;
+        }
     }
 
     fn words(&self) -> String {
@@ -358,6 +350,7 @@ impl Counts {
             (self.no_solution, "without a solution"),
             (self.not_converged, "not converged"),
             (self.bad_input, "bad (see their status)"),
+            (self.cautioned, "with cautions"),
         ] {
             if count > 0 {
                 let _ = write!(words, ", {count} {what}"); // to a string: it cannot fail

@@ -122,6 +122,7 @@ impl<'a> Frame<'a> {
             "pull_fluctuation_n",
             "torque_fluctuation_nm",
             "status",
+            "cautions",
         ];
         columns.pick(&self.present(&keys)).csv(self.points())
     }
