@@ -133,7 +133,8 @@ fn schemas() -> Vec<(&'static str, Value)> {
     ];
     list.extend(log::schemas());
     for (name, schema) in &mut list {
-        let several = schema["anyOf"].as_array_mut();
+        // an index would put a null where there is none
+        let several = schema.get_mut("anyOf").and_then(Value::as_array_mut);
         match several {
             Some(several) => several.iter_mut().for_each(add_provenance),
             None => add_provenance(schema),
@@ -147,7 +148,7 @@ fn schemas() -> Vec<(&'static str, Value)> {
 /// Each object says what it was computed from.
 fn add_provenance(schema: &mut Value) {
     schema["properties"]["provenance"] = session::fields().schema();
-    if let Some(required) = schema["required"].as_array_mut() {
+    if let Some(required) = schema.get_mut("required").and_then(Value::as_array_mut) {
         required.push("provenance".into());
     }
 }
