@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::document::Document;
 use crate::error::{Error, PLACEHOLDER, Place, Result};
-use crate::suggestion::nearest;
+use crate::suggestion::{are_siblings, nearest};
 
 /// A table of a document. Every key that is read becomes known; other keys
 /// are refused when the section ends.
@@ -141,10 +141,12 @@ impl<'a> Section<'a> {
     }
 
     fn missing(&self, key: &'static str) -> Error {
-        // A key that nobody knows and that looks like the missing one is the better message.
+        // A key that nobody knows and that looks like the missing one is the better message; one beside it may be read later.
         let known = self.known.borrow();
         let mistyped = self.table.keys().find(|given| {
-            !known.contains(&given.get_ref().as_ref()) && nearest(given.get_ref(), [key]).is_some()
+            !known.contains(&given.get_ref().as_ref())
+                && !are_siblings(given.get_ref(), key)
+                && nearest(given.get_ref(), [key]).is_some()
         });
         if let Some(given) = mistyped {
             return Error::UnknownKey {

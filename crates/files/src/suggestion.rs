@@ -34,6 +34,19 @@ pub fn nearest<'a>(given: &str, candidates: impl IntoIterator<Item = &'a str>) -
         .map(|(_, candidate)| candidate)
 }
 
+/// Are both names of a family, as `size_x_m` and `size_y_m` or `k_c_kn_per_m_n1` and `k_phi_kn_per_m_n2`? Their parts agree
+/// but for some before the unit that have no character in common, and for numbers.
+pub(crate) fn are_siblings(a: &str, b: &str) -> bool {
+    let count = a.matches('_').count();
+    let number = |c: char| c.is_ascii_digit();
+    let is_kin = |(place, (a, b)): (usize, (&str, &str))| {
+        let differs = place < count && !a.contains(|c| b.contains(c));
+        differs || a.trim_end_matches(number) == b.trim_end_matches(number)
+    };
+    let parts = a.split('_').zip(b.split('_')).enumerate();
+    a != b && count == b.matches('_').count() && parts.into_iter().all(is_kin)
+}
+
 /// Optimal string alignment distance.
 fn distance(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
@@ -67,5 +80,25 @@ mod tests {
         assert_eq!(nearest("colour", keys), None);
         assert_eq!(nearest("", keys), None);
         assert_eq!(nearest(&"r".repeat(100_000), keys), None);
+    }
+
+    #[test]
+    fn names_of_a_family_are_no_slips() {
+        for (a, b) in [
+            ("k_c_kn_per_m_n1", "k_phi_kn_per_m_n2"),
+            ("size_x_m", "size_y_m"),
+            ("c_1", "c_2"),
+        ] {
+            assert!(are_siblings(a, b), "{a} {b}");
+        }
+        for (a, b) in [
+            ("raduis_m", "radius_m"),
+            ("radius", "radius_m"),
+            ("load_kg", "load_n"),
+            ("phi_dg", "phi_deg"),
+            ("size_x_m", "size_x_m"),
+        ] {
+            assert!(!are_siblings(a, b), "{a} {b}");
+        }
     }
 }

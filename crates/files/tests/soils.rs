@@ -65,6 +65,10 @@ fn bad_numbers_and_keys_are_refused_with_their_place() {
     assert!(unknown.to_string().contains("cohesion_pa"), "{unknown}");
     let unknown = parse(&format!("{SAND}rebund = 0.1\n")).unwrap_err();
     assert_eq!(unknown.hint().unwrap(), "did you mean `rebound`?");
+    // the key that is missing is named, not the one of the same family that is there
+    let missing = parse(&SAND.replace("k_c_kn_per_m_n1 = 0.9\n", "")).unwrap_err();
+    let is_missing = matches!(&missing, Error::MissingKey { key, .. } if *key == "k_c_kn_per_m_n1");
+    assert!(is_missing, "{missing}");
 }
 
 #[test]
