@@ -85,8 +85,7 @@ fn a_size_of_the_speed_has_the_sign_of_the_wheels() {
 
 #[test]
 fn a_speed_that_is_never_negative_is_doubtful_where_wheels_run_backwards() {
-    let (found, rmse) = summary("speed_forward", &Options::default());
-    assert!(rmse > 0.1, "{rmse}");
+    let (found, _) = summary("speed_forward", &Options::default());
     let doubts = found.doubts();
     // 3 spans of 9 to 10 s at 0.5 m/s
     assert!(
