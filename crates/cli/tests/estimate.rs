@@ -216,10 +216,9 @@ fn a_radius_is_calibrated_into_a_robot_file_that_works() {
     );
 }
 
-#[test]
-fn a_reference_that_lags_is_reported_used_and_calibrated() {
-    let folder = Folder::new("estimate-delay");
-    // a cart that stops and drives on, seven seconds each, and positions that are stamped 0.15 s late
+/// A cart that stops and drives on, seven seconds each, and positions that are stamped 0.15 s late: a log of two tables, and the robot file
+/// with its text.
+fn late_positions(folder: &Folder) -> (String, &'static str) {
     let (mut wheels, mut positions) = (String::from("t,w\n"), String::from("t,x,y,yaw\n"));
     let (mut x, mut speed) = (0.0, 0.0);
     for row in 0..6000 {
@@ -245,6 +244,13 @@ fn a_reference_that_lags_is_reported_used_and_calibrated() {
         { column = \"yaw\", meaning = \"pose_yaw\", unit = \"rad\" }]\n\
         [[wheel]]\nname = \"w\"\nx_m = 0.0\ny_m = 0.0\nradius_m = 0.1\ndrive = \"powered\"\n";
     fs::write(&robot, text).unwrap();
+    (robot, text)
+}
+
+#[test]
+fn a_reference_that_lags_is_reported_used_and_calibrated() {
+    let folder = Folder::new("estimate-delay");
+    let (robot, text) = late_positions(&folder);
     let log = folder.path("log");
     let output = grouser(&[&log, "--robot", &robot]);
     let shown = String::from_utf8_lossy(&output.stdout).into_owned();
