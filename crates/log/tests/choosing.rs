@@ -79,6 +79,20 @@ fn readings(log: &Log) -> Vec<M> {
         .collect()
 }
 
+/// The places of a log, which have no heading, and the other readings.
+fn positions_and_ways(log: &Log) -> (Vec<[f64; 2]>, Vec<M>) {
+    let mut ways = readings(log);
+    let mut positions = Vec::new();
+    ways.retain(|one| match *one {
+        M::Position { x, y } => {
+            positions.push([x, y]);
+            false
+        }
+        _ => true,
+    });
+    (positions, ways)
+}
+
 fn twist(name: &'static str) -> Message {
     (name, TWIST, 5, build::twist([0.3, 0.4, 0.0], [0.0; 3]))
 }
@@ -1141,8 +1155,12 @@ fn places_without_a_heading_are_ways_along_the_course() {
             ]
         );
         assert!(found.measures(Meaning::DisplacementForward) && !found.measures(Meaning::PoseX));
-        let ways = readings(&found);
-        assert_eq!(ways.len(), 3);
+        let (positions, ways) = positions_and_ways(&found);
+        assert_eq!((positions.len(), ways.len()), (5, 3));
+        for ([x, y], k) in positions.into_iter().zip(0..) {
+            let at = step * f64::from(k);
+            assert!((x - at).abs() < 1e-12 && (y - at).abs() < 1e-12);
+        }
         for way in ways {
             let M::Displacement {
                 forward,
@@ -1166,7 +1184,7 @@ fn places_without_a_heading_are_ways_along_the_course() {
         (found.position_sigma(), found.notes().len()),
         (Some(0.1), 0)
     );
-    assert_eq!(readings(&found).len(), 2);
+    assert_eq!(positions_and_ways(&found).1.len(), 2);
     // what measures the motion itself is used instead, and places are used instead of fixes
     let mut all = places.clone();
     all.push(pose("/pose"));
@@ -1302,13 +1320,10 @@ fn places_of_a_table_are_ways_along_the_course() {
         "{note}"
     );
     let chord = 2.0 * radius * (0.05 * rate).sin();
-    let all = readings(&found);
-    let ways: Vec<&M> = all
-        .iter()
-        .filter(|one| !matches!(one, M::YawRate { .. }))
-        .collect();
+    let (positions, mut ways) = positions_and_ways(&found);
+    ways.retain(|one| !matches!(one, M::YawRate { .. }));
     // the first place comes before the gyro, and the course is known after 0.2 m, five steps later
-    assert_eq!(ways.len(), 200 - 6);
+    assert_eq!((positions.len(), ways.len()), (200, 200 - 6));
     for way in ways {
         let M::Displacement {
             forward,
@@ -1378,8 +1393,8 @@ fn places_of_a_table_give_way_to_better_references() {
     let found = log(&places, fields);
     assert_eq!(found.position_sigma(), Some(0.05));
     assert!(found.measures(Meaning::DisplacementForward) && !found.measures(Meaning::PoseX));
-    let ways = readings(&found);
-    assert_eq!(ways.len(), 3);
+    let (positions, ways) = positions_and_ways(&found);
+    assert_eq!((positions.len(), ways.len()), (5, 3));
     let is_way =
         |way: &M| matches!(way, M::Displacement { forward, .. } if (forward - 0.15).abs() < 1e-12);
     assert!(ways.iter().all(is_way), "{ways:?}");
