@@ -185,7 +185,9 @@ fn wheel_stage((whole, job): (&Job, &WheelJob), out: &mut Identification) -> Res
     };
     let (best, reached) = multi_start(&model, model.count(), &start, &settings, &job.starts)?;
     let mut uncertainty = Uncertainty::of(&best, job.loss);
-    let changes = inherited::changes(out, (whole, job), (&fixed, &tests), &best);
+    let plates = (out.plates.as_ref()).map(|stage| (&stage.fit, stage.tests.as_slice()));
+    let shear = out.shear.as_ref().map(|stage| &stage.fit);
+    let changes = inherited::changes(plates, shear, (whole, job), (&fixed, &tests), &best);
     let inherited = uncertainty.widen(&best, job.loss, changes.as_deref());
     let quantile = student_quantile(0.975, uncertainty.freedom);
     let intervals = (0..best.x.len())

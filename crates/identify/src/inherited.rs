@@ -3,10 +3,11 @@
 use grouser_files::soil::SoilNumber::{Cohesion, Exponent, KPhi, KShear, Phi};
 use grouser_opt::{Jacobian, Model as _};
 
-use crate::identification::Identification;
 use crate::job::{Job, WheelJob};
 use crate::least_squares::Fit;
 use crate::parameter::Parameter;
+use crate::plate::{PlateFit, PlateTest};
+use crate::shear::ShearFit;
 use crate::wheel::{Fixed, WheelModel, WheelTest};
 
 /// The numbers that a wheel stage takes from plates and shear tests.
@@ -21,7 +22,8 @@ const TAKEN: [Parameter; 5] = [
 /// How far the residuals of the wheel tests at their `best` fit change with one standard deviation of each independent
 /// mixture of what plates and shear tests found and the wheel tests do not; `None` where those do not determine it.
 pub(crate) fn changes(
-    found: &Identification,
+    plates: Option<(&PlateFit, &[PlateTest])>,
+    shear: Option<&ShearFit>,
     (job, wheel): (&Job, &WheelJob),
     (fixed, tests): (&Fixed, &[WheelTest]),
     best: &Fit,
@@ -40,18 +42,18 @@ pub(crate) fn changes(
     };
     let is_taken = TAKEN.map(|parameter| !wheel.parameters.contains(&parameter));
     let mut out = Vec::new();
-    if let Some(stage) = &found.plates {
+    if let Some((fit, tests)) = plates {
         let width = wheel.wheel.width();
         let loss = (job.plate_settings.loss, width);
-        for [n, k, k_c] in stage.fit.scatter(&stage.tests, loss, is_taken[0])? {
+        for [n, k, k_c] in fit.scatter(tests, loss, is_taken[0])? {
             // the wheel's width does not change, so that k_phi stands for k_c/b + k_phi; beside its own k_phi, k_c is left
             let k = if is_taken[1] { k } else { k_c / width };
             out.push(change([n, k, 0.0, 0.0, 0.0]));
         }
     }
-    if let Some(stage) = &found.shear {
+    if let Some(fit) = shear {
         let taken: Vec<usize> = (0..3).filter(|k| is_taken[2 + k]).collect();
-        for mixture in stage.fit.uncertainty.scatter(&taken)? {
+        for mixture in fit.uncertainty.scatter(&taken)? {
             out.push(change([0.0, 0.0, mixture[0], mixture[1], mixture[2]]));
         }
     }
