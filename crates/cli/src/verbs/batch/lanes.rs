@@ -90,14 +90,16 @@ impl Found {
     }
 }
 
-/// Is a point for the kernel? One with a drift or lugs is not, nor one whose load several sinkages may carry, of which the
-/// general search knows.
-fn is_served(point: &Point<'_>, soil: &Soil) -> bool {
+/// Is a point for the kernel? One with a drift or lugs is not.
+fn is_served(point: &Point<'_>) -> bool {
+    point.slip_angle_deg == 0.0 && point.grousers.is_none()
+}
+
+/// May several sinkages carry a point's load? Only the general search knows.
+pub(super) fn may_be_several(point: &Point<'_>, soil: &Soil) -> bool {
     let soil = soil.params();
     let rises = point.rebound.unwrap_or(soil.rebound) > 0.0 || soil.transport_layer > 0.0;
-    let is_searched = matches!(point.prescribed, Prescribed::Load(_));
-    let may_be_several = is_searched && (rises || point.slip < 0.0);
-    point.slip_angle_deg == 0.0 && point.grousers.is_none() && !may_be_several
+    matches!(point.prescribed, Prescribed::Load(_)) && (rises || point.slip < 0.0)
 }
 
 /// What the kernel finds of each row.
@@ -105,9 +107,9 @@ pub(super) fn solve(rows: &[Row<'_>], soils: &Soils<'_>) -> Found {
     // twice the soil's number, and one more for a load
     let group = |row: usize| {
         let point = rows[row].point.as_ref().ok()?;
-        let (number, known) = soils.of_row(row)?;
+        let (number, _) = soils.of_row(row)?;
         let by_load = matches!(point.prescribed, Prescribed::Load(_));
-        is_served(point, &known.soil).then_some(2 * number + usize::from(by_load))
+        is_served(point).then_some(2 * number + usize::from(by_load))
     };
     let groups: Vec<Option<usize>> = (0..rows.len()).map(group).collect();
     // how many points a group has, then where its next point goes

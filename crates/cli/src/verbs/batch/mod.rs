@@ -134,7 +134,17 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         for (place, row) in rows.iter().enumerate() {
             let soil = soils.of_row(place).map(|(_, known)| &known.soil);
             let status = match found.of_row(place) {
-                (status @ (SolveStatus::Solved | SolveStatus::NoSolution), numbers) => {
+                (status @ (SolveStatus::Solved | SolveStatus::NoSolution), mut numbers) => {
+                    if let (Some(numbers), Ok(point), Some(soil)) = (&mut numbers, &row.point, soil)
+                        && lanes::may_be_several(point, soil)
+                    {
+                        let found =
+                            solve_point(point, Some(soil), &arguments.overrides, &mut cache);
+                        let found = found.ok().and_then(|answer| answer.point);
+                        let several = Caution::SeveralSinkages;
+                        let is_one = found.is_none_or(|found| !found.cautions.contains(several));
+                        numbers.cautions.insert_if(!is_one, several);
+                    }
                     solved.push(&columns, row, numbers, status)
                 }
                 // by the general solver and in its words
@@ -223,7 +233,7 @@ fn complete(
     cache: &mut Cache,
 ) -> SolveStatus {
     let answer = match &row.point {
-        Ok(point) => solve(point, soil, &arguments.overrides, cache),
+        Ok(point) => solve_point(point, soil, &arguments.overrides, cache),
         Err(message) => Err(message.clone()),
     };
     match answer {
@@ -255,7 +265,7 @@ fn complete(
     }
 }
 
-fn solve(
+fn solve_point(
     point: &Point<'_>,
     soil: Option<&Soil>,
     overrides: &Overrides,
