@@ -30,9 +30,10 @@ impl Noise {
 /// Of folders.
 static COUNT: AtomicU32 = AtomicU32::new(0);
 
-const DATUM: f64 = 1.5e-3;
+/// Of the wheel tests, m.
+const DATUM_M: f64 = 1.5e-3;
 /// n_1, c_1, c_2 and the datum, as they are.
-const TRUTH: [f64; 4] = [0.22, 0.27, 0.31, DATUM];
+const TRUTH: [f64; 4] = [0.22, 0.27, 0.31, DATUM_M];
 
 /// The soil without what the wheel tests find.
 fn soil() -> Soil {
@@ -78,7 +79,7 @@ fn laboratory(seed: u64, plate_noise: f64, wheel: &[[f64; 5]]) -> PathBuf {
         for _ in 0..2 {
             let pull = pull + 0.5 * noise.normal();
             let torque = torque + 0.05 * noise.normal();
-            let sinkage = sinkage + DATUM + 5e-4 * noise.normal();
+            let sinkage = sinkage + DATUM_M + 5e-4 * noise.normal();
             writeln!(table, "{slip},{load},{pull},{torque},{sinkage}").unwrap();
         }
     }

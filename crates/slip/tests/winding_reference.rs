@@ -14,7 +14,7 @@ use crate::noise::Noise;
 
 const STEP_S: f64 = 0.01;
 const RADIUS_M: f64 = 0.1;
-const TICKS: f64 = 1000.0;
+const TICKS_PER_TURN: f64 = 1000.0;
 const PLACES: [(f64, f64); 4] = [(0.25, 0.3), (0.25, -0.3), (-0.25, 0.3), (-0.25, -0.3)];
 
 /// What measures the motion.
@@ -94,7 +94,7 @@ impl Drive<'_> {
             Wheel::powered(format!("w{i}"))
                 .at(x, y)
                 .radius(RADIUS_M)
-                .ticks_per_turn(TICKS)
+                .ticks_per_turn(TICKS_PER_TURN)
         });
         let robot = Robot::new("four".into(), wheels.collect()).unwrap();
         let settings = FilterSettings {
@@ -171,7 +171,7 @@ impl Drive<'_> {
             let late_ns = (self.jitter_s * noise.normal() * 1e9) as i64;
             stamp_ns = (stamp_ns + 2_000_000).max(now_ns + late_ns);
             for (wheel, angle) in angles.iter().enumerate() {
-                let raw = (angle / TAU * TICKS).floor() as i64 as u64;
+                let raw = (angle / TAU * TICKS_PER_TURN).floor() as i64 as u64;
                 send(stamp_ns, Measurement::WheelCount { wheel, raw });
             }
             if !(from_s..to_s).contains(&time_s) {

@@ -49,7 +49,6 @@ mod monitor;
 mod motion_model;
 mod multiple_model;
 mod output;
-mod place_frame;
 mod pseudo_measurements;
 mod pulse_check;
 mod radius_check;

@@ -4,11 +4,12 @@
 //! of three windows that follow each other show that: the product of their two differences has the mean −4 (u τ / T)², 0 where
 //! the speed wanders, and more where it grows or falls steadily. Where stamps are true, however uneven, it finds none.
 
-/// Weight of a new window.
-const SHARE: f64 = 0.01;
-/// Differences of speeds are no larger than this many times the speed: what jumps further is no stamp.
-const MAX_DIFFERENCE: f64 = 4.0;
-/// Ticks explain this many times the variance that they have by themselves.
+/// Weight of a new window in the means: 100 windows are 5 s at the default window. Stamps of a computer scatter alike for longer.
+const NEW_WINDOW_WEIGHT: f64 = 0.01;
+/// Differences between two speeds are limited to this multiple of the speed: a larger one is a jump of the counter, not of a stamp.
+const MAX_DIFFERENCE_FACTOR: f64 = 4.0;
+/// Variance of a count that is attributed to its ticks, ticks²: twice the 1/12 of a uniform remainder, so that the noise of the means
+/// is not attributed to stamps (`stamps_that_scatter_are_no_slip`: with true stamps errors stay the same).
 const TICKS_VARIANCE: f64 = 2.0 / 12.0;
 
 /// The scatter of one counter's stamps.
@@ -30,13 +31,13 @@ impl StampScatter {
             return;
         };
         let middle = second.abs();
-        let most = MAX_DIFFERENCE * middle;
+        let most = MAX_DIFFERENCE_FACTOR * middle;
         let product = (speed - second).clamp(-most, most) * (second - first).clamp(-most, most);
         // of an error of 1 m in the place of the rim at each reading
         let unit = (1.0 / length + 2.0 / second_length + 1.0 / first_length) / second_length;
         let by_stamps = -product - TICKS_VARIANCE * tick * tick * unit;
-        self.product += SHARE * (by_stamps - self.product);
-        self.of_unit += SHARE * (middle * middle * unit - self.of_unit);
+        self.product += NEW_WINDOW_WEIGHT * (by_stamps - self.product);
+        self.of_unit += NEW_WINDOW_WEIGHT * (middle * middle * unit - self.of_unit);
     }
 
     /// The variance of a stamp, s².

@@ -11,7 +11,7 @@ mod group;
 mod model;
 pub(super) mod reference_noise;
 
-use grouser_real::Real;
+use grouser_real::{Real, wrap_angle};
 
 use group::Group;
 use model::{DRIFT, HEADING, Model, SLIP, STATES, Since, Step, TURN_ERROR, X, Y};
@@ -40,7 +40,7 @@ const GROUPS: usize = LONE_SLIP_NOISE.len() + 4;
 /// costs where the ground changes.
 const EVIDENCE_MEMORY_S: f64 = 13.0;
 /// Rims slower than this stand, m/s.
-const STANDING_RIM_M_PER_S: f64 = 0.02;
+pub(super) const STANDING_RIM_M_PER_S: f64 = 0.02;
 /// Smallest share of a group in the variance: the ground may have changed since the last reading.
 const MIN_SHARE_IN_VARIANCE: f64 = 0.015;
 /// The same for a group without the accelerometer while there is one.
@@ -330,7 +330,7 @@ impl MultipleModel {
 
     /// The probability that such a heading is no outlier.
     pub(crate) fn heading_agreement(&self, heading: f64, turned: f64, sigma: f64) -> f64 {
-        let off = model::wrap(heading + turned - self.mean[HEADING]);
+        let off = wrap_angle(heading + turned - self.mean[HEADING]);
         model::inlier_probability(off * off / (self.variance(HEADING) + sigma * sigma))
     }
 

@@ -1,6 +1,6 @@
 //! One hypothesis about how fast slip changes: a Kalman filter over place, heading, speed and slip.
 
-use grouser_real::Real;
+use grouser_real::{Real, wrap_angle};
 
 /// Number of states.
 pub(super) const STATES: usize = 8;
@@ -240,7 +240,7 @@ impl Model {
 
     /// The heading is another than was believed, and the error of the turn rate may be.
     pub(super) fn restart_heading(&mut self, heading: f64, sigma: f64, turn_sigma: f64) {
-        let turned = wrap(heading - self.mean[HEADING]);
+        let turned = wrap_angle(heading - self.mean[HEADING]);
         self.reset(HEADING, self.mean[HEADING] + turned, sigma);
         self.reset(TURN_ERROR, self.mean[TURN_ERROR], turn_sigma);
     }
@@ -441,7 +441,7 @@ impl Model {
 
     /// Updates by a heading in the reference's frame, as it was `turned` (rad) ago.
     pub(super) fn update_heading(&mut self, heading: f64, turned: f64, variance: f64) -> f64 {
-        let residual = wrap(heading + turned - self.mean[HEADING]);
+        let residual = wrap_angle(heading + turned - self.mean[HEADING]);
         self.update(&[(HEADING, 1.0)], residual, variance, true)
     }
 
@@ -525,6 +525,33 @@ impl Model {
         }
         likelihood
     }
+
+    /// Adopts the mean and covariance of another; its process noise stays.
+    pub(super) fn adopt(&mut self, other: &Self) {
+        self.mean = other.mean;
+        self.covariance = other.covariance;
+    }
+
+    /// Adopts the moments of a mixture; its process noise stays.
+    pub(super) fn blend(&mut self, models: &[Self], shares: &[f64]) {
+        let mut mean = [0.0; STATES];
+        for (model, share) in models.iter().zip(shares) {
+            for (slot, value) in mean.iter_mut().zip(&model.mean) {
+                *slot += share * value;
+            }
+        }
+        let mut covariance = [[0.0; STATES]; STATES];
+        for (model, share) in models.iter().zip(shares) {
+            let off: [f64; STATES] = core::array::from_fn(|i| model.mean[i] - mean[i]);
+            for i in 0..STATES {
+                for j in 0..STATES {
+                    covariance[i][j] += share * (model.covariance[i][j] + off[i] * off[j]);
+                }
+            }
+        }
+        self.mean = mean;
+        self.covariance = covariance;
+    }
 }
 
 /// The robot's way over the rims' at slip s, v/u: 1 − s driving, 1/(1 + s) braking; and its derivative.
@@ -570,39 +597,4 @@ fn is_covariance(matrix: &[[f64; STATES]; STATES]) -> bool {
         }
     }
     true
-}
-
-/// An angle in [−π, π].
-pub(super) fn wrap(angle: f64) -> f64 {
-    let (sin, cos) = Real::sin_cos(angle);
-    Real::atan2(sin, cos)
-}
-
-impl Model {
-    /// Adopts the mean and covariance of another; its process noise stays.
-    pub(super) fn adopt(&mut self, other: &Self) {
-        self.mean = other.mean;
-        self.covariance = other.covariance;
-    }
-
-    /// Adopts the moments of a mixture; its process noise stays.
-    pub(super) fn blend(&mut self, models: &[Self], shares: &[f64]) {
-        let mut mean = [0.0; STATES];
-        for (model, share) in models.iter().zip(shares) {
-            for (slot, value) in mean.iter_mut().zip(&model.mean) {
-                *slot += share * value;
-            }
-        }
-        let mut covariance = [[0.0; STATES]; STATES];
-        for (model, share) in models.iter().zip(shares) {
-            let off: [f64; STATES] = core::array::from_fn(|i| model.mean[i] - mean[i]);
-            for i in 0..STATES {
-                for j in 0..STATES {
-                    covariance[i][j] += share * (model.covariance[i][j] + off[i] * off[j]);
-                }
-            }
-        }
-        self.mean = mean;
-        self.covariance = covariance;
-    }
 }
