@@ -209,9 +209,7 @@ impl AxisWatch {
             reference,
         }
     }
-}
 
-impl AxisWatch {
     /// Do the accelerations of the whole log show another scale or sign along the robot than that of metres per second
     /// squared? `None` of a log that is too short for it.
     pub(crate) fn has_other_scale(&self) -> Option<bool> {

@@ -48,6 +48,7 @@ mod quantiles;
 mod reckoning;
 mod reference_delay;
 mod reversed;
+mod rim_way;
 mod run;
 mod samples;
 mod sink;

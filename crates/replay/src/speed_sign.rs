@@ -4,8 +4,10 @@ use grouser_real::Real;
 use grouser_slip::window::WindowBody;
 use grouser_slip::{Measurement, Robot, Sample, Wheel, WheelRole};
 
-/// The ways of the rims fade with this time, s: long beside the time between two ticks of a slow wheel, short beside that
-/// in which a robot turns round its direction.
+use crate::rim_way::rim_way;
+
+/// Time constant with which the ways of the rims decay, s: longer than the time between two ticks of a slow wheel, shorter than that
+/// in which a robot reverses.
 const FADE_S: f64 = 0.2;
 /// The wheels must have run this far backwards, m, before a speed that is never negative counts as a mere size.
 const MIN_WAY_M: f64 = 1.0;
@@ -50,17 +52,14 @@ impl WheelSign {
             return;
         };
         let passed_s = sample.time_ns.saturating_sub(before.time_ns) as f64 * 1e-9;
-        let way = way(wheel, &before.measurement, &sample.measurement, passed_s);
+        let way = rim_way(wheel, &before.measurement, &sample.measurement, passed_s);
         if !way.is_finite() {
             // another sensor of the same wheel: the first counts
             *last = Some(before);
             return;
         }
-        let since_ns = sample.time_ns
-            - self
-                .until_ns
-                .replace(sample.time_ns)
-                .unwrap_or(sample.time_ns);
+        let until_ns = self.until_ns.replace(sample.time_ns);
+        let since_ns = until_ns.map_or(0, |until_ns| sample.time_ns.saturating_sub(until_ns));
         self.way *= Real::exp(-(since_ns as f64) * 1e-9 / FADE_S);
         self.way += way * wheel.heading.cos();
     }
@@ -101,21 +100,5 @@ impl SignWatch {
     /// The way of the wheels backwards, m, beside a speed without a sign.
     pub(crate) fn backwards(&self) -> Option<f64> {
         (!self.has_sign && self.backwards > MIN_WAY_M).then_some(self.backwards)
-    }
-}
-
-/// The way of a rim between two readings, m; a rate counts as the mean since the reading before, as the filter takes it.
-pub(crate) fn way(wheel: &Wheel, last: &Measurement, now: &Measurement, passed_s: f64) -> f64 {
-    match (last, now) {
-        (Measurement::WheelCount { raw: from, .. }, Measurement::WheelCount { raw: to, .. }) => {
-            let ticks = wheel.encoder.counter.step(*from, *to) as f64;
-            ticks * wheel.travel_per_tick().unwrap_or(f64::NAN)
-        }
-        (
-            Measurement::WheelAngle { angle: from, .. },
-            Measurement::WheelAngle { angle: to, .. },
-        ) => (to - from) * wheel.travel_per_radian(),
-        (_, Measurement::WheelRate { rate, .. }) => rate * wheel.travel_per_radian() * passed_s,
-        _ => f64::NAN,
     }
 }
