@@ -198,9 +198,7 @@ impl Intake {
                 match fix.fault(*limit) {
                     Some(fault) => self.left_out.exclude(fault),
                     None => {
-                        for measurement in
-                            self.track.displacement(time_ns, fix).into_iter().flatten()
-                        {
+                        for measurement in self.track.take_fix(time_ns, fix).into_iter().flatten() {
                             self.ordered.push(Sample {
                                 time_ns,
                                 measurement,

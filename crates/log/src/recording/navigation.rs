@@ -245,12 +245,8 @@ impl Track {
         }
     }
 
-    /// The displacement of the robot's origin since the last fix in the robot's frame, as [`Track::moved`].
-    pub(super) fn displacement(
-        &mut self,
-        time_ns: i64,
-        fix: &NavSatFix,
-    ) -> [Option<Measurement>; 2] {
+    /// As [`Track::take`], of a fix.
+    pub(super) fn take_fix(&mut self, time_ns: i64, fix: &NavSatFix) -> [Option<Measurement>; 2] {
         let place = self.on_plane(fix);
         self.take(time_ns, place, fix.sigma())
     }

@@ -4,6 +4,7 @@ use grouser_files::columns::Meaning;
 use grouser_files::unit::{Quantity, UNITS};
 
 use super::SheetColumn;
+use super::words::{UNIT_WORDS, split_unit, words};
 use crate::recording::is_over_ground;
 
 /// What a column probably means.
@@ -18,35 +19,6 @@ pub struct Guess {
     pub unit: &'static str,
 }
 
-/// The words of a name in lower case: `field.header.stamp`, `leftEncoder` and `gyro_z_rad_per_s` fall apart.
-fn words(name: &str) -> Vec<String> {
-    let mut words: Vec<String> = vec![String::new()];
-    let mut lower = false;
-    for letter in name.chars() {
-        let new = !letter.is_alphanumeric() || (lower && letter.is_uppercase());
-        if new {
-            words.push(String::new());
-        }
-        if letter.is_alphanumeric() {
-            let last = words.len() - 1;
-            words[last].extend(letter.to_lowercase());
-        }
-        lower = letter.is_lowercase();
-    }
-    // `m1pos` is `m1`, `pos`.
-    let glued = |word: String| {
-        let tail = ["pos", "vel", "enc"].into_iter().find(|tail| {
-            word.len() > tail.len() && word.len() <= tail.len() + 2 && word.ends_with(tail)
-        });
-        match tail {
-            Some(tail) => vec![word[..word.len() - tail.len()].to_owned(), tail.to_owned()],
-            None => vec![word],
-        }
-    };
-    let words = words.into_iter().filter(|word| !word.is_empty());
-    words.flat_map(glued).collect()
-}
-
 /// Numbers of this size are speeds of a rim, m/s, as often as rates of a wheel.
 const RIM_SPEED_M_PER_S: f64 = 3.0;
 
@@ -56,121 +28,6 @@ fn is_numbered(word: &str) -> bool {
     !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// How likely a column of that name is the time, 0 the most.
-pub(super) fn time_rank(name: &str) -> Option<u8> {
-    let words = words(name);
-    let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
-    if is(&["stamp"]) && !is(&["sec", "nsec", "nanosec", "secs", "nsecs"]) {
-        Some(0)
-    } else if is(&["time", "timestamp", "datetime", "zeit", "utc"]) && !is(&["dt", "delta"]) {
-        Some(1)
-    } else if matches!(words.as_slice(), [one] if one == "t" || is_time_unit(one))
-        || matches!(words.as_slice(), [one, unit] if one == "t" && is_time_unit(unit))
-    {
-        Some(2)
-    } else {
-        None
-    }
-}
-
-fn is_time_unit(word: &str) -> bool {
-    matches!(
-        word,
-        "s" | "ms" | "us" | "ns" | "sec" | "seconds" | "millis"
-    )
-}
-
-/// The unit of a time, by its name, else by its size and its median interval.
-pub(super) fn time_unit(column: &SheetColumn, median: Option<f64>) -> &'static str {
-    let words = words(&column.name);
-    for (names, unit) in [
-        (["ns", "nanoseconds", "nanosec"], "ns"),
-        (["us", "microseconds", "usec"], "us"),
-        (["ms", "milliseconds", "msec"], "ms"),
-        (["s", "seconds", "sec"], "s"),
-    ] {
-        if words
-            .iter()
-            .skip(1)
-            .any(|word| names.contains(&word.as_str()))
-        {
-            return unit;
-        }
-    }
-    // Since 1970, in any unit; else robots write ten to a thousand rows a second.
-    match (column.max, median) {
-        (max, _) if max > 1e17 => "ns",
-        (max, _) if max > 1e14 => "us",
-        (max, _) if max > 1e11 => "ms",
-        (_, Some(median)) if median >= 1e5 => "ns",
-        (_, Some(median)) if median >= 500.0 => "us",
-        (_, Some(median)) if median >= 1.0 => "ms",
-        _ => "s",
-    }
-}
-
-/// How people write units at the end of a name, in the words of [`words`]; the longer ones first. What is no unit of a column
-/// map stands for one that fits no meaning.
-const UNIT_WORDS: &[(&str, &str)] = &[
-    ("km per h", "km/h"),
-    ("km h", "km/h"),
-    ("kmh", "km/h"),
-    ("kph", "km/h"),
-    ("m per s2", "m/s2"),
-    ("m s2", "m/s2"),
-    ("m s²", "m/s2"),
-    ("mm per s", "mm/s"),
-    ("mm s", "mm/s"),
-    ("cm per s", "cm/s"),
-    ("cm s", "cm/s"),
-    ("m per s", "m/s"),
-    ("m s", "m/s"),
-    ("mps", "m/s"),
-    ("mrad s", "mrad/s"),
-    ("rad per s", "rad/s"),
-    ("rad s", "rad/s"),
-    ("deg per s", "deg/s"),
-    ("deg s", "deg/s"),
-    ("dps", "deg/s"),
-    ("rpm", "rpm"),
-    ("n m", "N m"),
-    ("nm", "N m"),
-    ("mnm", "mN m"),
-    ("ma", "mA"),
-    ("mm", "mm"),
-    ("cm", "cm"),
-    ("km", "km"),
-    ("ft", "ft"),
-    ("m", "m"),
-    ("degrees", "deg"),
-    ("deg", "deg"),
-    ("rad", "rad"),
-    ("mrad", "mrad"),
-    ("mg", "mg"),
-    ("mph", "mph"),
-    ("a", "A"),
-    ("g", "g"),
-    ("in", "in"),
-    ("ticks", "tick"),
-];
-
-/// The words of a name without the unit that it ends with, and that unit.
-fn split_unit(name: &str) -> (Vec<String>, Option<&'static str>) {
-    let mut all = words(name);
-    let joined = all.join(" ");
-    let ends = |(spelled, _): &&(&str, &str)| {
-        let before = joined.strip_suffix(spelled);
-        before.is_some_and(|before| before.ends_with(' '))
-    };
-    let Some((spelled, unit)) = UNIT_WORDS.iter().find(ends) else {
-        return (all, None);
-    };
-    if *unit != "tick" {
-        all.truncate(all.len() - spelled.split(' ').count());
-    }
-    (all, Some(unit))
-}
-
 /// The guess for a column; `unit` is what a header line says. It, or the unit in the name, must fit.
 pub(super) fn guess(name: &str, unit: Option<&str>, whole: bool) -> Option<Guess> {
     let (words, in_name) = split_unit(name);
@@ -178,11 +35,13 @@ pub(super) fn guess(name: &str, unit: Option<&str>, whole: bool) -> Option<Guess
         let found = by_name_and_unit(&words, in_name, whole);
         return match in_name {
             // or a channel, say
-            Some("A" | "g" | "in") => found.or_else(|| by_name(&self::words(name), None, whole)),
+            Some("A" | "g" | "in") => {
+                found.or_else(|| by_name(&super::words::words(name), None, whole))
+            }
             _ => found,
         };
     };
-    let spelled = self::words(unit).join(" ");
+    let spelled = super::words::words(unit).join(" ");
     let known = UNIT_WORDS.iter().find(|(words, _)| *words == spelled);
     by_name_and_unit(&words, known.map(|(_, unit)| *unit).or(Some(unit)), whole)
 }
@@ -339,19 +198,6 @@ fn by_unit(words: &[String], stated: Quantity, of_a_wheel: bool) -> Option<Guess
     }
 }
 
-/// The unit of a column whose name is one of `names` and at most a unit; `default` where it states none.
-pub(super) fn bare_unit(
-    name: &str,
-    names: &[&str],
-    default: Option<&'static str>,
-) -> Option<&'static str> {
-    let (words, unit) = split_unit(name);
-    match words.as_slice() {
-        [one] if names.contains(&one.as_str()) => unit.or(default),
-        _ => None,
-    }
-}
-
 /// What a column means if the topic that it was taken of measures the ground: tools name columns by topics, and most
 /// odometry is computed from the wheels.
 pub(crate) fn perhaps_of_wheels(column: &SheetColumn) -> Option<Guess> {
@@ -472,24 +318,9 @@ mod tests {
             assert_eq!(of(nothing, false), None, "{nothing}");
         }
     }
+
     #[test]
-    fn names_fall_apart_into_words() {
-        for (name, expected) in [
-            ("field.header.stamp", "field header stamp"),
-            ("leftEncoder", "left encoder"),
-            ("gyro_z_rad_per_s", "gyro z rad per s"),
-            ("GPSx", "gpsx"),
-            ("a1B", "a1b"),
-            ("m1pos", "m1 pos"),
-            ("m1enc", "m1 enc"),
-            ("mvel", "m vel"),
-            ("m12pos", "m12pos"),
-            ("pos", "pos"),
-            ("posm1", "posm1"),
-            ("..", ""),
-        ] {
-            assert_eq!(words(name).join(" "), expected, "{name}");
-        }
+    fn wheels_are_numbered() {
         let numbered = ["m1", "w23"].map(is_numbered);
         let others = ["m", "1", "m1a", "mm1", "x1", ""].map(is_numbered);
         assert_eq!((numbered, others), ([true; 2], [false; 6]));
@@ -613,59 +444,5 @@ mod tests {
         }
         let of_line = guess("wheel_speed_fl", Some("kmh"), false).unwrap();
         assert_eq!((of_line.meaning, of_line.unit), (M::WheelSpeed, "km/h"));
-    }
-
-    #[test]
-    fn times_are_known_by_name_size_and_rhythm() {
-        for (name, rank) in [
-            ("header.stamp", Some(0)),
-            ("stamp.secs", None),
-            ("time_ms", Some(1)),
-            ("timestamp", Some(1)),
-            ("delta_time", None),
-            ("t", Some(2)),
-            ("ms", Some(2)),
-            ("millis", Some(2)),
-            ("utc", Some(1)),
-            ("t_left", None),
-            ("x", None),
-        ] {
-            assert_eq!(time_rank(name), rank, "{name}");
-        }
-        let unit = |name: &str, max: f64, median: Option<f64>| {
-            let mut column = SheetColumn::new(name);
-            column.max = max;
-            time_unit(&column, median)
-        };
-        for (name, expected) in [
-            ("time_ns", "ns"),
-            ("time_usec", "us"),
-            ("time_ms", "ms"),
-            ("time_s", "s"),
-            // a first word is no unit
-            ("ms", "s"),
-        ] {
-            assert_eq!(unit(name, 1e10, None), expected, "{name}");
-        }
-        for (max, expected) in [
-            (1.1e17, "ns"),
-            (1e17, "us"),
-            (1.1e14, "us"),
-            (1e14, "ms"),
-            (1.1e11, "ms"),
-            (1e11, "s"),
-        ] {
-            assert_eq!(unit("time", max, None), expected, "{max}");
-        }
-        for (median, expected) in [
-            (1e5, "ns"),
-            (99_999.0, "us"),
-            (500.0, "us"),
-            (499.0, "ms"),
-            (1.0, "ms"),
-            (0.99, "s"),
-        ] {
-            assert_eq!(unit("time", 10.0, Some(median)), expected, "{median}");
-        }
     }
 }

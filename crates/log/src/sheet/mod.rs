@@ -3,6 +3,8 @@
 
 mod guess;
 mod layout;
+mod time_column;
+mod words;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,9 +17,11 @@ use crate::csv::{Lines, finite, split, time_ns};
 use crate::error::Result;
 use crate::source::Source;
 pub use guess::Guess;
-use guess::{bare_unit, guess, time_rank, time_unit};
+use guess::guess;
 pub(crate) use guess::{open_question, perhaps_of_wheels};
 use layout::Layout;
+use time_column::{time_rank, time_unit};
+use words::bare_unit;
 
 /// A yaw of more than a turn may be one in degrees, rad.
 const MAX_YAW_RAD: f64 = 6.4;

@@ -31,7 +31,7 @@ fn a_drive_to_the_north_and_back_is_forwards_and_backwards() {
     for (time, k) in (0..50).chain((0..49).rev()).enumerate() {
         let time_ns = 200_000_000 * i64::try_from(time).unwrap();
         if let Some(Measurement::Displacement { forward, left, .. }) =
-            track.displacement(time_ns, &fix(45.0 + step * f64::from(k), 9.0))[1]
+            track.take_fix(time_ns, &fix(45.0 + step * f64::from(k), 9.0))[1]
         {
             ways.push(forward);
             assert!(left.abs() < 1e-6, "{left}");
@@ -66,7 +66,7 @@ fn circles(forward: f64, left: f64, described: [f64; 2], has_gyro: bool) -> (f64
                 x + cos * forward - sin * left,
                 y + sin * forward + cos * left,
             );
-            let found = track.displacement(time_ns, &place)[1];
+            let found = track.take_fix(time_ns, &place)[1];
             if let Some(Measurement::Displacement { forward, left, .. }) = found {
                 // the fixes at a change of the motion are of both
                 match step {
@@ -108,7 +108,7 @@ fn another_kind_of_solution_and_an_outage_are_no_motion() {
             variance: Some(variance),
             ..at(0.0, north)
         };
-        let found = track.displacement(time_s * 1_000_000_000, &fix)[1]?;
+        let found = track.take_fix(time_s * 1_000_000_000, &fix)[1]?;
         let Measurement::Displacement { forward, .. } = found else {
             return None;
         };
@@ -443,7 +443,7 @@ fn known(antenna: [f64; 2], heading: f64, turn: Option<f64>) -> Track {
 #[test]
 fn a_way_is_turned_into_the_robots_frame() {
     let displaced = |track: &mut Track, time_ns, fix: &NavSatFix| {
-        let found = track.displacement(time_ns, fix)[1]?;
+        let found = track.take_fix(time_ns, fix)[1]?;
         let Measurement::Displacement {
             forward,
             left,
@@ -548,7 +548,7 @@ fn limits_of_a_course_belong_to_it() {
     let mut track = known([0.0; 2], 0.3, None);
     track.last.as_mut().unwrap().place = [-0.2, 0.0];
     track.anchor = track.last;
-    track.displacement(S, &at(0.0, 0.0))[1].unwrap();
+    track.take_fix(S, &at(0.0, 0.0))[1].unwrap();
     assert_eq!(track.anchor.unwrap().time_ns, S);
     // a way whose share of the antenna's turn is the greatest
     let placed = |place: [f64; 2], turn: Option<f64>| Placed {

@@ -1,0 +1,130 @@
+//! The words of a column's name, and the unit that it ends with.
+
+/// The words of a name in lower case: `field.header.stamp`, `leftEncoder` and `gyro_z_rad_per_s` fall apart.
+pub(super) fn words(name: &str) -> Vec<String> {
+    let mut words: Vec<String> = vec![String::new()];
+    let mut lower = false;
+    for letter in name.chars() {
+        let new = !letter.is_alphanumeric() || (lower && letter.is_uppercase());
+        if new {
+            words.push(String::new());
+        }
+        if letter.is_alphanumeric() {
+            let last = words.len() - 1;
+            words[last].extend(letter.to_lowercase());
+        }
+        lower = letter.is_lowercase();
+    }
+    // `m1pos` is `m1`, `pos`.
+    let glued = |word: String| {
+        let tail = ["pos", "vel", "enc"].into_iter().find(|tail| {
+            word.len() > tail.len() && word.len() <= tail.len() + 2 && word.ends_with(tail)
+        });
+        match tail {
+            Some(tail) => vec![word[..word.len() - tail.len()].to_owned(), tail.to_owned()],
+            None => vec![word],
+        }
+    };
+    let words = words.into_iter().filter(|word| !word.is_empty());
+    words.flat_map(glued).collect()
+}
+
+/// How people write units at the end of a name, in the words of [`words`]; the longer ones first. What is no unit of a column
+/// map stands for one that fits no meaning.
+pub(super) const UNIT_WORDS: &[(&str, &str)] = &[
+    ("km per h", "km/h"),
+    ("km h", "km/h"),
+    ("kmh", "km/h"),
+    ("kph", "km/h"),
+    ("m per s2", "m/s2"),
+    ("m s2", "m/s2"),
+    ("m s²", "m/s2"),
+    ("mm per s", "mm/s"),
+    ("mm s", "mm/s"),
+    ("cm per s", "cm/s"),
+    ("cm s", "cm/s"),
+    ("m per s", "m/s"),
+    ("m s", "m/s"),
+    ("mps", "m/s"),
+    ("mrad s", "mrad/s"),
+    ("rad per s", "rad/s"),
+    ("rad s", "rad/s"),
+    ("deg per s", "deg/s"),
+    ("deg s", "deg/s"),
+    ("dps", "deg/s"),
+    ("rpm", "rpm"),
+    ("n m", "N m"),
+    ("nm", "N m"),
+    ("mnm", "mN m"),
+    ("ma", "mA"),
+    ("mm", "mm"),
+    ("cm", "cm"),
+    ("km", "km"),
+    ("ft", "ft"),
+    ("m", "m"),
+    ("degrees", "deg"),
+    ("deg", "deg"),
+    ("rad", "rad"),
+    ("mrad", "mrad"),
+    ("mg", "mg"),
+    ("mph", "mph"),
+    ("a", "A"),
+    ("g", "g"),
+    ("in", "in"),
+    ("ticks", "tick"),
+];
+
+/// The words of a name without the unit that it ends with, and that unit.
+pub(super) fn split_unit(name: &str) -> (Vec<String>, Option<&'static str>) {
+    let mut all = words(name);
+    let joined = all.join(" ");
+    let ends = |(spelled, _): &&(&str, &str)| {
+        let before = joined.strip_suffix(spelled);
+        before.is_some_and(|before| before.ends_with(' '))
+    };
+    let Some((spelled, unit)) = UNIT_WORDS.iter().find(ends) else {
+        return (all, None);
+    };
+    if *unit != "tick" {
+        all.truncate(all.len() - spelled.split(' ').count());
+    }
+    (all, Some(unit))
+}
+
+/// The unit of a column whose name is one of `names` and at most a unit; `default` where it states none.
+pub(super) fn bare_unit(
+    name: &str,
+    names: &[&str],
+    default: Option<&'static str>,
+) -> Option<&'static str> {
+    let (words, unit) = split_unit(name);
+    match words.as_slice() {
+        [one] if names.contains(&one.as_str()) => unit.or(default),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::words;
+
+    #[test]
+    fn names_fall_apart_into_words() {
+        for (name, expected) in [
+            ("field.header.stamp", "field header stamp"),
+            ("leftEncoder", "left encoder"),
+            ("gyro_z_rad_per_s", "gyro z rad per s"),
+            ("GPSx", "gpsx"),
+            ("a1B", "a1b"),
+            ("m1pos", "m1 pos"),
+            ("m1enc", "m1 enc"),
+            ("mvel", "m vel"),
+            ("m12pos", "m12pos"),
+            ("pos", "pos"),
+            ("posm1", "posm1"),
+            ("..", ""),
+        ] {
+            assert_eq!(words(name).join(" "), expected, "{name}");
+        }
+    }
+}
