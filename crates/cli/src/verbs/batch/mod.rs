@@ -138,12 +138,13 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
                     if let (Some(numbers), Ok(point), Some(soil)) = (&mut numbers, &row.point, soil)
                         && lanes::may_be_several(point, soil)
                     {
-                        let found =
+                        let answer =
                             solve_point(point, Some(soil), &arguments.overrides, &mut cache);
-                        let found = found.ok().and_then(|answer| answer.point);
+                        let general = answer.ok().and_then(|answer| answer.point);
                         let several = Caution::SeveralSinkages;
-                        let is_one = found.is_none_or(|found| !found.cautions.contains(several));
-                        numbers.cautions.insert_if(!is_one, several);
+                        let is_known =
+                            general.is_some_and(|point| point.cautions.contains(several));
+                        numbers.cautions.insert_if(is_known, several);
                     }
                     solved.push(&columns, row, numbers, status)
                 }
