@@ -60,11 +60,11 @@ pub struct Progress<'a> {
     pub utility: f64,
     /// The greatest violation of a nonlinear constraint; of a generation their sum.
     pub violation: f64,
-    /// ‖∇L‖∞ with the latest multipliers; a generation has none.
+    /// ‖∇L‖∞ with the latest multipliers; `None` of a generation, and within a large subproblem, which computes them.
     pub stationarity: Option<f64>,
 }
 
-/// Called once an iteration or generation; `Break` ends the search with what it has found so far
+/// Called once an iteration or generation, and about ten times a second within a large subproblem; `Break` ends the search with what it has found so far
 /// ([`Status::Stopped`](crate::Status::Stopped), [`MultiStart::stopped`](crate::MultiStart::stopped),
 /// [`Front::stopped`](crate::Front::stopped)).
 pub type Callback<'c> = dyn FnMut(&Progress<'_>) -> ControlFlow<()> + 'c;

@@ -151,6 +151,30 @@ fn a_stop_is_obeyed_at_once() {
     assert_eq!(solution.counts.values, 1);
 }
 
+/// Objectives x_i² + x_i, one of each variable: all rows of a subproblem hold at its solution.
+struct Many;
+impl Functions for Many {
+    fn evaluate<R: Scalar>(&self, x: &[R], out: &mut [R]) {
+        for (out, x) in out.iter_mut().zip(x) {
+            *out = x.square() + *x;
+        }
+    }
+}
+
+/// The first subproblem of 400 rows takes many rounds. A caller that stops it is not made to wait for its end.
+#[test]
+fn a_stop_is_obeyed_within_a_large_subproblem() {
+    let problem = Problem::new(ProblemParams::new(&[1.0; 400], 400, Exact(Many))).unwrap();
+    let mut within = 0;
+    let stop = &mut |progress: &grouser_opt::Progress<'_>| {
+        within += usize::from(progress.stationarity.is_none());
+        ControlFlow::Break(())
+    };
+    let solution = solve_with(&problem, &Method::Minimax, &Settings::default(), stop).unwrap();
+    assert_eq!(solution.status, Status::Stopped);
+    assert_eq!((within, solution.counts.values), (1, 1));
+}
+
 #[test]
 fn limits_are_kept() {
     let problem = Problem::new(disc(0, 0)).unwrap();

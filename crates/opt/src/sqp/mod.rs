@@ -218,20 +218,12 @@ impl Sqp<'_, '_, '_> {
             if let Some(status) = self.not_finite(model) {
                 return status;
             }
-            let iteration = self.evaluator.counts.iterations;
             let (rows, solution) = self.priced_step(model);
             self.multipliers.clone_from(&solution.multipliers);
             let stationarity = self.stationarity(&rows);
             let violation = model.point.worst_violation(self.program);
-            let progress = Progress {
-                stage: Stage::Solve,
-                iteration,
-                x: &model.point.x,
-                utility: model.point.level(self.program),
-                violation,
-                stationarity: Some(stationarity),
-            };
-            if (self.callback)(&progress).is_break() {
+            let progress = self.progress(model, Some(stationarity));
+            if solution.stopped || (self.callback)(&progress).is_break() {
                 return Status::Stopped;
             }
             let feasible = violation <= self.settings.constraint_tolerance;
@@ -280,6 +272,18 @@ impl Sqp<'_, '_, '_> {
                     return status;
                 }
             }
+        }
+    }
+
+    /// The state of the search at a point.
+    fn progress<'m>(&self, model: &'m Expansion, stationarity: Option<f64>) -> Progress<'m> {
+        Progress {
+            stage: Stage::Solve,
+            iteration: self.evaluator.counts.iterations,
+            x: &model.point.x,
+            utility: model.point.level(self.program),
+            violation: model.point.worst_violation(self.program),
+            stationarity,
         }
     }
 
@@ -417,6 +421,7 @@ impl Sqp<'_, '_, '_> {
     fn subproblem(&mut self, model: &Expansion, rows: &Rows, warm: &[f64]) -> QpSolution {
         let lower: Vec<f64> = Self::room(&self.program.lower, model);
         let upper: Vec<f64> = Self::room(&self.program.upper, model);
+        let progress = self.progress(model, None);
         let factor = self.curvature.factor();
         let guess;
         let warm = if warm.is_empty() {
@@ -431,7 +436,7 @@ impl Sqp<'_, '_, '_> {
             lower: &lower,
             upper: &upper,
         }
-        .solve(warm)
+        .solve(warm, &mut || (self.callback)(&progress).is_break())
     }
 
     fn room(bounds: &[f64], model: &Expansion) -> Vec<f64> {

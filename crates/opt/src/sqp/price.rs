@@ -20,7 +20,7 @@ impl Sqp<'_, '_, '_> {
         let mut rows = self.linearise(model, price);
         let warm = std::mem::take(&mut self.multipliers);
         let mut best = self.subproblem(model, &rows, &warm);
-        if self.phase == Phase::Elastic {
+        if best.stopped || self.phase == Phase::Elastic {
             return (rows, best);
         }
         let tolerance = 0.1 * self.settings.constraint_tolerance;
@@ -30,6 +30,9 @@ impl Sqp<'_, '_, '_> {
             trial_price *= 10.0;
             set_price(&mut rows, trial_price);
             let trial = self.subproblem(model, &rows, &best.multipliers);
+            if trial.stopped {
+                return (rows, trial);
+            }
             let trial_left = linear_violation(self.program, &rows, &trial.step);
             if trial_left > MIN_FEASIBILITY_GAIN * left && trial_price > 1e3 * self.price {
                 break;

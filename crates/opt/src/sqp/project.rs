@@ -68,7 +68,7 @@ pub(super) fn onto_linear(
             lower: &lower,
             upper: &upper,
         }
-        .solve(&[]);
+        .solve(&[], &mut || false);
         for (i, x) in x.iter_mut().enumerate() {
             *x = (*x + solution.step[i]).clamp(program.lower[i], program.upper[i]);
         }

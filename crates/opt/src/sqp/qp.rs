@@ -66,10 +66,33 @@ pub(super) struct QpSolution {
     pub(super) multipliers: Vec<f64>,
     /// Do all rows hold, and every multiplier its sign?
     pub(super) exact: bool,
+    /// Did the caller stop the search?
+    pub(super) stopped: bool,
 }
 
+/// The caller may stop a search after about this many products, a tenth of a second: subproblems of thousands of rows take minutes.
+const PRODUCTS_PER_CALL: usize = 100_000_000;
 /// Residuals below this times the size of their terms are rounding.
 const ROUNDING_SHARE: f64 = 1e-12;
+
+/// When the caller is asked whether to stop.
+struct Pace<'a> {
+    /// Products since it was asked last.
+    products: usize,
+    stop: &'a mut dyn FnMut() -> bool,
+}
+
+impl Pace<'_> {
+    /// Does the caller stop the search, before a round of so many products?
+    fn is_stopped(&mut self, products: usize) -> bool {
+        self.products += products;
+        if self.products <= PRODUCTS_PER_CALL {
+            return false;
+        }
+        self.products = 0;
+        (self.stop)()
+    }
+}
 
 impl Qp<'_> {
     fn n(&self) -> usize {
@@ -155,8 +178,8 @@ impl Qp<'_> {
         }
     }
 
-    /// Solves from the multipliers `warm` (of any length; a bad start only costs time).
-    pub(super) fn solve(&self, warm: &[f64]) -> QpSolution {
+    /// Solves from the multipliers `warm` (of any length; a bad start only costs time), unless `stop` returns `true` meanwhile.
+    pub(super) fn solve(&self, warm: &[f64], stop: &mut dyn FnMut() -> bool) -> QpSolution {
         let mut u = self.feasible_start(warm);
         let mut members: Vec<Member> = (0..self.count())
             .filter(|&row| {
@@ -173,12 +196,17 @@ impl Qp<'_> {
         let mut barred = Vec::new();
         let (mut step, mut level) = (vec![0.0; self.n()], 0.0);
         let mut exact = false;
-        let mut rounds = 0;
+        let mut pace = Pace { products: 0, stop };
+        let (mut rounds, mut stopped) = (0, false);
         let mut entered = None;
-        while rounds < limit {
+        'rounds: while rounds < limit {
             // Inner loop: go to the best multipliers of the working set, leaving rows behind at bounds.
             loop {
                 rounds += 1;
+                stopped = pace.is_stopped(members.len() * members.len() * self.n());
+                if stopped {
+                    break 'rounds;
+                }
                 let outcome = Subspace::new(&members, &held, &u, self.n()).solve();
                 let (direction, length) = match outcome {
                     Outcome::Best { y, gamma, targets } => {
@@ -231,14 +259,7 @@ impl Qp<'_> {
                 }
             }
             if members.is_empty() {
-                // Without objectives and active rows the least curvature is at d = −Σ held.
-                let mut y = vec![0.0; self.n()];
-                for m in &held {
-                    for (y, a) in y.iter_mut().zip(&m.vector) {
-                        *y -= u[m.row] * a;
-                    }
-                }
-                step = self.factor.backward(&y);
+                step = self.step_by(&held, &u);
                 level = 0.0;
             }
             let Some(entering) = self.most_violated(&u, &members, &barred, &step, level) else {
@@ -257,7 +278,19 @@ impl Qp<'_> {
             step,
             multipliers: u,
             exact,
+            stopped,
         }
+    }
+
+    /// Without objectives and active rows the least curvature is at d = −Σ held.
+    fn step_by(&self, held: &[Member], u: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; self.n()];
+        for m in held {
+            for (y, a) in y.iter_mut().zip(&m.vector) {
+                *y -= u[m.row] * a;
+            }
+        }
+        self.factor.backward(&y)
     }
 
     /// Gives the negative part of a fixed variable's multiplier to its upper bound.

@@ -83,7 +83,7 @@ proptest! {
         let Drawn { matrix, rows, lower, upper, warm } = drawn;
         let n = lower.len();
         let factor = Factor::new(&matrix, n).unwrap();
-        let found = Qp { factor: &factor, rows: &rows, lower: &lower, upper: &upper }.solve(&warm);
+        let found = Qp { factor: &factor, rows: &rows, lower: &lower, upper: &upper }.solve(&warm, &mut || false);
         prop_assert!(found.exact);
         let (d, u) = (&found.step, &found.multipliers);
         let count = rows.kinds.len();
@@ -146,7 +146,7 @@ proptest! {
         rows.gradients.splice(place * n..place * n, gradient);
         let matrix: Vec<f64> = (0..n * n).map(|at| if at / n == at % n { scale } else { 0.0 }).collect();
         let factor = Factor::new(&matrix, n).unwrap();
-        let found = Qp { factor: &factor, rows: &rows, lower: &lower, upper: &upper }.solve(&[]);
+        let found = Qp { factor: &factor, rows: &rows, lower: &lower, upper: &upper }.solve(&[], &mut || false);
         let guess = super::super::guess_multipliers(&rows, &lower, &upper, scale);
         prop_assert_eq!(guess.len(), found.multipliers.len());
         prop_assert!(guess.iter().zip(&found.multipliers).all(|(a, b)| (a - b).abs() < 1e-9), "{guess:?} {found:?}");

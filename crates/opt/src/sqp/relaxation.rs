@@ -86,7 +86,7 @@ impl LinearModel<'_> {
             lower: self.lower,
             upper: self.upper,
         };
-        let solution = qp.solve(&[]);
+        let solution = qp.solve(&[], &mut || false);
         let mut multipliers = solution.multipliers;
         multipliers.truncate(count);
         for (multiplier, own) in multipliers.iter_mut().zip(&sizes) {
