@@ -177,6 +177,11 @@ impl<T: Travel> WheelTrack<T> {
         self.edges.is_none() && self.resolution > 0.0
     }
 
+    /// Does it report the edges of its ticks?
+    pub(crate) const fn has_edges(&self) -> bool {
+        self.edges.is_some()
+    }
+
     /// Are its readings counts or angles, whose difference is a way?
     pub(crate) const fn measures_way(&self) -> bool {
         self.last.is_some()

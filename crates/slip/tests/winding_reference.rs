@@ -25,6 +25,21 @@ enum By {
     Speed,
 }
 
+/// How the errors of poses depend on one another, in m and s.
+#[derive(Clone, Copy, Debug)]
+enum PoseErrors {
+    /// Each has its own.
+    Independent,
+    /// Those of a map or a tracker wander: standard deviation and memory, beside a third of the drive's own.
+    Wandering(f64, f64),
+    /// A tracker's filter with this memory.
+    Filtered(f64),
+    /// Taken up to this much earlier than stamped.
+    Late(f64),
+    /// To a multiple of this.
+    Rounded(f64),
+}
+
 /// A drive with fixed wheels; times in s.
 struct Drive<'a> {
     /// The robot's speed (m/s), its yaw rate (rad/s), and the slip of all wheels.
@@ -41,6 +56,10 @@ struct Drive<'a> {
     /// Standard deviation of the stamps of the wheels about the moment of reading, s.
     jitter_s: f64,
     row_steps: i64,
+    ticks_per_turn: f64,
+    /// Does a driver make rates of the ticks?
+    by_rates: bool,
+    errors: PoseErrors,
     seed: u64,
 }
 
@@ -69,6 +88,9 @@ impl Default for Drive<'_> {
             gyro_scale: 1.0,
             jitter_s: 0.0,
             row_steps: 2,
+            ticks_per_turn: TICKS_PER_TURN,
+            by_rates: false,
+            errors: PoseErrors::Independent,
             seed: 1,
         }
     }
@@ -77,8 +99,10 @@ impl Default for Drive<'_> {
 /// How a drive ended.
 #[derive(Debug, Default)]
 struct Outcome {
-    /// Root mean square error of all slips that are Ok.
+    /// Root mean square error of all slips that are Ok; and that of the way of the poses over that of the rims within the last second, with
+    /// the true heading.
     rmse: f64,
+    naive: f64,
     /// The longest time in which a wheel was Ok and wrong by more than four sigma, s.
     lie_s: f64,
     /// The share of readings that are Ok.
@@ -91,10 +115,12 @@ struct Outcome {
 impl Drive<'_> {
     fn filter(&self) -> SlipFilter {
         let wheels = PLACES.into_iter().enumerate().map(|(i, (x, y))| {
-            Wheel::powered(format!("w{i}"))
-                .at(x, y)
-                .radius(RADIUS_M)
-                .ticks_per_turn(TICKS_PER_TURN)
+            let wheel = Wheel::powered(format!("w{i}")).at(x, y).radius(RADIUS_M);
+            if self.by_rates {
+                wheel
+            } else {
+                wheel.ticks_per_turn(self.ticks_per_turn)
+            }
         });
         let robot = Robot::new("four".into(), wheels.collect()).unwrap();
         let settings = FilterSettings {
@@ -113,6 +139,9 @@ impl Drive<'_> {
         let mut angles = [0.13, 0.37, 0.61, 0.89];
         let [mut x, mut y, mut yaw] = [3.0, -2.0, 0.7];
         let mut aside = [0.0; 2];
+        let mut ticks_before = [None; 4];
+        let mut reference = Reference::default();
+        let mut naive = (0.0, 0.0);
         let mut stamp_ns = i64::MIN;
         let (mut squares, mut ok, mut all) = (0.0, 0.0, 0.0);
         let (mut stands, mut contradicts) = (0.0, 0.0);
@@ -151,8 +180,12 @@ impl Drive<'_> {
             stamp_ns = stamp_ns.max(now_ns);
             send(stamp_ns, Measurement::YawRate { rate });
             if step % 10 == 0 {
-                let [a, b, c] = [(); 3].map(|()| self.sigma * noise.normal());
-                let (x, y) = (x + aside[0] + a, y + aside[1] + b);
+                let c = self.sigma * noise.normal();
+                let true_pose = [x + aside[0], y + aside[1]];
+                let way = core::array::from_fn(|i| {
+                    (angles[i] / TAU * self.ticks_per_turn).floor() * TAU / self.ticks_per_turn
+                });
+                let [x, y] = reference.read(self, [true_pose, [yaw, 0.0]], way, &mut noise);
                 send(
                     stamp_ns,
                     match self.by {
@@ -171,11 +204,28 @@ impl Drive<'_> {
             let late_ns = (self.jitter_s * noise.normal() * 1e9) as i64;
             stamp_ns = (stamp_ns + 2_000_000).max(now_ns + late_ns);
             for (wheel, angle) in angles.iter().enumerate() {
-                let raw = (angle / TAU * TICKS_PER_TURN).floor() as i64 as u64;
-                send(stamp_ns, Measurement::WheelCount { wheel, raw });
+                let ticks = (angle / TAU * self.ticks_per_turn).floor();
+                let raw = ticks as i64 as u64;
+                let before = ticks_before[wheel].replace(ticks).unwrap_or(ticks);
+                let period_s = self.row_steps as f64 * STEP_S;
+                let rate = (ticks - before) * TAU / self.ticks_per_turn / period_s;
+                send(
+                    stamp_ns,
+                    if self.by_rates {
+                        Measurement::WheelRate { wheel, rate }
+                    } else {
+                        Measurement::WheelCount { wheel, raw }
+                    },
+                );
             }
             if !(from_s..to_s).contains(&time_s) {
                 continue;
+            }
+            for (wheel, (_, left)) in PLACES.into_iter().enumerate() {
+                if let Some(mean) = reference.mean_slip(wheel, left) {
+                    naive.0 += (mean - slip) * (mean - slip);
+                    naive.1 += 1.0;
+                }
             }
             for (estimate, lie) in filter.latest().wheels.iter().zip(&mut lies) {
                 all += 1.0;
@@ -202,11 +252,87 @@ impl Drive<'_> {
         }
         Outcome {
             rmse: (squares / f64::max(ok, 1.0)).sqrt(),
+            naive: (naive.0 / f64::max(naive.1, 1.0)).sqrt(),
             lie_s,
             ok: ok / all,
             stands: stands / all,
             contradicts: contradicts / all,
         }
+    }
+}
+
+/// The poses as they are measured, ten a second.
+#[derive(Default)]
+struct Reference {
+    error: Option<[f64; 2]>,
+    /// What was measured of the last second: place, true heading, and the angles by whole ticks.
+    kept: Vec<([f64; 3], [f64; 4])>,
+    true_places: Vec<[f64; 2]>,
+}
+
+impl Reference {
+    fn read(
+        &mut self,
+        drive: &Drive<'_>,
+        [place, [yaw, _]]: [[f64; 2]; 2],
+        angles: [f64; 4],
+        noise: &mut Noise,
+    ) -> [f64; 2] {
+        let mut normal = |sigma: f64| [0; 2].map(|_| sigma * noise.normal());
+        let own = normal(drive.sigma);
+        let with = |error: [f64; 2]| [place[0] + error[0], place[1] + error[1]];
+        self.true_places.push(place);
+        let measured = match drive.errors {
+            PoseErrors::Independent => with(own),
+            PoseErrors::Wandering(sigma, memory_s) => {
+                let step = normal(sigma);
+                let before = self.error.unwrap_or(step);
+                let kept = (-0.1 / memory_s).exp();
+                let error = [0, 1].map(|i| kept * before[i] + (1.0 - kept * kept).sqrt() * step[i]);
+                self.error = Some(error);
+                with([0, 1].map(|i| error[i] + own[i] / 3.0))
+            }
+            PoseErrors::Filtered(memory_s) => {
+                let rough = with(own);
+                let before = self.error.unwrap_or(rough);
+                let new = 0.1 / (0.1 + memory_s);
+                let smooth = [0, 1].map(|i| before[i] + new * (rough[i] - before[i]));
+                self.error = Some(smooth);
+                smooth
+            }
+            PoseErrors::Late(most_s) => {
+                // between the places of the last tenths of a second
+                let late = most_s * 10.0 * noise.uniform();
+                let count = self.true_places.len();
+                let back = (late as usize).min(count - 1);
+                let [newer, older] =
+                    [back, (back + 1).min(count - 1)].map(|i| self.true_places[count - 1 - i]);
+                let share = late.fract();
+                [0, 1].map(|i| newer[i] + share * (older[i] - newer[i]) + own[i])
+            }
+            PoseErrors::Rounded(step) => place.map(|x| (x / step).round() * step),
+        };
+        self.kept.push(([measured[0], measured[1], yaw], angles));
+        if self.kept.len() > 11 {
+            self.kept.remove(0);
+        }
+        measured
+    }
+
+    /// The slip of a wheel over the last second.
+    fn mean_slip(&self, wheel: usize, left: f64) -> Option<f64> {
+        let (from, to) = (self.kept.first()?, self.kept.last()?);
+        let ([x0, y0, yaw0], [x1, y1, yaw1]) = (from.0, to.0);
+        let heading = 0.5 * (yaw0 + yaw1);
+        let robot = heading.cos() * (x1 - x0) + heading.sin() * (y1 - y0) - left * (yaw1 - yaw0);
+        let rim = RADIUS_M * (to.1[wheel] - from.1[wheel]);
+        (self.kept.len() == 11).then(|| {
+            if robot < rim {
+                1.0 - robot / rim
+            } else {
+                rim / robot - 1.0
+            }
+        })
     }
 }
 
@@ -297,6 +423,67 @@ fn stamps_that_scatter_are_no_slip() {
     };
     let (steady, scattered) = (rmse(0.0), rmse(0.008));
     assert!(scattered < 1.1 * steady, "{steady:.4} {scattered:.4}");
+}
+
+/// A driver that divides ticks by times gives rates that jump by a quarter of the speed and more, whose sum is right.
+#[test]
+fn rates_made_of_ticks_are_no_slip() {
+    for (ticks_per_turn, row_steps) in [(50.0, 5), (50.0, 2), (200.0, 5), (1000.0, 2)] {
+        let runs: Vec<_> = (0..4)
+            .map(|seed| {
+                let drive = Drive {
+                    ticks_per_turn,
+                    row_steps,
+                    by_rates: true,
+                    seed,
+                    ..Drive::default()
+                };
+                drive.run(60.0, (10.0, 60.0))
+            })
+            .collect();
+        assert!(
+            mean_ratio(&runs) < 1.15,
+            "{ticks_per_turn} {row_steps}: {runs:#?}"
+        );
+    }
+}
+
+/// Errors of poses that depend on one another make the filter no worse than a mean of one second, which knows the true heading; steps
+/// of 5 cm do by a sixth.
+#[test]
+fn errors_of_poses_that_depend_on_one_another_are_no_slip() {
+    for (errors, most) in [
+        (PoseErrors::Independent, 1.0),
+        (PoseErrors::Wandering(0.03, 3.0), 1.05),
+        (PoseErrors::Wandering(0.1, 20.0), 1.05),
+        (PoseErrors::Filtered(0.3), 1.05),
+        (PoseErrors::Late(0.2), 0.9),
+        (PoseErrors::Rounded(0.05), 1.25),
+    ] {
+        let sigma = match errors {
+            PoseErrors::Filtered(_) => 0.03,
+            _ => 0.01,
+        };
+        let runs: Vec<_> = (0..6)
+            .map(|seed| {
+                let drive = Drive {
+                    errors,
+                    sigma,
+                    seed,
+                    ..Drive::default()
+                };
+                drive.run(90.0, (10.0, 90.0))
+            })
+            .collect();
+        let ratio = mean_ratio(&runs);
+        println!("{errors:?} {ratio:.3}");
+        assert!(ratio < most, "{errors:?}: {ratio:.3} {runs:#?}");
+    }
+}
+
+fn mean_ratio(runs: &[Outcome]) -> f64 {
+    let logs: f64 = runs.iter().map(|out| (out.rmse / out.naive).ln()).sum();
+    (logs / runs.len() as f64).exp()
 }
 
 /// The wheels brake and skid: the rims all but stand, and the robot does not. A speed that says so again and again is right.

@@ -1,4 +1,4 @@
-//! By how much the stamps of a counter's readings scatter about the moments at which it was read.
+//! By how much the stamps of a wheel's readings scatter about the moments at which it was read.
 //!
 //! A stamp that is wrong by τ moves the way u τ of the rim into the window before it, which the one after it lacks. The rim speeds
 //! of three windows that follow each other show that: the product of their two differences has the mean −4 (u τ / T)², 0 where

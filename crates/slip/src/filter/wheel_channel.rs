@@ -1,5 +1,7 @@
 //! One wheel in the filter: its readings, its windows, and what is learnt of it.
 
+use grouser_real::Real;
+
 use crate::history::{nanoseconds, seconds_between};
 use crate::robot::{Robot, Wheel, WheelRole};
 use crate::speed::Measured;
@@ -19,6 +21,9 @@ use super::stamp_scatter::StampScatter;
 
 /// A window is extended until it has this many ticks: fewer say little of the speed.
 const MIN_WINDOW_TICKS: f64 = 4.0;
+/// And until its way is this multiple of the standard deviation of what stamps move: 4 ticks are 14 times that of a tick's remainder. As
+/// much here lets noisy rates, which are no ticks, lag behind (`intervals_hold_in_runs_that_they_were_not_calibrated_on`).
+const MIN_WINDOW_DEVIATIONS: f64 = 10.4;
 /// A window ends after this many times its length, however few ticks it has.
 pub(super) const MAX_WINDOW_FACTOR: f64 = 4.0;
 /// A high rim speed is remembered for this long, s.
@@ -153,14 +158,19 @@ impl WheelChannel {
             self.restart_window(now_ns);
             return None;
         };
-        let few = (rim.value * age).abs() < MIN_WINDOW_TICKS * self.tick;
+        // what a stamp moves into the window before, or a driver's division of ticks by times, m
+        let stamps = self.stamps.map_or(0.0, |stamps| stamps.variance());
+        let moved = rim.value.abs() * Real::sqrt(stamps);
+        let least = (MIN_WINDOW_TICKS * self.tick).max(MIN_WINDOW_DEVIATIONS * moved);
+        let few = (rim.value * age).abs() < least;
         if few && age < MAX_WINDOW_FACTOR * window {
             return None;
         }
         self.from_ns = Some(now_ns);
-        let is_way = self.track.measures_way();
-        if let Some(stamps) = self.stamps.as_mut().filter(|_| is_way) {
-            stamps.push(rim.value, age, self.tick);
+        let by_edges = self.track.has_edges();
+        if let Some(stamps) = self.stamps.as_mut().filter(|_| !by_edges) {
+            let is_way = self.track.measures_way();
+            stamps.push(rim.value, age, if is_way { self.tick } else { 0.0 });
         }
         let stands = rim.value == 0.0;
         let turned = if stands {

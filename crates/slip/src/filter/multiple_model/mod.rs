@@ -9,14 +9,16 @@
 
 mod group;
 mod model;
+mod position_noise;
 pub(super) mod reference_noise;
 
 use grouser_real::{Real, wrap_angle};
 
 use group::Group;
-use model::{DRIFT, HEADING, Model, SLIP, STATES, Since, Step, TURN_ERROR, X, Y};
+use model::{Course, DRIFT, HEADING, Model, SLIP, STATES, Since, Step, TURN_ERROR, X, Y};
 pub(super) use model::{MIN_RIM_SHARE, Rim, TurnError};
-use reference_noise::{Errors, ReferenceNoise};
+use position_noise::PositionNoise;
+use reference_noise::Errors;
 
 use crate::speed::Measured;
 
@@ -112,7 +114,9 @@ pub(crate) struct MultipleModel {
     shares: [f64; GROUPS],
     /// Means over all groups, as of the last step.
     mean: [f64; STATES],
-    noise: ReferenceNoise<2>,
+    noise: PositionNoise,
+    /// Direction in which the rims run, beside the robot's heading, rad, as of the last step.
+    direction: f64,
     turn_error: TurnError,
     has_started: bool,
     was_inertial: bool,
@@ -153,7 +157,8 @@ impl MultipleModel {
             ],
             shares: [1.0 / GROUPS as f64; GROUPS],
             mean: [0.0; STATES],
-            noise: ReferenceNoise::new(),
+            noise: PositionNoise::new(),
+            direction: 0.0,
             turn_error: TurnError::default(),
             has_started: false,
             was_inertial: false,
@@ -171,10 +176,11 @@ impl MultipleModel {
 
     /// Forgets place and motion; keeps the learnt noise and the totals.
     pub(crate) fn restart(&mut self) {
-        let mut noise = core::mem::replace(&mut self.noise, ReferenceNoise::new());
+        let mut noise = core::mem::replace(&mut self.noise, PositionNoise::new());
         noise.interrupt();
         *self = Self {
             noise,
+            direction: self.direction,
             turn_error: self.turn_error,
             period_s: self.period_s,
             rim_path: self.rim_path,
@@ -199,6 +205,7 @@ impl MultipleModel {
     pub(crate) fn advance(&mut self, wheels: &WheelStep) {
         let rim = wheels.rim;
         self.rim = rim;
+        self.direction = wheels.direction;
         let before = core::mem::replace(&mut self.turn_error, wheels.turn_error);
         let same_sensor = wheels.turn_error.by_gyro == before.by_gyro;
         let removed = if same_sensor {
@@ -288,17 +295,35 @@ impl MultipleModel {
         (errors, prior_sigma, way_sigma): (Errors, f64, f64),
     ) -> Agreement {
         let share = self.mean_share();
-        self.noise.push(core::array::from_fn(|i| {
-            place[i] - (self.path[i] - since[i] * share)
-        }));
-        let noise = self.noise.noise(errors, prior_sigma);
-        if noise.wander > 0.0 {
-            self.inflate(|model| model.inflate_position(noise.wander * noise.wander));
+        let position = core::array::from_fn(|i| place[i] - (self.path[i] - since[i] * share));
+        let (sin, cos) = Real::sin_cos(self.mean[HEADING] - since[2] + self.direction);
+        let at_rest = self.stands().then_some(prior_sigma);
+        self.noise.push(position, (sin, cos), at_rest);
+        let [along, across] = self.noise.noise(errors, prior_sigma, self.period_s);
+        let wander = along.wander.max(across.wander);
+        if wander > 0.0 {
+            self.inflate(|model| model.inflate_position(wander * wander));
         }
-        let sigma = noise.reading.max(MIN_POSITION_SIGMA_M);
-        let variance = sigma * sigma + way_sigma * way_sigma;
-        let agreement = self.agreement(place, since, variance);
+        let course = Course {
+            sin,
+            cos,
+            variances: [along, across].map(|noise| {
+                let sigma = noise.reading.max(MIN_POSITION_SIGMA_M);
+                sigma * sigma + way_sigma * way_sigma
+            }),
+        };
+        let agreement = self.agreement(place, since, &course);
         self.begin_reading();
+        self.weigh_position(place, (since, since_s), &course);
+        agreement
+    }
+
+    fn weigh_position(
+        &mut self,
+        place: [f64; 2],
+        (since, since_s): ([f64; 4], f64),
+        course: &Course,
+    ) {
         let stands = self.stands();
         for group in &mut self.groups {
             // a measured speed holds no noise of the slip
@@ -307,13 +332,10 @@ impl MultipleModel {
                 time_s: if has_speed { 0.0 } else { since_s },
                 way: [since[0], since[1]],
             };
-            group.weigh_and_score(stands, |model| {
-                model.update_position(place, &late, variance)
-            });
+            group.weigh_and_score(stands, |model| model.update_position(place, &late, course));
             group.pass_jump(&late);
         }
         self.reweigh();
-        agreement
     }
 
     /// A heading in the reference's frame (rad), `turned` (rad) ago.
@@ -535,12 +557,14 @@ impl MultipleModel {
     }
 
     /// The agreement of a position with the prediction over all groups.
-    fn agreement(&self, place: [f64; 2], since: [f64; 4], variance: f64) -> Agreement {
+    fn agreement(&self, place: [f64; 2], since: [f64; 4], course: &Course) -> Agreement {
         let predicted = self.place(since);
+        let [x, y] = [0, 1].map(|i| place[i] - predicted[i]);
         let mut nis = 0.0;
-        for (axis, i) in [X, Y].into_iter().enumerate() {
-            let residual = place[axis] - predicted[axis];
-            nis += residual * residual / (self.variance(i) + variance);
+        for (row, variance) in course.axes() {
+            let residual = row[0] * x + row[1] * y;
+            let known = row[0] * row[0] * self.variance(X) + row[1] * row[1] * self.variance(Y);
+            nis += residual * residual / (known + variance);
         }
         Agreement {
             inlier: model::inlier_probability(nis),

@@ -108,6 +108,30 @@ impl Since {
     };
 }
 
+/// The course at a position's time, and the position's variance along it and across, m².
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Course {
+    pub(super) sin: f64,
+    pub(super) cos: f64,
+    pub(super) variances: [f64; 2],
+}
+
+impl Course {
+    /// Both axes in the reference's frame, with the variance along each.
+    pub(super) fn axes(&self) -> [([f64; 2], f64); 2] {
+        let [along, across] = self.variances;
+        [
+            ([self.cos, self.sin], along),
+            ([-self.sin, self.cos], across),
+        ]
+    }
+
+    fn wider(&self, factor: f64) -> Self {
+        let variances = self.variances.map(|variance| variance * factor);
+        Self { variances, ..*self }
+    }
+}
+
 /// One hypothesis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Model {
@@ -359,12 +383,17 @@ impl Model {
 
     /// Updates by a position of the past. An outlier is
     /// one on both axes: a change of slip moves the robot along its course alone.
-    pub(super) fn update_position(&mut self, place: [f64; 2], since: &Since, variance: f64) -> f64 {
+    pub(super) fn update_position(
+        &mut self,
+        place: [f64; 2],
+        since: &Since,
+        course: &Course,
+    ) -> f64 {
         let since = &self.since_within(since);
         let (mut good, mut bad) = (*self, *self);
-        let as_good = (1.0 - OUTLIER_SHARE) * good.update_axes(place, since, variance);
-        let wide = variance * OUTLIER_FACTOR * OUTLIER_FACTOR;
-        let as_bad = OUTLIER_SHARE * bad.update_axes(place, since, wide);
+        let as_good = (1.0 - OUTLIER_SHARE) * good.update_axes(place, since, course);
+        let wide = course.wider(OUTLIER_FACTOR * OUTLIER_FACTOR);
+        let as_bad = OUTLIER_SHARE * bad.update_axes(place, since, &wide);
         let likelihood = as_good + as_bad;
         let share = if likelihood > 0.0 {
             as_good / likelihood
@@ -381,25 +410,27 @@ impl Model {
     }
 
     /// Updates by both axes of a position; returns the likelihood.
-    fn update_axes(&mut self, place: [f64; 2], since: &Since, variance: f64) -> f64 {
+    fn update_axes(&mut self, place: [f64; 2], since: &Since, course: &Course) -> f64 {
         let mut likelihood = 1.0;
         let (_, slope) = rim_share(self.mean[SLIP]);
-        for axis in [X, Y] {
+        let dot = |row: [f64; 2], of: [f64; 2]| row[0] * of[0] + row[1] * of[1];
+        for (row, variance) in course.axes() {
             let (share, _) = rim_share(self.mean[SLIP]);
-            let predicted = self.mean[axis] - since.way[axis] * share;
-            let jacobian = [(axis, 1.0), (SLIP, -since.way[axis] * slope)];
+            let way = dot(row, since.way);
+            let predicted = dot(row, [self.mean[X], self.mean[Y]]) - way * share;
+            let jacobian = [(X, row[0]), (Y, row[1]), (SLIP, -way * slope)];
             let mut spread = self.spread(&jacobian);
             // Slip has changed since, too: the reading says nothing of that, and the way back at the present slip holds it.
             let noise = self.slip_noise * self.slip_noise * since.time_s;
             let ways = since.way.map(|way| way * slope);
-            spread[SLIP] += ways[axis] * noise / 2.0;
+            spread[SLIP] += way * slope * noise / 2.0;
             for other in [X, Y] {
-                spread[other] += ways[axis] * ways[other] * noise / 6.0;
+                spread[other] += way * slope * ways[other] * noise / 6.0;
             }
             likelihood *= self.update_by(
                 &spread,
                 &jacobian,
-                (place[axis] - predicted, variance),
+                (dot(row, place) - predicted, variance),
                 false,
             );
         }
