@@ -28,7 +28,7 @@ pub struct ReferenceUse {
     pub used: u64,
 }
 
-/// Ways while the reference was known, m, each along the direction in which the wheels drove.
+/// Ways while the reference was known, m, between the same times, each along the direction in which the wheels drove.
 ///
 /// ```
 /// let mut ways = grouser_replay::WayCheck::default();
@@ -43,7 +43,7 @@ pub struct WayCheck {
     pub wheels: f64,
     /// By the filter.
     pub filter: f64,
-    /// By the reference alone, over windows.
+    /// By the reference alone.
     pub reference: f64,
 }
 

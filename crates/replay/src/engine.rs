@@ -15,7 +15,7 @@ use crate::exchange_watch::ExchangeWatch;
 use crate::fusion::{FusedSummary, Fusion};
 use crate::ground_watch::GroundWatch;
 use crate::method::Method;
-use crate::moment::{Moment, side_slip_angle};
+use crate::moment::{Moment, Travel, side_slip_angle};
 use crate::odometry::Odometry;
 use crate::options::Options;
 use crate::pose_watch::PoseWatch;
@@ -69,6 +69,8 @@ pub struct Engine {
     inputs: Inputs,
     settings: WindowSettings,
     slips: Slips,
+    /// Their ways are those of the whole log.
+    ways_means: Box<WindowMeans>,
     span: (f64, f64),
     start_ns: Option<i64>,
     longest_gap_s: f64,
@@ -101,6 +103,10 @@ pub struct Engine {
     /// Cosine and sine of each wheel's heading.
     headings: Vec<(f64, f64)>,
 }
+
+/// The whole ways are counted over silences of the sensors up to this, s: counters, positions and displacements that come late
+/// bring the way of the silence with them.
+const WAYS_DROPOUT_S: f64 = 2.0;
 
 /// What finds the slips. Beside the filter, ways and turns are counted over windows.
 enum Slips {
@@ -179,9 +185,14 @@ impl Engine {
             Method::Window if options.smooth => return Err(Error::NothingToSmooth),
             Method::Window => Slips::Window(Box::new(WindowEstimator::new(&robot, settings)?)),
         };
+        let of_ways = WindowSettings {
+            dropout: settings.dropout.max(WAYS_DROPOUT_S),
+            ..settings
+        };
         let steering =
             (file.steering.as_ref()).map(|steering| WheelSteering::new(steering, &file.robot));
         Ok(Self {
+            ways_means: Box::new(WindowMeans::new(&robot, of_ways)?),
             slips,
             pose: PoseWatch::new(
                 &robot,
@@ -278,9 +289,11 @@ impl Engine {
             self.ground.take(&sample);
             if let Some(steering) = &self.steering {
                 for steered in steering.angles(&sample) {
+                    let _refused = self.ways_means.update(steered);
                     self.slips.update(steered);
                 }
             }
+            let _refused = self.ways_means.update(sample);
             self.slips.update(sample);
             if let Some(wheel) = rotating_wheel(&sample.measurement) {
                 self.read |= 1 << wheel;
@@ -349,6 +362,10 @@ impl Engine {
         let Some(body) = self.slips.body() else {
             return Ok(());
         };
+        let of_ways = self.ways_means.latest();
+        let travel = of_ways.map_or((0.0, 0.0), |body| {
+            (body.travel_wheels, body.travel_reference)
+        });
         let (time_s, is_wanted) = self.when(now);
         if is_wanted {
             let all = 0..self.robot.wheels().len();
@@ -381,13 +398,15 @@ impl Engine {
             }
             self.speed_sign.step(&body, self.settings.low_speed);
             self.ways.count(&body, rims);
+            self.ways.travel(travel);
         } else if time_s < self.span.0 {
-            self.ways.wait(&body);
+            self.ways.wait(travel);
         }
         let mut moment = std::mem::take(&mut self.moment);
         match &mut self.slips {
             Slips::Filter(fusion, _) => {
                 fusion.close((now, read), &body, &mut moment);
+                moment.travel = self.ways_means.latest().and_then(Travel::of);
                 for change in fusion.new_events() {
                     sink.event(change)?;
                 }

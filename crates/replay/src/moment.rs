@@ -7,6 +7,24 @@ use grouser_slip::{BodyMotion, Measured, Wheel, WheelEstimate};
 
 use crate::odometry::Odometry;
 
+/// Ways by the powered wheels and by the reference up to a time, m, along the way of the wheels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Travel {
+    pub(crate) until_ns: i64,
+    pub(crate) wheels: f64,
+    pub(crate) reference: f64,
+}
+
+impl Travel {
+    pub(crate) fn of(body: &WindowBody) -> Option<Self> {
+        Some(Self {
+            until_ns: body.until_ns?,
+            wheels: body.travel_wheels,
+            reference: body.travel_reference,
+        })
+    }
+}
+
 /// What is known at one time, on its way to whoever takes it. Each time is entered into the moment of the time before, whose
 /// memory is used again.
 #[derive(Clone, Debug, Default)]
@@ -18,8 +36,8 @@ pub(crate) struct Moment {
     pub(crate) motion: Option<BodyMotion>,
     /// The motion that the powered wheels would give without slip, over a window.
     pub(crate) wheels_motion: Option<BodyMotion>,
-    /// The motion by the reference alone, over a window.
-    pub(crate) reference_motion: Option<BodyMotion>,
+    /// The ways up to now by wheels and reference; `None` while one of them is not known.
+    pub(crate) travel: Option<Travel>,
     /// Up to when the motions are known.
     pub(crate) until_ns: Option<i64>,
     /// The filter's own odometry.
@@ -43,7 +61,7 @@ impl Moment {
             wheels: self.with_wheels(wheels),
             motion: body.motion.or(body.wheels_motion),
             wheels_motion: body.wheels_motion,
-            reference_motion: body.motion,
+            travel: None,
             until_ns: body.until_ns,
             odometry: None,
             common_slip: None,
@@ -69,7 +87,7 @@ impl Moment {
                 covariance: fused.velocity_covariance,
             }),
             wheels_motion: body.wheels_motion,
-            reference_motion: body.motion,
+            travel: None,
             until_ns: Some(time_ns),
             odometry: Some(Odometry::of_filter(fused)),
             common_slip: Some(fused.common_slip),

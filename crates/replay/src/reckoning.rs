@@ -1,11 +1,14 @@
 //! Odometry step by step: the filter's own, or the motion integrated.
 
+use std::collections::VecDeque;
+
 use grouser_real::Real;
 use grouser_slip::BodyMotion;
 
 use crate::checks::WayCheck;
-use crate::moment::Moment;
+use crate::moment::{Moment, Travel};
 use crate::odometry::{Odometry, sandwich};
+use crate::ways::along_rims;
 
 /// The robot's odometry: the filter's own where it runs alone, else the motion integrated, by the reference or by the
 /// wheels.
@@ -23,25 +26,21 @@ pub(crate) struct Reckoning {
     pose: [f64; 3],
     covariance: [[f64; 3]; 3],
     distances: [f64; 2],
-    ways: WayCheck,
+    ways: WaysBeside,
     /// The filter's odometry at the first step.
     origin: Option<Odometry>,
 }
 
 impl Reckoning {
     /// Begins at the origin; `window` is that of the estimates, s.
-    pub(crate) const fn new(window: f64) -> Self {
+    pub(crate) fn new(window: f64) -> Self {
         Self {
             window,
             until_ns: None,
             pose: [0.0; 3],
             covariance: [[0.0; 3]; 3],
             distances: [0.0; 2],
-            ways: WayCheck {
-                wheels: 0.0,
-                filter: 0.0,
-                reference: 0.0,
-            },
+            ways: WaysBeside::default(),
             origin: None,
         }
     }
@@ -61,13 +60,9 @@ impl Reckoning {
             let (by_wheels, along) = along_the_wheels(&wheels, &motion);
             self.distances[0] += along.abs() * seconds;
             self.distances[1] += by_wheels * seconds;
-            if let Some(reference) = moment.reference_motion {
-                self.ways.wheels += by_wheels * seconds;
-                self.ways.filter += along * seconds;
-                self.ways.reference += along_the_wheels(&wheels, &reference).1 * seconds;
-            }
             covariance[0][0] += Real::powi(wheels.velocity[0] - motion.velocity[0], 2);
         }
+        self.ways.step((until_ns, seconds), &motion, moment);
         let [distance, distance_of_wheels] = self.distances;
         if let Some(odometry) = &moment.odometry {
             return Some(Odometry {
@@ -89,7 +84,7 @@ impl Reckoning {
 
     /// Ways so far, for comparison.
     pub(crate) const fn ways(&self) -> WayCheck {
-        self.ways
+        self.ways.check
     }
 
     fn advance(&mut self, motion: &BodyMotion, covariance: &[[f64; 3]; 3], seconds: f64) {
@@ -111,6 +106,61 @@ impl Reckoning {
             for j in 0..3 {
                 self.covariance[i][j] = old[i][j] + new[i][j] * self.window * seconds;
             }
+        }
+    }
+}
+
+/// The filter's way beside those of wheels and reference, all between the same times: positions that come late bring the way of
+/// their delay with them, which means over windows count twice or not at all.
+#[derive(Clone, Debug, Default)]
+struct WaysBeside {
+    check: WayCheck,
+    /// The motion by the wheels that was known last: its direction counts.
+    wheels: Option<BodyMotion>,
+    /// The filter's way up to now, m, and before it up to the times that the others have not reached.
+    by_filter: VecDeque<(i64, f64)>,
+    /// The ways that are counted, and the filter's up to there.
+    last: Option<(Travel, f64)>,
+}
+
+impl WaysBeside {
+    fn step(&mut self, (now_ns, seconds): (i64, f64), motion: &BodyMotion, moment: &Moment) {
+        self.wheels = moment.wheels_motion.or(self.wheels);
+        let along = (self.wheels).map_or(0.0, |wheels| along_the_wheels(&wheels, motion).1);
+        let before = self.by_filter.back().map_or(0.0, |(_, way)| *way);
+        self.by_filter.push_back((now_ns, before + along * seconds));
+        let until_ns = moment.travel.map_or(now_ns, |travel| travel.until_ns);
+        let passed = self
+            .by_filter
+            .partition_point(|(time, _)| *time <= until_ns);
+        self.by_filter.drain(..passed.saturating_sub(1));
+        let Some(travel) = moment.travel else {
+            self.last = None;
+            return;
+        };
+        let filter = self.filter_at(until_ns);
+        let (last, filter_before) = *self.last.get_or_insert((travel, filter));
+        // they grow in steps
+        if travel.wheels == last.wheels && travel.reference == last.reference {
+            return;
+        }
+        let (wheels, reference) = along_rims((
+            travel.wheels - last.wheels,
+            travel.reference - last.reference,
+        ));
+        self.check.wheels += wheels;
+        self.check.reference += reference;
+        self.check.filter += filter - filter_before;
+        self.last = Some((travel, filter));
+    }
+
+    /// The filter's way up to a time, m.
+    fn filter_at(&self, time_ns: i64) -> f64 {
+        match (self.by_filter.front(), self.by_filter.get(1)) {
+            (Some((from, a)), Some((to, b))) if time_ns > *from => {
+                a + (time_ns - from) as f64 / (to - from) as f64 * (b - a)
+            }
+            (first, _) => first.map_or(0.0, |(_, way)| *way),
         }
     }
 }
@@ -142,7 +192,7 @@ mod tests {
             wheels: Vec::new(),
             motion: Some(motion(velocity)),
             wheels_motion: Some(motion(wheels)),
-            reference_motion: None,
+            travel: None,
             until_ns: Some(until_s * 1_000_000_000),
             odometry: None,
             common_slip: None,

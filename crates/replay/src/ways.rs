@@ -33,17 +33,20 @@ impl Ways {
     }
 
     /// The span has not begun.
-    pub(crate) const fn wait(&mut self, body: &WindowBody) {
-        self.last = (body.travel_wheels, body.travel_reference);
+    pub(crate) const fn wait(&mut self, travel: (f64, f64)) {
+        self.last = travel;
     }
 
-    /// Counts the window that ended at `body.until_ns`, once; `rims` are the powered wheels' rim speeds over it, m/s.
-    pub(crate) fn count(&mut self, body: &WindowBody, rims: impl Iterator<Item = f64>) {
-        let now = (body.travel_wheels, body.travel_reference);
+    /// Counts the ways up to now by the wheels and by the reference, m.
+    pub(crate) fn travel(&mut self, now: (f64, f64)) {
         let (wheels, reference) = along_rims((now.0 - self.last.0, now.1 - self.last.1));
         self.last = now;
         self.travel.0 += wheels;
         self.travel.1 += reference;
+    }
+
+    /// Counts the window that ended at `body.until_ns`, once; `rims` are the powered wheels' rim speeds over it, m/s.
+    pub(crate) fn count(&mut self, body: &WindowBody, rims: impl Iterator<Item = f64>) {
         if body.until_ns == self.until_ns || body.until_ns.is_none() {
             return;
         }

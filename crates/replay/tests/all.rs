@@ -20,6 +20,7 @@ mod five_wheel;
 mod held;
 mod jackal;
 mod kobuki;
+mod late_positions;
 mod logs_that_say_nothing;
 mod measured_poses;
 mod observability;
