@@ -92,15 +92,18 @@ impl LoggedPath {
         let mut summed = [0.0; 3];
         let mut last_turned = None;
         let first_ns = self.times[0];
+        let is_place = |sample: &Sample| matches!(sample.measurement, Measurement::Position { .. });
+        // the displacements beside places are made of them, and the errors of each two in a row are opposite
+        let has_places = samples.iter().any(is_place);
         for sample in samples {
             let time_ns = sample.time_ns.saturating_sub(latency_ns);
             let place = match sample.measurement {
-                Measurement::Pose { x, y, .. } => [x, y],
+                Measurement::Pose { x, y, .. } | Measurement::Position { x, y } => [x, y],
                 Measurement::Displacement {
                     forward,
                     left,
                     turn,
-                } => {
+                } if !has_places => {
                     self.is_summed = true;
                     let turned = self.at(time_ns).turned;
                     let before = last_turned.replace(turned).unwrap_or(turned);

@@ -131,12 +131,8 @@ pub(crate) fn smooth_ratio(
             break;
         }
     }
-    // an accelerometer shows where a jump lies
-    if intervals.iter().all(|interval| interval.gain.is_none()) {
-        learnt.spread(positions);
-        ratios = round(intervals, positions, start, &mut learnt);
-    }
-    ratios
+    learnt.spread(positions);
+    round(intervals, positions, start, &mut learnt)
 }
 
 impl Learnt {
