@@ -140,6 +140,7 @@ fn map() -> impl Strategy<Value = ColumnMap> {
                 missing,
                 align_clock,
                 time: TimeColumn {
+                    nanoseconds: Some("nanosec".into()),
                     column: time,
                     unit,
                     offset_ns: 0,

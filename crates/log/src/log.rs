@@ -2,7 +2,7 @@
 
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use grouser_files::columns::{Column, ColumnMap, Meaning};
 use grouser_files::topics::Topics;
@@ -422,12 +422,16 @@ impl Log {
     }
 
     /// What was left out when the log was last read to its end: damage, messages that cannot be decoded
-    /// or came too late, and the last line of a table where that is cut off.
+    /// or came too late, of tables the last line where that is cut off, and poses of zeros.
     #[must_use]
     pub fn left_out(&self) -> LeftOut {
         let recording = self.recording.as_ref();
         let mut left_out = recording.map_or_else(LeftOut::default, Recording::left_out);
         left_out.cut_off.clone_from(&self.counts.cut_off());
+        let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
+        left_out.zero_poses = read(&self.counts.zero_poses);
+        left_out.same_time = read(&self.counts.same_time);
+        left_out.rows = read(&self.counts.rows);
         left_out
     }
 
@@ -518,7 +522,7 @@ impl Log {
     pub fn samples(&self, shift_ns: &[i64]) -> Result<Samples> {
         let track = |(_, sigma)| (Track::new(self.antenna), sigma);
         let mut samples = Samples::new(self.places.map(track));
-        self.counts.cut_off().clear();
+        self.counts.begin();
         for (clock, (file, table)) in self.files.iter().enumerate() {
             let table = &self.map.tables[*table];
             let poses = if self.places.is_some_and(|(used, _)| used == clock) {

@@ -60,6 +60,12 @@ pub struct LeftOut {
     pub exclusion: Option<&'static str>,
     /// The last lines of tables that are cut off: the logger was ended while it wrote.
     pub cut_off: Vec<Cell>,
+    /// Poses of exact zeros in rows of tables whose logger had no new pose.
+    pub zero_poses: u64,
+    /// Rows of tables.
+    pub rows: u64,
+    /// Those that have the time of the row before.
+    pub same_time: u64,
 }
 
 impl LeftOut {
@@ -77,6 +83,9 @@ impl LeftOut {
         self.late += other.late;
         self.excluded += other.excluded;
         self.cut_off.extend_from_slice(&other.cut_off);
+        self.zero_poses += other.zero_poses;
+        self.rows += other.rows;
+        self.same_time += other.same_time;
         self.exclusion = self.exclusion.or(other.exclusion);
         if self.problem.is_none() {
             self.problem.clone_from(&other.problem);
@@ -241,6 +250,9 @@ mod tests {
             excluded: 5 * scale,
             exclusion: why,
             cut_off: (0..scale).map(|_| cell.clone()).collect(),
+            zero_poses: 6 * scale,
+            rows: 7 * scale,
+            same_time: 8 * scale,
         };
         let mut all = file(10, None);
         all.add(&file(1, Some("first")));

@@ -140,9 +140,13 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
         Some(time) => {
             let _ = writeln!(
                 table,
-                "time = {{ column = {}, unit = \"{}\" }}",
+                "time = {{ column = {}, unit = \"{}\"{} }}",
                 TomlText::quoted(&sheet.columns[time.column].name),
-                time.unit
+                time.unit,
+                time.nanoseconds.map_or_else(String::new, |column| format!(
+                    ", nanoseconds = {}",
+                    TomlText::quoted(&sheet.columns[column].name)
+                ))
             );
         }
         None => {

@@ -38,6 +38,7 @@ mod sheets;
 mod streams;
 mod suggestions;
 mod surveys;
+mod table_rows;
 mod truncated_files;
 mod unpacking_limits;
 mod writers;

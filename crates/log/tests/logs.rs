@@ -246,7 +246,8 @@ fn errors_say_where_and_what_to_do() {
         (set_back, "split the log where its clock was set"),
         (
             late,
-            "sort the log by time, or split it; a column of the nanoseconds within a second is no time",
+            "sort the log by time, or split it; a column of the nanoseconds within a second is named beside that of the seconds: \
+             `time = { column = \"sec\", unit = \"s\", nanoseconds = \"nanosec\" }`",
         ),
     ] {
         assert_eq!(error.hint().as_deref(), Some(hint), "{error}");

@@ -11,6 +11,7 @@
 //! decimal = "."                # or ","
 //! missing = ["nan"]            # what stands for "no value", besides an empty field
 //! time = { column = "stamp", unit = "ns" }   # s, ms, us, ns, or "date" for 2026-03-02T09:15:30.25Z
+//! # time = { column = "sec", unit = "s", nanoseconds = "nanosec" }  # and a column of the nanoseconds beyond it
 //! columns = [
 //!     { column = "left",  meaning = "wheel_angle", wheel = "left",  unit = "rad" },
 //!     { column = "right", meaning = "wheel_angle", wheel = "right", unit = "rad" },
@@ -193,6 +194,8 @@ pub struct TimeColumn {
     pub column: String,
     /// Its unit.
     pub unit: TimeUnit,
+    /// The column of the nanoseconds that are added to it, as ROS 2 divides a time.
+    pub nanoseconds: Option<String>,
     /// What is added to its times, ns: a table that counts from its own start beside a bag.
     pub offset_ns: i64,
 }
@@ -325,6 +328,7 @@ pub(crate) fn read_table(section: &Section<'_>) -> Result<Table> {
         Ok(TimeColumn {
             column: time.text("column")?.into(),
             unit: time.choice("unit", &TimeUnit::NAMES)?,
+            nanoseconds: time.optional_text("nanoseconds")?.map(Into::into),
             #[allow(
                 clippy::cast_possible_truncation,
                 reason = "within the limits of the key"

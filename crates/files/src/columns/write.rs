@@ -44,9 +44,13 @@ pub(crate) fn write_table(out: &mut TomlText, table: &Table) {
         .iter()
         .find(|(_, unit)| *unit == table.time.unit);
     out.line(&format!(
-        "time = {{ column = {}, unit = \"{}\"{} }}",
+        "time = {{ column = {}, unit = \"{}\"{}{} }}",
         quoted(&table.time.column),
         unit.map_or("s", |(name, _)| *name),
+        (table.time.nanoseconds.as_ref()).map_or_else(String::new, |column| format!(
+            ", nanoseconds = {}",
+            quoted(column)
+        )),
         match table.time.offset_ns {
             0 => String::new(),
             offset => format!(", offset_s = {:?}", offset as f64 * 1e-9),

@@ -45,11 +45,18 @@ pub fn finite(text: &str, decimal: u8) -> Result<f64, NotANumber> {
         Err(_) if text.contains(',') => Err(bad(Some(
             "a decimal comma is declared by `decimal = \",\"`; thousands may not be separated",
         ))),
-        Err(_) => Err(bad(None)),
+        Err(_) => Err(bad(word_hint(text))),
     }
 }
 
 const NO_VALUE: &str = "if it stands for no value, list it under `missing` in the column map";
+
+/// `None`, `null` and the like stand for no value.
+fn word_hint(text: &str) -> Option<&'static str> {
+    const WORDS: [&str; 8] = ["none", "null", "nil", "na", "n/a", "nan", "inf", "-"];
+    let is_word = |word: &&str| text.eq_ignore_ascii_case(word);
+    WORDS.iter().any(is_word).then_some(NO_VALUE)
+}
 
 const fn bad(hint: Option<&'static str>) -> NotANumber {
     NotANumber {
@@ -71,9 +78,7 @@ pub(crate) fn count(text: &str) -> Result<u64, NotANumber> {
         .or_else(|_| digits.parse::<i64>().map(i64::cast_unsigned))
         .map_err(|_| NotANumber {
             expected: "a whole number of at most 64 bits",
-            hint: (text.parse())
-                .is_ok_and(|number: f64| !number.is_finite())
-                .then_some(NO_VALUE),
+            hint: word_hint(text),
         })
 }
 

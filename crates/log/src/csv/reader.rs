@@ -1,6 +1,7 @@
 //! The reader of one table.
 
 use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use grouser_files::columns::Table;
@@ -13,12 +14,15 @@ use super::row::{BadField, Plan};
 use crate::error::{Cell, Error, Result};
 use crate::order::Ordered;
 use crate::source::Source;
-use grouser_slip::Sample;
+use grouser_real::Real;
+use grouser_slip::{Measurement, Sample};
 
 /// How many rows a row may stand from its place in time.
 pub(crate) const TABLE_LOOK_AHEAD: usize = 1024;
 /// Rows of several sensors may be written out of order, but not by this much: a clock was set, s.
 const SET_BACK_S: f64 = 60.0;
+/// A pose of exact zeros behind one that is farther from there is a row without a new pose, m.
+const FILLED_FROM_M: f64 = 0.05;
 /// A message shows this much of a bad field.
 const SHOWN: usize = 64;
 
@@ -28,9 +32,22 @@ pub(crate) struct Counts {
     /// Bytes that were read.
     pub(crate) read: Arc<AtomicU64>,
     cut_off: Arc<Mutex<Vec<Cell>>>,
+    /// Rows, and those with the time of the row before.
+    pub(crate) rows: Arc<AtomicU64>,
+    pub(crate) same_time: Arc<AtomicU64>,
+    /// Poses of zeros in rows without a new one.
+    pub(crate) zero_poses: Arc<AtomicU64>,
 }
 
 impl Counts {
+    /// A log is read from its beginning.
+    pub(crate) fn begin(&self) {
+        self.cut_off().clear();
+        for count in [&self.rows, &self.same_time, &self.zero_poses] {
+            count.store(0, Relaxed);
+        }
+    }
+
     /// The last lines of tables that are cut off.
     pub(crate) fn cut_off(&self) -> MutexGuard<'_, Vec<Cell>> {
         // Whoever panicked left whole places behind.
@@ -52,6 +69,8 @@ pub(crate) struct CsvReader {
     look_ahead: usize,
     rows: u64,
     last_ns: Option<i64>,
+    /// How far the last place was from the origin, m.
+    last_place: Option<f64>,
     counts: Counts,
     done: bool,
 }
@@ -91,13 +110,16 @@ impl CsvReader {
             }
         }
         let time = find(&names, &table.time.column, &header)?;
+        let nanoseconds = (table.time.nanoseconds.as_ref())
+            .map(|column| find(&names, column, &header))
+            .transpose()?;
         let places = table
             .columns
             .iter()
             .map(|column| find(&names, &column.column, &header))
             .collect::<Result<Vec<usize>>>()?;
         Ok(Self {
-            plan: Plan::new(table, time, places, wheels),
+            plan: Plan::new(table, (time, nanoseconds), places, wheels),
             lines,
             names,
             separator: table.separator,
@@ -106,6 +128,7 @@ impl CsvReader {
             look_ahead,
             rows: 0,
             last_ns: None,
+            last_place: None,
             counts: counts.clone(),
             done: false,
         })
@@ -149,7 +172,7 @@ impl CsvReader {
         }
         let field = |index: usize| self.fields[index].text(text);
         let bad = |bad: BadField| bad_field(&here, &self.names, field(bad.field), bad);
-        let time_ns = self.plan.time_ns(field(self.plan.time)).map_err(bad)?;
+        let time_ns = self.plan.time_ns(field).map_err(bad)?;
         let by_s = self.last_ns.unwrap_or(time_ns).saturating_sub(time_ns) as f64 * 1e-9;
         if by_s > SET_BACK_S {
             return Err(Error::SetBack {
@@ -157,7 +180,9 @@ impl CsvReader {
                 by_s,
             });
         }
-        self.last_ns = Some(time_ns);
+        let is_same = self.last_ns.replace(time_ns) == Some(time_ns);
+        self.counts.rows.fetch_add(1, Relaxed);
+        (self.counts.same_time).fetch_add(u64::from(is_same), Relaxed);
         self.ordered
             .begin_row(time_ns)
             .map_err(|by_s| Error::OutOfOrder {
@@ -165,15 +190,25 @@ impl CsvReader {
                 by_s,
                 look_ahead: self.look_ahead,
             })?;
-        let ordered = &mut self.ordered;
+        let (ordered, last_place) = (&mut self.ordered, &mut self.last_place);
+        let mut filled = 0;
         self.plan
             .readings(field, |measurement| {
+                if let Measurement::Pose { x, y, yaw } = measurement {
+                    let is_zero = [x, y, yaw].iter().all(|part| *part == 0.0);
+                    if is_zero && last_place.is_some_and(|far| far > FILLED_FROM_M) {
+                        filled += 1;
+                        return;
+                    }
+                    *last_place = Some(Real::hypot(x, y));
+                }
                 ordered.push(Sample {
                     time_ns,
                     measurement,
                 });
             })
             .map_err(bad)?;
+        self.counts.zero_poses.fetch_add(filled, Relaxed);
         self.rows += 1;
         Ok(())
     }

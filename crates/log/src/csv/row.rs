@@ -9,6 +9,8 @@ use grouser_slip::Measurement;
 /// Where in a row the parts of each reading stand.
 pub(crate) struct Plan {
     pub(crate) time: usize,
+    /// The field of the nanoseconds that are added to it.
+    pub(crate) nanoseconds: Option<usize>,
     slots: Slots,
     /// The field of each column.
     fields: Vec<usize>,
@@ -27,9 +29,15 @@ pub(crate) struct BadField {
 impl Plan {
     /// `fields` holds the place of each of the table's columns in the row, `wheels` the wheels of the
     /// log.
-    pub(crate) fn new(table: &Table, time: usize, fields: Vec<usize>, wheels: &[String]) -> Self {
+    pub(crate) fn new(
+        table: &Table,
+        (time, nanoseconds): (usize, Option<usize>),
+        fields: Vec<usize>,
+        wheels: &[String],
+    ) -> Self {
         Self {
             time,
+            nanoseconds,
             slots: Slots::new(&table.columns, wheels),
             fields,
             missing: table.missing.clone(),
@@ -39,11 +47,18 @@ impl Plan {
     }
 
     /// The row's time, ns.
-    pub(crate) fn time_ns(&self, text: &str) -> Result<i64, BadField> {
-        number::time_ns(text, self.decimal, self.time_unit).map_err(|problem| BadField {
-            field: self.time,
-            problem,
-        })
+    pub(crate) fn time_ns<'a>(&self, field: impl Fn(usize) -> &'a str) -> Result<i64, BadField> {
+        let time = |place, unit| {
+            number::time_ns(field(place), self.decimal, unit).map_err(|problem| BadField {
+                field: place,
+                problem,
+            })
+        };
+        let whole = time(self.time, self.time_unit)?;
+        let beyond = self
+            .nanoseconds
+            .map(|place| time(place, TimeUnit::Nanoseconds(1)));
+        Ok(whole.saturating_add(beyond.transpose()?.unwrap_or(0)))
     }
 
     /// Gives every reading of the row to `take`; one that lacks a part is left out.

@@ -20,7 +20,7 @@ pub use guess::Guess;
 use guess::guess;
 pub(crate) use guess::{open_question, perhaps_of_wheels};
 use layout::Layout;
-use time_column::{time_rank, time_unit};
+use time_column::{seconds_and_nanoseconds, time_rank, time_unit};
 use words::bare_unit;
 
 /// A yaw of more than a turn may be one in degrees, rad.
@@ -75,6 +75,8 @@ pub struct SheetColumn {
 pub struct SheetTime {
     /// The index of its column.
     pub column: usize,
+    /// The index of the column of the nanoseconds beyond it.
+    pub nanoseconds: Option<usize>,
     /// Its unit, as column maps name it.
     pub unit: &'static str,
     /// From the first time to the latest, s.
@@ -144,7 +146,13 @@ impl Sheet {
         for _ in 0..layout.header_lines {
             lines.advance()?;
         }
-        let candidates = time_candidates(&layout.names);
+        let mut candidates = time_candidates(&layout.names);
+        let listed = layout.names.len().min(MAX_COLUMNS);
+        let pair = seconds_and_nanoseconds(&layout.names[..listed]);
+        if let Some((seconds, _)) = pair {
+            candidates.retain(|candidate| *candidate != seconds);
+            candidates.insert(0, seconds);
+        }
         let mut clocks: Vec<Clock> = candidates.iter().map(|_| Clock::default()).collect();
         let mut lasts = vec![f64::NEG_INFINITY; sheet.columns.len()];
         let mut fields = Vec::new();
@@ -173,8 +181,12 @@ impl Sheet {
                 let Some(clock) = clock.map(|clock| &mut clocks[clock]) else {
                     continue;
                 };
+                let beyond = pair.filter(|(seconds, _)| *seconds == index);
+                let beyond = beyond.map_or(Some(0.0), |(_, place)| {
+                    finite(fields[place].text(text), layout.decimal).ok()
+                });
                 match number {
-                    Some(number) => clock.take(number),
+                    Some(number) => clock.take(number + 1e-9 * beyond.unwrap_or(f64::NAN)),
                     None => {
                         if let Ok(ns) = time_ns(field, layout.decimal, TimeUnit::Date) {
                             clock.take(ns as f64 * 1e-9);
@@ -205,6 +217,11 @@ impl Sheet {
             };
             clock.finish(column, unit)
         });
+        if let (Some(time), Some((seconds, nanoseconds))) = (&mut sheet.time, pair)
+            && time.column == seconds
+        {
+            (time.unit, time.nanoseconds) = ("s", Some(nanoseconds));
+        }
         let time = sheet.time.as_ref().map(|time| time.column);
         guess_columns(&mut sheet.columns, time, &layout.units);
         guess_pose(&mut sheet.columns);
@@ -468,6 +485,7 @@ impl Clock {
         let long = |interval: &&f64| median.is_some_and(|median| **interval > GAP_MEDIANS * median);
         SheetTime {
             column,
+            nanoseconds: None,
             unit,
             duration_s: (self.latest - self.first) * seconds,
             rate_hz: median.map(|median| 1.0 / (median * seconds)),

@@ -20,6 +20,23 @@ pub(super) fn time_rank(name: &str) -> Option<u8> {
     }
 }
 
+/// The columns of the seconds and of the nanoseconds beyond them, as ROS divides a time: `sec` and `nanosec`, say.
+pub(super) fn seconds_and_nanoseconds(names: &[String]) -> Option<(usize, usize)> {
+    let ends_with = |name: &str, wanted: &[&str]| {
+        let mut words = words(name);
+        let last = words.pop().filter(|last| wanted.contains(&last.as_str()));
+        last.map(|_| words)
+    };
+    let all = |wanted: &'static [&'static str]| {
+        let ending = move |(index, name): (usize, &String)| Some((index, ends_with(name, wanted)?));
+        names.iter().enumerate().filter_map(ending)
+    };
+    all(&["sec", "secs"]).find_map(|(seconds, of)| {
+        let mut beyond = all(&["nanosec", "nanosecs", "nsec", "nsecs"]);
+        Some((seconds, beyond.find(|(_, other)| *other == of)?.0))
+    })
+}
+
 fn is_time_unit(word: &str) -> bool {
     matches!(
         word,
@@ -77,6 +94,14 @@ mod tests {
         ] {
             assert_eq!(time_rank(name), rank, "{name}");
         }
+        let names = |all: &[&str]| {
+            let all: Vec<String> = all.iter().map(|name| (*name).to_owned()).collect();
+            seconds_and_nanoseconds(&all)
+        };
+        assert_eq!(names(&["x", "sec", "nanosec"]), Some((1, 2)));
+        let two = ["a.stamp.sec", "stamp.secs", "stamp.nsecs"];
+        assert_eq!(names(&two), Some((1, 2)));
+        assert_eq!(names(&["a.sec", "b.nanosec"]), None);
         let unit = |name: &str, max: f64, median: Option<f64>| {
             let mut column = SheetColumn::new(name);
             column.max = max;

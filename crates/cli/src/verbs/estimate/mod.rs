@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::container::Container;
-use grouser_log::{Cell, LOOK_AHEAD, Log, UsedTopic};
+use grouser_log::{Cell, LOOK_AHEAD, LeftOut, Log, UsedTopic};
 use grouser_page::run::LogRecorder;
 use grouser_replay::{
     Compared, Inputs, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary,
@@ -444,9 +444,15 @@ fn warnings(
             currents.join(", ")
         ));
     }
-    out.extend(rejected(&summary.rejected));
-    out.extend(log.notes().iter().cloned());
     let left_out = log.left_out();
+    out.extend(rejected(&summary.rejected, &left_out));
+    out.extend(log.notes().iter().cloned());
+    if left_out.zero_poses > 0 {
+        out.push(format!(
+            "{} poses of 0, 0 in tables are not used: their logger had no new pose in these rows",
+            left_out.zero_poses
+        ));
+    }
     if left_out.damages > 0 {
         out.push(format!(
             "{} places of the log are damaged, {} bytes are lost in them",
@@ -490,13 +496,19 @@ fn warnings(
 }
 
 /// How many samples were rejected, and why.
-fn rejected(rejected: &Rejected) -> Option<String> {
+fn rejected(rejected: &Rejected, left_out: &LeftOut) -> Option<String> {
+    let not_later = if 2 * left_out.same_time > left_out.rows {
+        format!(
+            "not later than the one before, since {} of {} rows of the tables have the time of the row before (if it is rounded, to \
+             whole seconds say: name a finer column; `nanoseconds` in `time` adds one of the nanoseconds)",
+            left_out.same_time, left_out.rows
+        )
+    } else {
+        "not later than the one before (is the time rounded, to whole seconds say?)".to_owned()
+    };
     let reasons = [
         (rejected.bad_value, "with a value that no sensor has"),
-        (
-            rejected.not_later,
-            "not later than the one before (is the time rounded, to whole seconds say?)",
-        ),
+        (rejected.not_later, not_later.as_str()),
         (rejected.jump, "faster than the robot moves"),
         (rejected.unknown, "of no wheel of the robot"),
     ];
