@@ -6,6 +6,10 @@ use std::io;
 /// The result of reading a log.
 pub type Result<T> = std::result::Result<T, Error>;
 
+/// What to do about a pose that transforms hold.
+pub(crate) const POSE_OF_TRANSFORMS: &str =
+    "publish it as geometry_msgs/PoseStamped or nav_msgs/Odometry, and record that topic";
+
 /// A place in a table, counted from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cell {
@@ -298,6 +302,9 @@ impl Error {
             } => Some(format!("did you mean `{meant}`?")),
             Self::NoNamedTopic { .. } | Self::NoTopic { .. } => {
                 Some("`grouser log info` lists the topics of a file".into())
+            }
+            Self::UnfitTopic { type_name, .. } if type_name.ends_with("TFMessage") => {
+                Some(POSE_OF_TRANSFORMS.into())
             }
             Self::UnfitTopic { .. } => {
                 Some("any number of a message can be named under `[[topics.field]]`".into())

@@ -47,6 +47,8 @@ pub enum Use {
     Position,
     /// How sensors are mounted.
     Mounting,
+    /// The same, and poses of frames, which are not read.
+    Transforms,
 }
 
 impl Use {
@@ -61,6 +63,7 @@ impl Use {
             Self::Command => "commanded speed",
             Self::Position => "position on Earth",
             Self::Mounting => "mounting of sensors",
+            Self::Transforms => "mounting of sensors (a pose in it is not read)",
         }
     }
 }
@@ -385,6 +388,7 @@ fn use_of(view: &View<'_>, topic: &str) -> Option<Use> {
         View::Twist { .. } if is_command(topic) => Use::Command,
         View::Twist { .. } => return None,
         View::NavSatFix(_) => Use::Position,
-        View::Transforms(_) => Use::Mounting,
+        View::Transforms(_) if topic.ends_with("static") => Use::Mounting,
+        View::Transforms(_) => Use::Transforms,
     })
 }

@@ -551,6 +551,101 @@ fn accelerometer(acceleration: [f64; 3], variances: [f64; 3]) -> Message {
 }
 
 #[test]
+fn topics_of_another_robot_are_not_taken() {
+    let wheels = ["left", "right"];
+    // those of /r0 come first, and would be taken
+    let messages = [
+        joints("/fleet/r1/joint_states", &wheels),
+        joints("/fleet/r0/joint_states", &wheels),
+        imu("/fleet/r0/imu/data", FLAT, [0.0; 3]),
+        pose("/fleet/r0/slam/pose"),
+        imu("/fleet/r1/imu/data", FLAT, [0.0; 3]),
+        pose("/fleet/r1/slam/pose"),
+    ];
+    let of_r1 = log(&messages, "");
+    let topics: Vec<String> = of_r1.topics().map(|topic| topic.topic).collect();
+    assert_eq!(
+        topics,
+        [
+            "/fleet/r1/joint_states",
+            "/fleet/r1/imu/data",
+            "/fleet/r1/slam/pose"
+        ]
+    );
+    let notes = of_r1.notes().join("\n");
+    assert!(
+        notes.contains("`/fleet/r0/joint_states`") && notes.contains("what is under `/fleet/r0/`"),
+        "{notes}"
+    );
+    // what the file names is taken
+    let named = log(&messages, "wheels = \"/fleet/r0/joint_states\"\n");
+    assert!(
+        named
+            .topics()
+            .all(|topic| topic.topic.starts_with("/fleet/r0/"))
+    );
+    let mixed = log(&messages, "pose = \"/fleet/r0/slam/pose\"\n");
+    assert_eq!(mixed.topics().count(), 3);
+    assert!(
+        mixed
+            .topics()
+            .any(|topic| topic.topic == "/fleet/r0/slam/pose")
+    );
+    // names that differ in their last part alone are no namespaces, nor are topics of other joints
+    let messages = [
+        joints("/joint_states", &wheels),
+        joints("/joint_states_raw", &wheels),
+        joints("/arm/joint_states", &["left"]),
+        pose("/arm/pose"),
+    ];
+    let log = log(&messages, "");
+    assert!(log.topics().any(|topic| topic.topic == "/arm/pose"));
+    assert!(
+        log.notes()
+            .iter()
+            .all(|note| !note.contains("another robot"))
+    );
+}
+
+#[test]
+fn a_pose_of_transforms_is_named() {
+    let level = [0.0, 0.0, 0.0, 1.0];
+    let wheels = joints("/joint_states", &["left", "right"]);
+    let moving = |parent: &str, child: &str| {
+        let (_, kind, time, value) = transform(parent, child, level);
+        ("/tf", kind, time, value)
+    };
+    let chain = [
+        wheels.clone(),
+        moving("odom", "r1/base_link"),
+        moving("map", "odom"),
+    ];
+    let notes = log(&chain, "").notes().join("\n");
+    assert!(
+        notes.contains("from `map` to `r1/base_link`")
+            && notes.contains("geometry_msgs/PoseStamped"),
+        "{notes}"
+    );
+    let error = over(file(&chain), "pose = \"/tf\"\n").unwrap_err();
+    assert!(
+        error.hint().unwrap().contains("geometry_msgs/PoseStamped"),
+        "{error}"
+    );
+    // where a pose is measured there is nothing to say, nor of an odometry of the wheels
+    for messages in [
+        vec![
+            wheels.clone(),
+            moving("map", "base_link"),
+            pose("/slam/pose"),
+        ],
+        vec![wheels.clone(), moving("odom", "base_link")],
+    ] {
+        let notes = log(&messages, "").notes().join("\n");
+        assert!(!notes.contains("transforms hold"), "{notes}");
+    }
+}
+
+#[test]
 fn accelerations_need_their_axes() {
     let max = f64::MAX;
     let wanted = "imu_up = \"z\"\nimu_forward = \"x\"";

@@ -51,6 +51,24 @@ fn is_base(frame: &str) -> bool {
         .any(|base| frame == *base || frame.ends_with(&format!("/{base}")))
 }
 
+/// The frames of a map and of the robot's base, where transforms lead from one to the other.
+pub(super) fn pose_by_transforms(tree: &Tree) -> Option<(&str, &str)> {
+    let mut bases = tree.keys().filter(|child| is_base(child));
+    bases.find_map(|base| {
+        let mut frame = base.as_str();
+        for _ in 0..MAX_CHAIN {
+            match tree.get(frame) {
+                Some((parent, _)) => frame = parent,
+                None => break,
+            }
+        }
+        let name = frame.rsplit('/').next()?;
+        ["map", "world"]
+            .contains(&name)
+            .then_some((frame, base.as_str()))
+    })
+}
+
 /// The directions in `frame` that point forwards, to the left and up by the transforms; `None` where they do not
 /// lead from it to the robot's base.
 pub(super) fn axes_by_transforms(tree: &Tree, frame: &str) -> Option<[[f64; 3]; 3]> {

@@ -48,6 +48,7 @@ pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
     let mut choosing = Choosing {
         preview,
         topics,
+        others: Vec::new(),
         file: &preview.names(),
         choice: Choice {
             topics: Vec::new(),
@@ -65,6 +66,7 @@ pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
     choosing.motion()?;
     choosing.command()?;
     choosing.say_unused();
+    choosing.say_transforms();
     choosing.clock();
     Ok(choosing.choice)
 }
@@ -72,6 +74,8 @@ pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
 struct Choosing<'a> {
     preview: &'a Preview,
     topics: &'a Topics,
+    /// The namespaces of other robots, with a slash at both ends.
+    others: Vec<String>,
     file: &'a str,
     choice: Choice,
 }
@@ -102,11 +106,12 @@ impl<'a> Choosing<'a> {
     }
 
     /// The topics that may be chosen by type and name.
-    fn free(&self) -> impl Iterator<Item = &'a TopicPreview> {
-        let topics = self.topics;
+    fn free(&self) -> impl Iterator<Item = &'a TopicPreview> + use<'a> {
+        let (topics, others) = (self.topics, self.others.clone());
         self.preview.topics.iter().filter(move |seen| {
             let name = &seen.channel.topic;
             !topics.ignore.contains(name)
+                && !others.iter().any(|other| name.starts_with(other))
                 && !name.starts_with(TRUTH)
                 && !name.contains(OUTPUT)
                 && !topics.named().any(|other| other == name)

@@ -4,8 +4,10 @@ use grouser_files::columns::Meaning;
 
 use super::names::{is_asked_for, is_command, is_of_wheels, is_over_ground, words};
 use super::{Choosing, Job, TopicPreview};
+use crate::error::POSE_OF_TRANSFORMS;
 use crate::error::Result;
 use crate::message::{View, short};
+use crate::recording::mounting::pose_by_transforms;
 use crate::recording::navigation::{ACCURATE_SIGMA_M, place_sigma};
 
 /// Words in the name of a topic whose velocity is to the east, north and up, as satellite receivers send it.
@@ -241,5 +243,23 @@ impl Choosing<'_> {
             })
             .collect();
         self.choice.notes.extend(notes);
+    }
+
+    /// A pose that is held by transforms alone.
+    pub(super) fn say_transforms(&mut self) {
+        let ways = [
+            Meaning::PoseX,
+            Meaning::DisplacementForward,
+            Meaning::SpeedForward,
+            Meaning::SpeedSize,
+        ];
+        if ways.iter().any(|meaning| self.measures(*meaning)) {
+            return;
+        }
+        if let Some((frame, base)) = pose_by_transforms(&self.preview.transforms) {
+            self.choice.notes.push(format!(
+                "the transforms hold a pose, from `{frame}` to `{base}`, which is not read: {POSE_OF_TRANSFORMS}"
+            ));
+        }
     }
 }

@@ -78,6 +78,9 @@ impl Choosing<'_> {
                 found.extend(best.map(|(_, seen)| seen));
             }
         }
+        if let Some(own) = found.first() {
+            self.find_other_robots(own);
+        }
         for seen in found {
             let joints = joints_of(seen);
             let mut measures = Vec::new();
@@ -107,6 +110,26 @@ impl Choosing<'_> {
             self.wheel_odometry(odometry)?;
         }
         Ok(())
+    }
+
+    /// Topics of the same wheels in another namespace are another robot's, and so is all that is in there.
+    fn find_other_robots(&mut self, own: &TopicPreview) {
+        let wheels = joints_in(self.topics, &own.joints.keys()).len();
+        let alike = self.free().filter_map(|seen| {
+            let is_alike = joints_in(self.topics, &seen.joints.keys()).len() == wheels;
+            let other = other_namespace(&own.channel.topic, &seen.channel.topic);
+            Some((seen, other?)).filter(|_| is_alike)
+        });
+        for (seen, other) in alike.collect::<Vec<_>>() {
+            if !self.others.contains(&other) {
+                self.choice.notes.push(format!(
+                    "`{}` has the same wheels as `{}`: what is under `{other}` is taken for another robot's and not used, but where \
+                     `[topics]` of the robot file names it",
+                    seen.channel.topic, own.channel.topic
+                ));
+                self.others.push(other);
+            }
+        }
     }
 
     /// Sinkages and entry angles: the topic that the robot file names, else the first that has some of the wheels.
@@ -171,6 +194,21 @@ impl Choosing<'_> {
         );
         Ok(())
     }
+}
+
+/// The namespace of `other`, up to the first part in which it differs from `own`: `/r0/` of `/r0/joint_states` beside
+/// `/r1/joint_states`. `None` where only their last parts differ.
+fn other_namespace(own: &str, other: &str) -> Option<String> {
+    let own = own.split_inclusive('/');
+    let parts = other.split_inclusive('/');
+    let same: String = own
+        .zip(parts)
+        .take_while(|(own, other)| own == other)
+        .map(|(_, other)| other)
+        .collect();
+    let rest = &other[same.len()..];
+    let end = rest.find('/')?;
+    Some(format!("{same}{}", &rest[..=end]))
 }
 
 fn is_ticks(seen: &TopicPreview) -> bool {
