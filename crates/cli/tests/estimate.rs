@@ -288,9 +288,14 @@ fn a_reference_that_lags_is_reported_used_and_calibrated() {
     fs::write(folder.path("coarse/wheels.csv"), coarse.concat()).unwrap();
     let warning = printed(&folder.path("coarse"));
     let second = |line: &String| line.split(',').next().unwrap().to_owned();
-    let same = coarse.windows(2).filter(|two| second(&two[0]) == second(&two[1]));
+    let same = coarse
+        .windows(2)
+        .filter(|two| second(&two[0]) == second(&two[1]));
     let rows = coarse.len() - 1 + positions.lines().count() - 1;
-    let counts = format!("since {} of {rows} rows of the tables have the time of the row before", same.count());
+    let counts = format!(
+        "since {} of {rows} rows of the tables have the time of the row before",
+        same.count()
+    );
     assert!(warning.contains(&counts), "{counts}: {warning}");
     // the files of one run are no runs
     let [wheels, positions] =

@@ -8,7 +8,8 @@ use std::fmt::Write as _; // writing to a string cannot fail
 use grouser_files::columns::Meaning;
 use grouser_files::{PLACEHOLDER, TomlText};
 
-use crate::sheet::{Sheet, SheetColumn, open_question, perhaps_of_wheels};
+use crate::message::short;
+use crate::sheet::{Guess, Sheet, SheetColumn, guess, open_question, perhaps_of_wheels};
 use crate::survey::{Survey, Topic, Use};
 
 /// More wheels than a robot has.
@@ -38,8 +39,11 @@ pub fn suggest_for_survey(survey: &Survey) -> String {
         .iter()
         .filter(|topic| topic.use_for == Some(Use::Motion));
     let odometry = |topic: &&Topic| topic.channel.type_name.ends_with("Odometry");
-    // Without joints, an odometry of the wheels stands for them.
-    let stand_in = motions.clone().find(odometry).filter(|_| joints.is_none());
+    let mut numbers = wheel_numbers(survey);
+    numbers.retain(|_| joints.is_none());
+    // Without joints and numbers of wheels, an odometry of the wheels stands for them.
+    let is_without = joints.is_none() && numbers.is_empty();
+    let stand_in = motions.clone().find(odometry).filter(|_| is_without);
     if let Some(topic) = stand_in {
         let _ = writeln!(
             topics,
@@ -56,17 +60,66 @@ pub fn suggest_for_survey(survey: &Survey) -> String {
             name(topic)
         );
     }
-    let wheels = joints.map_or_else(Vec::new, |topic| wheel_joints(&topic.joints));
-    let counts = joints.is_some_and(|topic| topic.channel.type_name.ends_with("/WheelTicks"));
-    let counter = if counts {
-        line(
+    let mut wheels = joints.map_or_else(Vec::new, |topic| wheel_joints(&topic.joints));
+    let mut counter = String::new();
+    if joints.is_some_and(|topic| topic.channel.type_name.ends_with("/WheelTicks")) {
+        counter = line(
             "counter_bits = 64",
             "look it up, or wheels whose counter wraps jump",
-        )
-    } else {
-        String::new()
-    };
+        );
+    }
+    for (topic, guess) in &numbers {
+        let wheel = guess.wheel.clone().unwrap_or_default();
+        let _ = write!(
+            topics,
+            "\n[[topics.field]]\ntopic = {}\nfield = \"data\"\nmeaning = \"{}\"\nwheel = {}\nunit = \"{}\"\n",
+            name(topic),
+            guess.meaning.name(),
+            TomlText::quoted(&wheel),
+            guess.unit
+        );
+        if guess.meaning == Meaning::WheelCount {
+            let bits = (topic.channel.type_name)
+                .trim_start_matches(|letter: char| !letter.is_ascii_digit());
+            counter = line(
+                &format!("counter_bits = {bits}"),
+                "by the type of its topic",
+            );
+        }
+        if !wheels.iter().any(|(own, _)| *own == wheel) {
+            wheels.push((wheel, None));
+        }
+    }
     robot(&topics, "", &wheels, true, &counter)
+}
+
+/// Topics of one number each that their names call the sensor of a wheel, one of each wheel.
+fn wheel_numbers(survey: &Survey) -> Vec<(&Topic, Guess)> {
+    let mut found: Vec<(&Topic, Guess)> = Vec::new();
+    for topic in &survey.topics {
+        let type_name = short(&topic.channel.type_name);
+        let Some(kind) = type_name.strip_prefix("std_msgs/") else {
+            continue;
+        };
+        let is_whole = ["Int", "UInt"].iter().any(|whole| {
+            let bits = kind.strip_prefix(whole);
+            bits.is_some_and(|bits| ["8", "16", "32", "64"].contains(&bits))
+        });
+        // `lwheel` is how rosserial's examples name the left one
+        let glued = [("lwheel", "wheel_l"), ("rwheel", "wheel_r")];
+        let name = glued
+            .iter()
+            .fold(topic.channel.topic.clone(), |name, (glued, words)| {
+                name.replace(glued, words)
+            });
+        let is_number = is_whole || matches!(kind, "Float32" | "Float64");
+        let guess = guess(&name, None, is_whole).filter(|guess| {
+            let same = |(_, other): &(&Topic, Guess)| other.wheel == guess.wheel;
+            is_number && guess.wheel.is_some() && !found.iter().any(same)
+        });
+        found.extend(guess.map(|guess| (topic, guess)));
+    }
+    found
 }
 
 /// A robot file with its column map for the tables of a run, each with its file name.

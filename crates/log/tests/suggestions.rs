@@ -10,6 +10,7 @@ use grouser_log::{Log, Sheet, Survey, suggest_for_sheets, suggest_for_survey};
 use proptest::prelude::*;
 
 use crate::scratch::Folder;
+use crate::written::mcap;
 
 /// Each case has a folder of its own.
 static CASE: AtomicUsize = AtomicUsize::new(0);
@@ -221,6 +222,58 @@ fn the_whole_file_for_topics() {
         &wheel(["right", "", "0.0", "-0.2", "powered", ""]),
     ];
     assert_eq!(for_messages(&all[..2]), expected.concat());
+}
+
+#[test]
+fn numbers_of_wheels_are_fields() {
+    let proposed = |topics: &[(&str, &str)]| {
+        let mut file = mcap::MAGIC.to_vec();
+        for (id, (topic, type_name)) in (1..).zip(topics) {
+            mcap::schema(&mut file, id, type_name.as_bytes(), b"");
+            mcap::channel(&mut file, id, id, topic.as_bytes(), b"json");
+            for time in 1..4 {
+                mcap::message(&mut file, id, time, b"{\"data\":7}");
+            }
+        }
+        let folder = folder();
+        let path = folder.file("log.mcap", &file);
+        let text = suggest_for_survey(&Survey::read(&path, |_| ()).unwrap());
+        (read(&text).unwrap(), text)
+    };
+    let field = |topic: &str, meaning: &str, wheel: &str, unit: &str| {
+        format!(
+            "\n[[topics.field]]\ntopic = \"{topic}\"\nfield = \"data\"\nmeaning = \"{meaning}\"\nwheel = \"{wheel}\"\n\
+             unit = \"{unit}\"\n"
+        )
+    };
+    let (file, text) = proposed(&[
+        ("/lwheel", "std_msgs/Int16"),
+        ("/rwheel", "std_msgs/msg/Int16"),
+        ("/battery", "std_msgs/Float32"),
+        ("/left_wheel/all", "std_msgs/Int16MultiArray"),
+    ]);
+    let both = [
+        field("/lwheel", "wheel_count", "l", "tick"),
+        field("/rwheel", "wheel_count", "r", "tick"),
+    ];
+    assert!(both.iter().all(|one| text.contains(one)), "{text}");
+    assert_eq!(file.topics.fields.len(), 2);
+    assert!(
+        text.contains("counter_bits = 16      # by the type of its topic"),
+        "{text}"
+    );
+    assert_eq!(file.robot.wheels().len(), 2);
+    let (_, text) = proposed(&[
+        ("/left/rpm", "std_msgs/Float64"),
+        ("/right/rpm", "std_msgs/Float64"),
+    ]);
+    assert!(
+        text.contains(&field("/left/rpm", "wheel_rate", "left", "rpm")),
+        "{text}"
+    );
+    // one that the robot's computer sends is no sensor
+    let (_, text) = proposed(&[("/left_wheel/cmd_vel", "std_msgs/Float64")]);
+    assert!(!text.contains("[[topics.field]]"), "{text}");
 }
 
 #[test]

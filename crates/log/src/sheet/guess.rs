@@ -29,7 +29,7 @@ fn is_numbered(word: &str) -> bool {
 }
 
 /// The guess for a column; `unit` is what a header line says. It, or the unit in the name, must fit.
-pub(super) fn guess(name: &str, unit: Option<&str>, whole: bool) -> Option<Guess> {
+pub(crate) fn guess(name: &str, unit: Option<&str>, whole: bool) -> Option<Guess> {
     let (words, in_name) = split_unit(name);
     let Some(unit) = unit.filter(|unit| !unit.is_empty()) else {
         let found = by_name_and_unit(&words, in_name, whole);
