@@ -145,13 +145,9 @@ impl Sheet {
         for _ in 0..layout.header_lines {
             lines.advance()?;
         }
-        let mut candidates = time_candidates(&layout.names);
         let listed = layout.names.len().min(MAX_COLUMNS);
         let pair = seconds_and_nanoseconds(&layout.names[..listed]);
-        if let Some((seconds, _)) = pair {
-            candidates.retain(|candidate| *candidate != seconds);
-            candidates.insert(0, seconds);
-        }
+        let candidates = time_candidates(&layout.names, pair);
         let mut clocks: Vec<Clock> = candidates.iter().map(|_| Clock::default()).collect();
         let mut lasts = vec![f64::NEG_INFINITY; sheet.columns.len()];
         let mut fields = Vec::new();
@@ -257,8 +253,8 @@ impl Sheet {
     }
 }
 
-/// The columns that may be times, the best first.
-fn time_candidates(names: &[String]) -> Vec<usize> {
+/// The columns that may be times, the best first: before others that of seconds beside nanoseconds.
+fn time_candidates(names: &[String], pair: Option<(usize, usize)>) -> Vec<usize> {
     let mut ranked: Vec<(u8, usize)> = names
         .iter()
         .enumerate()
@@ -266,7 +262,10 @@ fn time_candidates(names: &[String]) -> Vec<usize> {
         .filter_map(|(index, name)| Some((time_rank(name)?, index)))
         .collect();
     ranked.sort_unstable();
-    ranked.into_iter().map(|(_, index)| index).collect()
+    let seconds = pair.map(|(seconds, _)| seconds);
+    let others = ranked.into_iter().map(|(_, index)| index);
+    let others = others.filter(|index| Some(*index) != seconds);
+    seconds.into_iter().chain(others).collect()
 }
 
 /// What each column but that of time means by its name and unit.
