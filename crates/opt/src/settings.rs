@@ -29,8 +29,8 @@ pub struct Settings {
     pub max_iterations: usize,
     /// The maximum number of evaluations of the functions (an evaluation with derivatives counts once here too).
     pub max_values: usize,
-    /// Pairs of random probes around a point before it is called a solution, beside those along each variable and
-    /// each gradient; 0 for no probes at all. From a probe that lowers the level the search starts again.
+    /// Pairs of random probes around a point before it is called a solution, each second pair a hundred times longer, beside
+    /// those along each variable and each gradient; 0 for no probes at all. From a probe that lowers the level the search starts again.
     pub probes: usize,
 }
 

@@ -135,3 +135,35 @@ fn probes_go_along_linear_constraints() {
         assert!(blind.status == Status::Converged && blind.utility == 0.0);
     }
 }
+
+/// Starts at which all derivatives vanish although they are no minimum: a maximum, small beside the level too, and two saddles, one
+/// of which no variable alone leaves downwards.
+struct Flat(usize);
+
+impl Functions for Flat {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        let half = R::from_f64(0.5);
+        let (x, y) = (x[0] - half, x[1] - half);
+        f[0] = match self.0 {
+            0 => R::ONE - x.square(),
+            1 => R::from_f64(1000.0) - x.square(),
+            2 => x.square() - y.square(),
+            _ => x * y,
+        };
+    }
+}
+
+#[test]
+fn a_maximum_or_a_saddle_is_not_called_a_solution() {
+    // the least values on the square: at its sides, at the ends of y, at two corners
+    for (case, least) in [(0, 0.75), (1, 999.75), (2, -0.25), (3, -0.25)] {
+        let variables = ["x", "y"].map(|name| Variable::bounded(name, 0.5, 0.0, 1.0));
+        let params = ProblemParams::new(&[0.5, 0.5], 1, Exact(Flat(case))).variables(variables);
+        let problem = Problem::new(params).unwrap();
+        let solution = solve(&problem, &Method::Minimax, &Settings::default()).unwrap();
+        assert!(
+            solution.status.is_solved() && (solution.utility - least).abs() < 1e-6,
+            "{case}: {solution:?}"
+        );
+    }
+}

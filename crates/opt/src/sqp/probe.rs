@@ -2,7 +2,8 @@
 //!
 //! The conditions speak of the derivatives that the functions report. At a kink (the edge of a domain, a
 //! clamp, a maximum) the derivative belongs to one side, and a step to the other side may still lower the
-//! level. The directions are each variable up and down, the steepest descent of each objective that holds
+//! level. At a maximum or a saddle the derivatives vanish, and what is lower is seen from some way off only.
+//! The directions are each variable up and down, the steepest descent of each objective that holds
 //! the level, and random ones from a fixed seed.
 
 use super::point::{Evaluator, Point};
@@ -14,6 +15,12 @@ use crate::solution::Counts;
 
 /// Length of a probe, as a share of a variable's range; without finite bounds of 1 + |x|.
 const PROBE_LENGTH: f64 = 1e-4;
+/// So many times longer is each second random probe, and one more along each variable: over 1 % of the range a curvature
+/// shows itself that is 1e-8 over 1e-4 of it.
+const FAR: f64 = 100.0;
+/// So many times longer are pairs of probes along each variable that refute a point only together, as a maximum: a tenth of the
+/// range. One of them alone may find another valley, which is none of a local search's business.
+const WIDE: f64 = 1000.0;
 /// A decrease of the level beyond this · (1 + |level|) refutes a point. The optimality conditions themselves
 /// leave 1e-8 of the level open (`Settings::optimality_tolerance`).
 const REFUTING_DECREASE: f64 = 1e-7;
@@ -28,40 +35,62 @@ pub(super) fn improvement(
     settings: &Settings,
     point: &Point,
 ) -> Option<Vec<f64>> {
-    let program = evaluator.program;
-    let level = point.level(program);
-    let violation = point.worst_violation(program);
-    let mut best = level - REFUTING_DECREASE * (1.0 + level.abs());
+    let level = point.level(evaluator.program);
+    let enough = level - REFUTING_DECREASE * (1.0 + level.abs());
+    let mut best = enough;
     let mut found = None;
-    for direction in directions(evaluator, settings.probes, point) {
-        let mut x: Vec<f64> = direction.iter().zip(&point.x).map(|(d, x)| x + d).collect();
-        into_bounds(program, &mut x);
-        for _ in 0..LINEAR_SWEEPS {
-            onto_linear(program, &mut x);
-            into_bounds(program, &mut x);
+    let mut keep = |level: f64, x: Vec<f64>| {
+        if level < best {
+            (best, found) = (level, Some(x));
         }
-        let linear = program.linear.iter().all(|row| {
-            let off = |x: &[f64]| dot(&row.coefficients, x) - row.bound;
-            let rounding = 1e-14 * (1.0 + row.bound.abs());
-            if row.equal {
-                off(&x).abs() <= off(&point.x).abs() + rounding
-            } else {
-                off(&x) <= off(&point.x).max(0.0) + rounding
-            }
-        });
-        if !linear || x == point.x {
-            continue;
+    };
+    let lengths = lengths(evaluator.program, point);
+    for direction in directions(evaluator, &lengths, settings.probes, point) {
+        if let Some((level, x)) = probe(evaluator, point, &direction) {
+            keep(level, x);
         }
-        let probe = evaluator.probe(&x);
-        let fits =
-            probe.not_finite(program).is_none() && probe.worst_violation(program) <= violation;
-        let level = probe.level(program);
-        if fits && level < best {
-            best = level;
-            found = Some(x);
+    }
+    for i in 0..lengths.len() {
+        let both = [WIDE, -WIDE].map(|sign| probe(evaluator, point, &along(&lengths, i, sign)));
+        if let [Some(up), Some(down)] = both
+            && up.0.max(down.0) < enough
+        {
+            keep(up.0, up.1);
+            keep(down.0, down.1);
         }
     }
     found
+}
+
+/// The point a direction further on, with its level; `None` where it is the same point or meets the constraints less well.
+fn probe(
+    evaluator: &mut Evaluator<'_>,
+    point: &Point,
+    direction: &[f64],
+) -> Option<(f64, Vec<f64>)> {
+    let program = evaluator.program;
+    let mut x: Vec<f64> = direction.iter().zip(&point.x).map(|(d, x)| x + d).collect();
+    into_bounds(program, &mut x);
+    for _ in 0..LINEAR_SWEEPS {
+        onto_linear(program, &mut x);
+        into_bounds(program, &mut x);
+    }
+    let linear = program.linear.iter().all(|row| {
+        let off = |x: &[f64]| dot(&row.coefficients, x) - row.bound;
+        let rounding = 1e-14 * (1.0 + row.bound.abs());
+        if row.equal {
+            off(&x).abs() <= off(&point.x).abs() + rounding
+        } else {
+            off(&x) <= off(&point.x).max(0.0) + rounding
+        }
+    });
+    if !linear || x == point.x {
+        return None;
+    }
+    let probe = evaluator.probe(&x);
+    let fits = probe.not_finite(program).is_none()
+        && probe.worst_violation(program) <= point.worst_violation(program);
+    fits.then(|| (probe.level(program), x))
 }
 
 fn into_bounds(program: &Program<'_>, x: &mut [f64]) {
@@ -83,26 +112,40 @@ fn onto_linear(program: &Program<'_>, x: &mut [f64]) {
     }
 }
 
-fn directions(evaluator: &mut Evaluator<'_>, random: usize, point: &Point) -> Vec<Vec<f64>> {
-    if random == 0 {
-        return Vec::new();
-    }
+/// Of a probe along each variable.
+fn lengths(program: &Program<'_>, point: &Point) -> Vec<f64> {
+    let variables = point.x.iter().zip(program.lower.iter().zip(&program.upper));
+    variables
+        .map(|(x, (low, high))| {
+            let range = high - low;
+            PROBE_LENGTH
+                * if range.is_finite() {
+                    range
+                } else {
+                    1.0 + x.abs()
+                }
+        })
+        .collect()
+}
+
+/// A step along variable `i`, so many of its lengths long.
+fn along(lengths: &[f64], i: usize, times: f64) -> Vec<f64> {
+    let mut direction = vec![0.0; lengths.len()];
+    direction[i] = times * lengths[i];
+    direction
+}
+
+fn directions(
+    evaluator: &mut Evaluator<'_>,
+    lengths: &[f64],
+    random: usize,
+    point: &Point,
+) -> Vec<Vec<f64>> {
     let program = evaluator.program;
     let n = point.x.len();
-    let lengths: Vec<f64> = (0..n)
-        .map(|i| {
-            let range = program.upper[i] - program.lower[i];
-            let size = 1.0 + point.x[i].abs();
-            PROBE_LENGTH * if range.is_finite() { range } else { size }
-        })
-        .collect();
     let mut list = Vec::new();
     for i in 0..n {
-        for sign in [1.0, -1.0] {
-            let mut direction = vec![0.0; n];
-            direction[i] = sign * lengths[i];
-            list.push(direction);
-        }
+        list.extend([1.0, -1.0, FAR, -FAR].map(|times| along(lengths, i, times)));
     }
     let counts = evaluator.counts;
     let jacobian = evaluator.derivatives(&mut point.clone());
@@ -120,7 +163,7 @@ fn directions(evaluator: &mut Evaluator<'_>, random: usize, point: &Point) -> Ve
         let scaled: Vec<f64> = jacobian
             .row(row.function)
             .iter()
-            .zip(&lengths)
+            .zip(lengths)
             .map(|(g, length)| -row.slope() * g * length)
             .collect();
         let largest = scaled.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
@@ -129,13 +172,14 @@ fn directions(evaluator: &mut Evaluator<'_>, random: usize, point: &Point) -> Ve
             for (sum, d) in sum.iter_mut().zip(&unit) {
                 *sum += d;
             }
-            list.push(unit.iter().zip(&lengths).map(|(d, l)| d * l).collect());
+            list.push(unit.iter().zip(lengths).map(|(d, l)| d * l).collect());
         }
     }
-    list.push(sum.iter().zip(&lengths).map(|(d, l)| d * l).collect());
+    list.push(sum.iter().zip(lengths).map(|(d, l)| d * l).collect());
     let mut stream = Random::new(1);
-    for _ in 0..random {
-        let lengths = lengths.iter();
+    for pair in 0..random {
+        let times = if pair % 2 == 0 { 1.0 } else { FAR };
+        let lengths = lengths.iter().map(|l| times * l);
         let direction: Vec<f64> = lengths
             .map(|l| l * (2.0 * stream.uniform() - 1.0))
             .collect();
