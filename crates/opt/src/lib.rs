@@ -17,6 +17,7 @@ mod method;
 mod model;
 mod multi_start;
 mod pareto;
+mod parts;
 mod problem;
 mod program;
 mod random;

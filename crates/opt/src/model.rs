@@ -1,6 +1,7 @@
 //! What a problem computes: the interface between the solvers and the user's functions.
 
 use crate::jacobian::Jacobian;
+use crate::parts::Parts;
 use crate::tape::{Enclosures, Tape, TapedFunctions};
 
 use grouser_real::Interval;
@@ -50,6 +51,12 @@ pub trait Model: Sync {
     /// All functions as operations on a tape, for bounds over boxes ([`certify`](crate::certify())); `None` where
     /// they are not known as such.
     fn taped(&self, _variables: usize, _functions: usize) -> Option<TapedFunctions> {
+        None
+    }
+
+    /// What the functions are made of, where they are the greatest of many combinations.
+    #[doc(hidden)]
+    fn parts(&self) -> Option<&dyn Parts> {
         None
     }
 }
@@ -106,6 +113,9 @@ impl<M: Model + ?Sized> Model for &M {
     fn taped(&self, variables: usize, functions: usize) -> Option<TapedFunctions> {
         (**self).taped(variables, functions)
     }
+    fn parts(&self) -> Option<&dyn Parts> {
+        (**self).parts()
+    }
 }
 
 impl<M: Model + ?Sized> Model for Box<M> {
@@ -120,5 +130,8 @@ impl<M: Model + ?Sized> Model for Box<M> {
     }
     fn taped(&self, variables: usize, functions: usize) -> Option<TapedFunctions> {
         (**self).taped(variables, functions)
+    }
+    fn parts(&self) -> Option<&dyn Parts> {
+        (**self).parts()
     }
 }

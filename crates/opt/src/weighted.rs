@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::jacobian::Jacobian;
 use crate::method::Method;
 use crate::model::Model;
+use crate::parts::Parts;
 use crate::problem::{LinearConstraint, Problem, ProblemParams, Variable};
 use crate::settings::Settings;
 use crate::solution::Solution;
@@ -54,6 +55,10 @@ impl Sum<'_> {
 }
 
 impl Model for Sum<'_> {
+    fn parts(&self) -> Option<&dyn Parts> {
+        self.problem.model().parts().map(|_| self as &dyn Parts)
+    }
+
     fn failure(&self, x: &[f64]) -> Option<String> {
         let n = self.problem.variables().len();
         self.problem.model().failure(&x[..n])
@@ -101,6 +106,43 @@ impl Model for Sum<'_> {
             out.fill(0.0);
             out[..n].copy_from_slice(slopes.row(constraint));
         }
+    }
+}
+
+/// The parts are those of the problem. Its objectives are then neither absolute nor of several worlds: all are summed as they are.
+impl Parts for Sum<'_> {
+    fn count(&self) -> usize {
+        self.problem.model().parts().map_or(0, Parts::count)
+    }
+
+    fn values(&self, x: &[f64], parts: &mut [f64]) {
+        if let Some(own) = self.problem.model().parts() {
+            own.values(x, parts);
+        }
+    }
+
+    fn derivatives(&self, x: &[f64], parts: &mut [f64], jacobian: &mut Jacobian) {
+        if let Some(own) = self.problem.model().parts() {
+            own.derivatives(x, parts, jacobian);
+        }
+    }
+
+    fn combination(&self, function: usize, parts: &[f64]) -> Vec<(usize, f64)> {
+        let of = |own: usize| {
+            let model = self.problem.model();
+            model
+                .parts()
+                .map_or(Vec::new(), |own_parts| own_parts.combination(own, parts))
+        };
+        if function > 0 {
+            return of(self.problem.objectives().len() + function - 1);
+        }
+        let terms = self.plain.iter().flat_map(|(i, weight)| {
+            of(*i)
+                .into_iter()
+                .map(move |(part, share)| (part, weight * share))
+        });
+        terms.collect()
     }
 }
 

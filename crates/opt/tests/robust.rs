@@ -1,9 +1,9 @@
 //! Robust measures against closed forms, and the samples they stand on.
 
 use grouser_opt::{
-    Binary, CertifySettings, Differences, Error, Exact, Functions, Measure, Method, ProblemParams,
-    Settings, Sobol, Solution, Tape, TapedFunctions, Uncertainty, Variable, World, certify,
-    check_derivatives, evaluate, robust, sample, solve,
+    Binary, CertifySettings, Differences, Error, Exact, Functions, Measure, Method, Problem,
+    ProblemParams, Robust, Settings, Sobol, Solution, Tape, TapedFunctions, Uncertainty, Variable,
+    World, certify, check_derivatives, evaluate, robust, sample, solve,
 };
 use grouser_real::Scalar;
 
@@ -154,6 +154,153 @@ fn conditional_value_at_risk_is_the_mean_of_the_worst() {
     // Worst three quarters, at a point where the order is 7 > 0 > 1 > 2: ((x−7)² + x² + (x−1)²)/3 at 8/3.
     let (x, _) = best(&PLACES, Measure::ConditionalValueAtRisk { alpha: 0.25 });
     near(x, 8.0 / 3.0);
+}
+
+/// f_1 = (x − a)² + y, f_2 = (x − b)² − b y, |y| at most 2.
+struct Pair(f64, f64);
+impl Functions for Pair {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        let (a, b) = (R::from_f64(self.0), R::from_f64(self.1));
+        f[0] = (x[0] - a).square() + x[1];
+        f[1] = (x[0] - b).square() - b * x[1];
+    }
+}
+
+/// The same with the helpers of Rockafellar and Uryasev: x, y, then η and the excesses s_k of each objective; the rows
+/// f_k − η − s_k ≤ 0.
+struct Epigraph {
+    places: Vec<(f64, f64)>,
+    share: f64,
+}
+impl Functions for Epigraph {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        let count = self.places.len();
+        for i in 0..2 {
+            let helpers = &x[2 + i * (1 + count)..];
+            let mut excess = R::ZERO;
+            for (k, (a, b)) in self.places.iter().enumerate() {
+                let mut own = [R::ZERO; 2];
+                Pair(*a, *b).evaluate(&x[..2], &mut own);
+                f[2 + i * count + k] = own[i] - helpers[0] - helpers[1 + k];
+                excess += helpers[1 + k];
+            }
+            f[i] = helpers[0] + R::from_f64(self.share) * excess;
+        }
+    }
+}
+
+fn places(count: usize) -> Vec<(f64, f64)> {
+    let (low, high) = (vec![-1.0, 0.5], vec![1.0, 3.0]);
+    let points = sample(&Uncertainty::Ranges { low, high }, count, 5).unwrap();
+    points.into_iter().map(|p| (p[0], p[1])).collect()
+}
+
+/// The problem of [`Pair`] in many worlds.
+fn pairs(places: &[(f64, f64)], alpha: f64) -> Robust<'static> {
+    let variables = [("x", 5.0), ("y", 2.0)]
+        .map(|(name, size): (&str, f64)| Variable::bounded(name, 0.3 * size, -size, size));
+    let params = ProblemParams::new(&[0.0, 0.0], 2, Exact(Pair(0.0, 0.0))).variables(variables);
+    let worlds = places.iter().enumerate();
+    let worlds = worlds.map(|(k, (a, b))| World::new(k.to_string(), Exact(Pair(*a, *b))));
+    let measure = Measure::ConditionalValueAtRisk { alpha };
+    robust(params, worlds.collect(), measure).unwrap()
+}
+
+/// η + Σ max(0, f_k − η)/((1 − α) K) at the best η, which is one of the f_k.
+fn tail_mean(values: &[f64], alpha: f64) -> f64 {
+    let share = 1.0 / ((1.0 - alpha) * values.len() as f64);
+    let beyond = |eta: f64| values.iter().map(|f| (f - eta).max(0.0)).sum::<f64>();
+    let at = |eta: &f64| eta + share * beyond(*eta);
+    values.iter().map(at).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn conditional_values_at_risk_have_the_optimum_of_their_epigraph() {
+    let methods = [
+        Method::Minimax,
+        Method::Weighted {
+            weights: vec![1.0, 0.4],
+        },
+        Method::Attain {
+            goals: vec![1.0, 0.5],
+            weights: vec![1.0, 2.0],
+        },
+        Method::Attain {
+            goals: vec![2.5, 0.0],
+            weights: vec![0.0, 1.0],
+        },
+    ];
+    for (count, alpha) in [(7, 0.3), (40, 0.9), (40, 0.99)] {
+        let places = places(count);
+        let joint = pairs(&places, alpha);
+        let share = 1.0 / ((1.0 - alpha) * count as f64);
+        let mut variables = joint.problem().variables().to_vec();
+        for i in 0..2 {
+            variables.push(Variable::free(format!("eta {i}"), 100.0));
+            let excess = |k| Variable::bounded(format!("s {i} {k}"), 0.0, 0.0, f64::INFINITY);
+            variables.extend((0..count).map(excess));
+        }
+        let epigraph = Epigraph {
+            places: places.clone(),
+            share,
+        };
+        let start: Vec<f64> = variables.iter().map(|v| v.start).collect();
+        let rows = (0..2 * count).map(|k| format!("row {k}"));
+        let params = ProblemParams::new(&start, 2, Exact(epigraph))
+            .variables(variables)
+            .inequalities(rows);
+        let epigraph = Problem::new(params).unwrap();
+        for method in &methods {
+            let mut settings = Settings::default();
+            let solution = solve(joint.problem(), method, &settings).unwrap();
+            assert!(solution.status.is_solved(), "{method:?} {solution:?}");
+            // (its probes move one variable without the helpers)
+            settings.probes = 0;
+            let expected = solve(&epigraph, method, &settings).unwrap();
+            assert!(expected.status.is_solved(), "{method:?} {expected:?}");
+            near(solution.utility, expected.utility);
+            for (a, b) in solution.x.iter().zip(&expected.x) {
+                assert!((a - b).abs() < 1e-5, "{method:?} {solution:?} {expected:?}");
+            }
+            let prices = [&solution, &expected].map(|s| &s.multipliers.objectives);
+            for (a, b) in prices[0].iter().zip(prices[1]) {
+                assert!((a - b).abs() < 1e-4, "{method:?} {solution:?} {expected:?}");
+            }
+            assert!(solution.kkt.stationarity < 1e-6, "{:?}", solution.kkt);
+            for (i, found) in solution.objectives.iter().enumerate() {
+                let values = places.iter().map(|(a, b)| {
+                    let mut f = [0.0; 2];
+                    Pair(*a, *b).evaluate(&solution.x, &mut f);
+                    f[i]
+                });
+                near(*found, tail_mean(&values.collect::<Vec<_>>(), alpha));
+            }
+        }
+    }
+}
+
+/// Thousands of worlds take as many iterations as some do. No small change of the point is better.
+#[test]
+fn thousands_of_worlds_are_solved_in_few_iterations() {
+    let joint = pairs(&places(5000), 0.9);
+    for method in [
+        Method::Minimax,
+        Method::Weighted {
+            weights: vec![1.0, 0.4],
+        },
+    ] {
+        let solution = solve(joint.problem(), &method, &Settings::default()).unwrap();
+        assert!(solution.status.is_solved(), "{solution:?}");
+        assert!(solution.counts.iterations < 40, "{:?}", solution.counts);
+        for (dx, dy) in [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, -1.0)] {
+            for size in [1e-3, -1e-3] {
+                let beside = [solution.x[0] + size * dx, solution.x[1] + size * dy];
+                let merit = evaluate(joint.problem(), &method, &beside).unwrap();
+                let worse = merit.utility >= solution.utility - 1e-9;
+                assert!(worse || merit.violation > 0.0, "{beside:?} {solution:?}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use grouser_files::{Document, Section};
-use grouser_opt::{Algorithm, MAX_POPULATION, Measure, ParetoSettings, Settings, Variable};
+use grouser_opt::{Algorithm, MAX_POPULATION, ParetoSettings, Settings, Variable};
 
 use super::soils::{read_fixed, read_worlds};
 use super::variables::{read_constraints, read_objectives, read_variables};
@@ -57,10 +57,7 @@ fn design(document: &Document, root: &Section<'_>) -> Result<Design> {
     builder.settings = root.section("settings", read_settings)?.unwrap_or_default();
     builder.pareto = root.section("pareto", read_pareto)?.unwrap_or_default();
     let bounded = |(v, ..): &(Variable, _, _)| v.lower.is_finite() && v.upper.is_finite();
-    // a conditional value at risk has helper variables without bounds
-    let spread = builder.task != Task::Pareto
-        && !matches!(builder.measure, Measure::ConditionalValueAtRisk { .. })
-        && builder.variables.iter().all(bounded);
+    let spread = builder.task != Task::Pareto && builder.variables.iter().all(bounded);
     builder.starts = match starts {
         0 if spread => BOUNDED_STARTS,
         0 => 1,

@@ -1,18 +1,20 @@
-//! Conditional value at risk by its epigraph.
+//! Conditional value at risk: the mean of the worst 1 − α of the worlds.
 //!
 //! ```text
-//! CVaR_α(f) = min over η of  η + Σ_k max(0, f_k − η) / ((1 − α) K)
+//! CVaR_α(f) = min over η of  η + Σ_k max(0, f_k − η) / ((1 − α) K)  =  max over w of  Σ_k w_k f_k,
+//! where Σ w_k = 1 and 0 ≤ w_k ≤ 1/((1 − α) K)
 //! ```
-//! so each objective gets the helpers η and s_k ≥ 0 with f_k − η − s_k ≤ 0, and η + Σ s_k/((1 − α) K) takes
-//! its place: smooth, and linear in the helpers.
+//! The second form needs no variables beside the problem's own: the worst worlds have the greatest weight, and a solver that
+//! knows the worlds' functions as [`Parts`] chooses the weights anew wherever it looks.
 //!
-//! Source: Rockafellar & Uryasev 2000, J. Risk 2.
+//! Source: Rockafellar & Uryasev 2000, J. Risk 2; the second form: Rockafellar, Uryasev & Zabarankin 2006, Finance Stoch. 10.
 
-use super::{Worlds, set_row};
+use super::Worlds;
 use crate::error::Result;
 use crate::jacobian::Jacobian;
 use crate::model::Model;
-use crate::problem::{LinearConstraint, Problem, ProblemParams, Variable};
+use crate::parts::{Parts, functions, gradients};
+use crate::problem::{Problem, ProblemParams};
 
 struct Cvar<'a> {
     worlds: Worlds<'a>,
@@ -20,86 +22,87 @@ struct Cvar<'a> {
     share: f64,
 }
 
-impl Cvar<'_> {
-    /// The index of η of an objective in x; s_k of world k follows it.
-    fn eta(&self, objective: usize) -> usize {
-        self.worlds.n + objective * (1 + self.worlds.count())
+/// The parts are the functions, each in every world.
+impl Parts for Cvar<'_> {
+    fn count(&self) -> usize {
+        self.worlds.functions * self.worlds.count()
     }
 
-    fn signs(&self, objective: usize) -> &'static [f64] {
-        if objective < self.worlds.absolute {
-            &[1.0, -1.0]
-        } else {
-            &[1.0]
+    fn values(&self, x: &[f64], parts: &mut [f64]) {
+        let count = self.worlds.count();
+        for (k, world) in self.worlds.values(x).iter().enumerate() {
+            for (function, value) in world.iter().enumerate() {
+                parts[function * count + k] = *value;
+            }
         }
     }
 
-    /// The objectives and the excess rows, from the worlds' values.
-    fn fill(&self, x: &[f64], worlds: &[&[f64]], values: &mut [f64]) {
+    fn derivatives(&self, x: &[f64], parts: &mut [f64], jacobian: &mut Jacobian) {
+        let count = self.worlds.count();
+        for (k, (values, slopes)) in self.worlds.derivatives(x).iter().enumerate() {
+            for (function, value) in values.iter().enumerate() {
+                let part = function * count + k;
+                parts[part] = *value;
+                jacobian.row_mut(part).copy_from_slice(slopes.row(function));
+            }
+        }
+    }
+
+    fn combination(&self, function: usize, parts: &[f64]) -> Vec<(usize, f64)> {
         let (m, count) = (self.worlds.m, self.worlds.count());
-        let mut row = m;
-        for (i, slot) in values[..m].iter_mut().enumerate() {
-            let eta = self.eta(i);
-            *slot = x[eta] + self.share * x[eta + 1..=eta + count].iter().sum::<f64>();
+        if function >= m {
+            return vec![(m * count + function - m, 1.0)];
         }
-        for i in 0..m {
-            let eta = self.eta(i);
-            for (k, world) in worlds.iter().enumerate() {
-                for sign in self.signs(i) {
-                    values[row] = sign * world[i] - x[eta] - x[eta + 1 + k];
-                    row += 1;
-                }
+        let first = function * count;
+        let own = &parts[first..first + count];
+        if let Some(k) = own.iter().position(|value| value.is_nan()) {
+            return vec![(first + k, 1.0)];
+        }
+        let is_absolute = function < self.worlds.absolute;
+        let size = |k: &usize| if is_absolute { own[*k].abs() } else { own[*k] };
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        let mut left = 1.0;
+        let mut tail: Vec<(usize, f64)> = Vec::new();
+        for k in order {
+            let weight = self.share.min(left);
+            if !(weight > 0.0) {
+                break;
             }
+            left -= weight;
+            let sign = if is_absolute && own[k] < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
+            tail.push((first + k, sign * weight));
         }
-        for function in m..self.worlds.functions {
-            for world in worlds {
-                values[row] = world[function];
-                row += 1;
-            }
-        }
+        tail.sort_by_key(|(part, _)| *part);
+        tail
     }
 }
 
 impl Model for Cvar<'_> {
+    fn parts(&self) -> Option<&dyn Parts> {
+        Some(self)
+    }
+
     fn failure(&self, x: &[f64]) -> Option<String> {
         self.worlds.failure(x)
     }
 
     fn values(&self, x: &[f64], values: &mut [f64]) {
-        let worlds = self.worlds.values(x);
-        let worlds: Vec<&[f64]> = worlds.iter().map(Vec::as_slice).collect();
-        self.fill(x, &worlds, values);
+        let mut parts = vec![f64::NAN; self.count()];
+        Parts::values(self, x, &mut parts);
+        functions(self, &parts, values);
     }
 
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
-        let worlds = self.worlds.derivatives(x);
-        let plain: Vec<&[f64]> = worlds.iter().map(|w| w.0.as_slice()).collect();
-        self.fill(x, &plain, values);
-        let (m, count) = (self.worlds.m, self.worlds.count());
-        let mut row = m;
-        for i in 0..m {
-            let eta = self.eta(i);
-            let objective = jacobian.row_mut(i);
-            objective.fill(0.0);
-            objective[eta] = 1.0;
-            objective[eta + 1..=eta + count].fill(self.share);
-            for (k, world) in worlds.iter().enumerate() {
-                for sign in self.signs(i) {
-                    let excess = jacobian.row_mut(row);
-                    set_row(excess, world.1.row(i));
-                    excess[..self.worlds.n].iter_mut().for_each(|g| *g *= sign);
-                    excess[eta] = -1.0;
-                    excess[eta + 1 + k] = -1.0;
-                    row += 1;
-                }
-            }
-        }
-        for function in m..self.worlds.functions {
-            for world in &worlds {
-                set_row(jacobian.row_mut(row), world.1.row(function));
-                row += 1;
-            }
-        }
+        let mut parts = vec![f64::NAN; self.count()];
+        let mut slopes = Jacobian::zeros(parts.len(), self.worlds.n);
+        Parts::derivatives(self, x, &mut parts, &mut slopes);
+        functions(self, &parts, values);
+        gradients(self, (&parts, &slopes), jacobian);
     }
 }
 
@@ -108,62 +111,15 @@ pub(super) fn problem<'a>(
     worlds: Worlds<'a>,
     alpha: f64,
 ) -> Result<Problem<'a>> {
-    let (n, count) = (params.variables.len(), worlds.count());
-    let share = 1.0 / ((1.0 - alpha) * count as f64);
-    let start: Vec<f64> = params
-        .variables
-        .iter()
-        .map(|v| v.start.clamp(v.lower, v.upper))
-        .collect();
-    let at_start = worlds.values(&start);
-    let mut variables = params.variables;
-    let mut excesses = Vec::new();
-    for (i, name) in params.objectives.iter().enumerate() {
-        let value = |w: &Vec<f64>| {
-            if i < worlds.absolute {
-                w[i].abs()
-            } else {
-                w[i]
-            }
-        };
-        let worst = at_start.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
-        // At the worst value no world exceeds η: a feasible start.
-        let worst = if worst.is_finite() { worst } else { 0.0 };
-        variables.push(Variable::free(format!("eta of {name}"), worst));
-        for world in &worlds.list {
-            let helper = format!("excess of {name} @ {}", world.name);
-            variables.push(Variable::bounded(helper, 0.0, 0.0, f64::INFINITY));
-            let signs: &[&str] = if i < worlds.absolute {
-                &["+", "-"]
-            } else {
-                &["+"]
-            };
-            excesses.extend(
-                signs
-                    .iter()
-                    .map(|sign| format!("{sign}{name} @ {}", world.name)),
-            );
-        }
-    }
-    excesses.extend(worlds.names(&params.inequalities));
-    let total = variables.len();
-    let linear = params
-        .linear
-        .into_iter()
-        .map(|mut row: LinearConstraint| {
-            row.coefficients.resize(total, 0.0);
-            row
-        })
-        .collect();
-    Ok(Problem::new(ProblemParams {
-        variables,
-        objectives: params.objectives,
-        inequalities: excesses,
+    let share = 1.0 / ((1.0 - alpha) * worlds.count() as f64);
+    Problem::new(ProblemParams {
+        inequalities: worlds.names(&params.inequalities),
         equalities: worlds.names(&params.equalities),
-        linear,
         absolute: 0,
         worlds: 1,
+        objectives: params.objectives,
+        variables: params.variables,
+        linear: params.linear,
         model: Box::new(Cvar { worlds, share }),
-    })?
-    .linear_after(n))
+    })
 }

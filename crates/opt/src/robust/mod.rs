@@ -45,7 +45,7 @@ pub struct Robust<'a> {
 }
 
 impl<'a> Robust<'a> {
-    /// The problem to solve. Its first variables are the problem's own; after them may come helpers.
+    /// The problem to solve.
     #[must_use]
     pub fn problem(&self) -> &Problem<'a> {
         &self.problem

@@ -12,6 +12,7 @@
 
 mod bfgs;
 mod factor;
+mod pieces;
 mod point;
 mod price;
 mod probe;
@@ -25,6 +26,7 @@ mod subspace;
 use crate::callback::{Callback, Progress, Stage};
 use crate::jacobian::Jacobian;
 use crate::method::Method;
+use crate::parts::add_gradients;
 use crate::problem::Problem;
 use crate::program::{Kind, Program};
 use crate::settings::Settings;
@@ -35,6 +37,7 @@ pub(crate) use relaxation::{LinearKind, LinearModel};
 pub(crate) use report::greatest;
 
 use bfgs::Curvature;
+use pieces::{Blend, Piece};
 use point::{Evaluator, Point};
 use qp::{Qp, QpSolution, RowKind, Rows};
 
@@ -71,6 +74,9 @@ struct Sqp<'a, 'w, 'f> {
     history: Vec<f64>,
     /// Steps in a row that promised no more than rounding.
     quiet: usize,
+    /// Rows of functions of parts that the last subproblem used, and what they were together.
+    pieces: Vec<Piece>,
+    blends: Vec<Blend>,
     /// What stationarity is compared with where all gradients vanish.
     gradient_floor: f64,
     /// What complementarity is compared with where the level is 0.
@@ -82,6 +88,8 @@ struct Sqp<'a, 'w, 'f> {
 struct Expansion {
     point: Point,
     jacobian: Jacobian,
+    /// Of the parts.
+    slopes: Jacobian,
 }
 
 /// Minimises the level of a program from its start.
@@ -96,7 +104,25 @@ pub(crate) fn solve(
         program: &program,
         counts: Counts::default(),
     };
-    let start = match project::onto_linear(&program, settings) {
+    let mut stopped = false;
+    let onto = project::onto_linear(&program, settings, &mut || {
+        let progress = Progress {
+            stage: Stage::Solve,
+            iteration: 0,
+            x: &program.start,
+            utility: f64::INFINITY,
+            violation: f64::INFINITY,
+            stationarity: None,
+        };
+        stopped = callback(&progress).is_break();
+        stopped
+    });
+    let start = match onto {
+        Ok(nearest) if stopped => {
+            let point = evaluator.values(&nearest);
+            let status = Status::Stopped;
+            return report::solution(&program, settings, &evaluator, point, None, &[], status);
+        }
         Ok(start) => start,
         Err((nearest, violations)) => {
             let point = evaluator.values(&nearest);
@@ -173,6 +199,8 @@ fn search(
         multipliers: Vec::new(),
         history: Vec::new(),
         quiet: 0,
+        pieces: Vec::new(),
+        blends: Vec::new(),
         gradient_floor: 1.0,
         level_floor: 1.0,
         callback,
@@ -183,7 +211,7 @@ fn search(
 impl Sqp<'_, '_, '_> {
     fn run(mut self, start: Point) -> (Solution, Point) {
         let mut point = start;
-        let jacobian = self.evaluator.derivatives(&mut point);
+        let (jacobian, slopes) = self.evaluator.derivatives(&mut point);
         let start = report::gradient_scale(self.program, &jacobian);
         if start > 0.0 {
             self.gradient_floor = start.min(1.0);
@@ -192,7 +220,11 @@ impl Sqp<'_, '_, '_> {
         if size > 0.0 {
             self.level_floor = size.min(1.0);
         }
-        let mut model = Expansion { point, jacobian };
+        let mut model = Expansion {
+            point,
+            jacobian,
+            slopes,
+        };
         let status = self.iterate(&mut model);
         let mut solution = report::solution(
             self.program,
@@ -218,7 +250,12 @@ impl Sqp<'_, '_, '_> {
             if let Some(status) = self.not_finite(model) {
                 return status;
             }
-            let (rows, solution) = self.priced_step(model);
+            let (mut rows, mut solution) = self.priced_step(model);
+            self.blends = std::mem::take(&mut solution.blends);
+            for blend in &self.blends {
+                blend.place(&mut rows);
+                blend.derive(&self.program.rows[blend.row], &mut model.jacobian);
+            }
             self.multipliers.clone_from(&solution.multipliers);
             let stationarity = self.stationarity(&rows);
             let violation = model.point.worst_violation(self.program);
@@ -289,7 +326,7 @@ impl Sqp<'_, '_, '_> {
 
     /// Moves to an accepted point and learns its curvature. Says so if the step was none.
     fn advance(&mut self, model: &mut Expansion, mut next: Point) -> Option<Status> {
-        let jacobian = self.evaluator.derivatives(&mut next);
+        let (jacobian, slopes) = self.evaluator.derivatives(&mut next);
         let s: Vec<f64> = next
             .x
             .iter()
@@ -297,16 +334,22 @@ impl Sqp<'_, '_, '_> {
             .map(|(a, b)| a - b)
             .collect();
         let mut y = vec![0.0; s.len()];
-        for (row, &u) in self.program.rows.iter().zip(&self.multipliers) {
-            if u != 0.0 {
-                let slope = u * row.slope();
-                let gradients = jacobian.row(row.function).iter();
-                for (y, (new, old)) in y
-                    .iter_mut()
-                    .zip(gradients.zip(model.jacobian.row(row.function)))
-                {
-                    *y += slope * (new - old);
-                }
+        for (index, (row, &u)) in self.program.rows.iter().zip(&self.multipliers).enumerate() {
+            if u == 0.0 {
+                continue;
+            }
+            let slope = u * row.slope();
+            if let Some(blend) = self.blends.iter().find(|blend| blend.row == index) {
+                add_gradients(&blend.combination, slope, &slopes, &mut y);
+                add_gradients(&blend.combination, -slope, &model.slopes, &mut y);
+                continue;
+            }
+            let gradients = jacobian.row(row.function).iter();
+            for (y, (new, old)) in y
+                .iter_mut()
+                .zip(gradients.zip(model.jacobian.row(row.function)))
+            {
+                *y += slope * (new - old);
             }
         }
         let length = s.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
@@ -314,6 +357,7 @@ impl Sqp<'_, '_, '_> {
         *model = Expansion {
             point: next,
             jacobian,
+            slopes,
         };
         if length <= self.settings.step_tolerance * (1.0 + size) {
             return Some(Status::SmallStep);
@@ -391,7 +435,10 @@ impl Sqp<'_, '_, '_> {
     /// The rows of the subproblem at this point and price.
     fn linearise(&self, model: &Expansion, price: f64) -> Rows {
         let n = self.program.dimension();
-        let mut rows = Rows::default();
+        let mut rows = Rows {
+            parts: model.point.parts.clone(),
+            ..Rows::default()
+        };
         for (row, &value) in self.program.rows.iter().zip(&model.point.rows) {
             rows.kinds.push(match (row.kind, self.phase) {
                 (Kind::Objective(_), Phase::Optimality) => RowKind::Objective,
@@ -418,7 +465,7 @@ impl Sqp<'_, '_, '_> {
         rows
     }
 
-    fn subproblem(&mut self, model: &Expansion, rows: &Rows, warm: &[f64]) -> QpSolution {
+    fn plain_subproblem(&mut self, model: &Expansion, rows: &Rows, warm: &[f64]) -> QpSolution {
         let lower: Vec<f64> = Self::room(&self.program.lower, model);
         let upper: Vec<f64> = Self::room(&self.program.upper, model);
         let progress = self.progress(model, None);

@@ -1,6 +1,7 @@
 //! A point with its row values, and the counted evaluation of such points.
 
 use crate::jacobian::Jacobian;
+use crate::parts;
 use crate::program::{Kind, Program};
 use crate::solution::Counts;
 
@@ -11,6 +12,8 @@ pub(super) struct Point {
     pub(super) functions: Vec<f64>,
     /// One per row of the program.
     pub(super) rows: Vec<f64>,
+    /// What the functions are made of, where that is known.
+    pub(super) parts: Vec<f64>,
 }
 
 impl Point {
@@ -89,13 +92,23 @@ impl Evaluator<'_> {
     }
 
     pub(super) fn values(&mut self, x: &[f64]) -> Point {
-        let mut functions = vec![f64::NAN; self.program.problem.function_count()];
-        self.program.problem.model().values(x, &mut functions);
+        let problem = self.program.problem;
+        let mut functions = vec![f64::NAN; problem.function_count()];
+        let mut parts = Vec::new();
+        match problem.model().parts() {
+            Some(source) => {
+                parts.resize(source.count(), f64::NAN);
+                source.values(x, &mut parts);
+                parts::functions(source, &parts, &mut functions);
+            }
+            None => problem.model().values(x, &mut functions),
+        }
         self.counts.values += 1;
         Point {
             x: x.to_vec(),
             rows: self.rows(&functions),
             functions,
+            parts,
         }
     }
 
@@ -110,15 +123,23 @@ impl Evaluator<'_> {
         point
     }
 
-    /// Derivatives at a point whose values are known; its values are refreshed.
-    pub(super) fn derivatives(&mut self, point: &mut Point) -> Jacobian {
-        let mut jacobian = Jacobian::zeros(point.functions.len(), point.x.len());
-        self.program
-            .problem
-            .model()
-            .derivatives(&point.x, &mut point.functions, &mut jacobian);
+    /// Derivatives at a point whose values are known: of the functions, and of their parts. Its values are refreshed.
+    pub(super) fn derivatives(&mut self, point: &mut Point) -> (Jacobian, Jacobian) {
+        let problem = self.program.problem;
+        let n = point.x.len();
+        let mut jacobian = Jacobian::zeros(point.functions.len(), n);
+        let mut slopes = Jacobian::zeros(point.parts.len(), n);
+        if let Some(source) = problem.model().parts() {
+            source.derivatives(&point.x, &mut point.parts, &mut slopes);
+            parts::functions(source, &point.parts, &mut point.functions);
+            parts::gradients(source, (&point.parts, &slopes), &mut jacobian);
+        } else {
+            let functions = &mut point.functions;
+            let model = problem.model();
+            model.derivatives(&point.x, functions, &mut jacobian);
+        }
         self.counts.jacobians += 1;
         point.rows = self.rows(&point.functions);
-        jacobian
+        (jacobian, slopes)
     }
 }

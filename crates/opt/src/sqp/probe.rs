@@ -148,7 +148,7 @@ fn directions(
         list.extend([1.0, -1.0, FAR, -FAR].map(|times| along(lengths, i, times)));
     }
     let counts = evaluator.counts;
-    let jacobian = evaluator.derivatives(&mut point.clone());
+    let (jacobian, _) = evaluator.derivatives(&mut point.clone());
     evaluator.counts = Counts {
         probes: counts.probes + 1,
         ..counts

@@ -11,10 +11,11 @@ use crate::status::Violation;
 
 /// Minimises ½ ‖d‖² + ρ Σ violations of A x ≤ b, A_eq x = b_eq within the bounds.
 ///
-/// `Err` holds the least-infeasible point and what is violated there.
+/// Where `stop` returns `true` meanwhile, the nearest point so far. `Err` holds the least-infeasible point and what is violated there.
 pub(super) fn onto_linear(
     program: &Program<'_>,
     settings: &Settings,
+    stop: &mut dyn FnMut() -> bool,
 ) -> Result<Vec<f64>, (Vec<f64>, Vec<Violation>)> {
     let violated = |x: &[f64]| -> Vec<f64> {
         program
@@ -68,11 +69,11 @@ pub(super) fn onto_linear(
             lower: &lower,
             upper: &upper,
         }
-        .solve(&[], &mut || false);
+        .solve(&[], stop);
         for (i, x) in x.iter_mut().enumerate() {
             *x = (*x + solution.step[i]).clamp(program.lower[i], program.upper[i]);
         }
-        if worst(&x) <= 1e-3 * tolerance {
+        if solution.stopped || worst(&x) <= 1e-3 * tolerance {
             return Ok(x);
         }
     }

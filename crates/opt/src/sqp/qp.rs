@@ -14,6 +14,7 @@
 //! and differences against it remove γ exactly instead of by a small artificial curvature.
 
 use super::factor::Factor;
+use super::pieces::Blend;
 use super::subspace::{Member, Outcome, Subspace};
 
 /// What a row does in the subproblem.
@@ -47,6 +48,8 @@ pub(super) struct Rows {
     /// Row-major, one gradient per row.
     pub(super) gradients: Vec<f64>,
     pub(super) offsets: Vec<f64>,
+    /// What the functions are made of, as the offsets are meant: the rows of objectives follow from them.
+    pub(super) parts: Vec<f64>,
 }
 
 /// One subproblem. After the rows come two simple bounds per variable: lower, upper.
@@ -68,6 +71,8 @@ pub(super) struct QpSolution {
     pub(super) exact: bool,
     /// Did the caller stop the search?
     pub(super) stopped: bool,
+    /// The rows that functions of parts have in it.
+    pub(super) blends: Vec<Blend>,
 }
 
 /// The caller may stop a search after about this many products, a tenth of a second: subproblems of thousands of rows take minutes.
@@ -279,6 +284,7 @@ impl Qp<'_> {
             multipliers: u,
             exact,
             stopped,
+            blends: Vec::new(),
         }
     }
 

@@ -140,6 +140,7 @@ proptest! {
             kinds: vec![RowKind::Objective, RowKind::Inequality { cap: 10.0 }],
             gradients: vec![0.0; 2 * n],
             offsets: vec![-1e3, -1e3],
+            ..Rows::default()
         };
         rows.kinds.insert(place, RowKind::Objective);
         rows.offsets.insert(place, 1.0);

@@ -70,6 +70,7 @@ impl LinearModel<'_> {
                 .zip(&sizes)
                 .map(|(b, size)| b / size)
                 .collect(),
+            parts: Vec::new(),
         };
         let mut curvature = match self.curvature {
             Some(curvature) => curvature.iter().map(|b| b / size).collect(),

@@ -151,6 +151,9 @@ impl Sqp<'_, '_, '_> {
             let gradient = &rows.gradients[index * n..(index + 1) * n];
             bent.offsets[index] = value - subspace::dot(gradient, &solution.step);
         }
+        for (k, part) in bent.parts.iter_mut().enumerate() {
+            *part = full.parts[k] - subspace::dot(model.slopes.row(k), &solution.step);
+        }
         let corrected = self.subproblem(model, &bent, &solution.multipliers);
         let (d, bend): (f64, f64) = corrected
             .step
