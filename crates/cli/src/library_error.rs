@@ -105,6 +105,16 @@ impl From<grouser_terrain::Error> for Error {
                 file,
                 source,
             } => Self::file(action, &file, &source),
+            Terrain::OtherMap {
+                field: name,
+                ref value,
+                ref limit,
+                ..
+            } => Self::new(Kind::Content, error.to_string(), hint).with(Details {
+                value: value.as_str().into(),
+                limit: limit.as_str().into(),
+                ..field(name)
+            }),
             error => Self::new(Kind::Content, error.to_string(), hint),
         }
     }

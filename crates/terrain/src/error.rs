@@ -72,6 +72,18 @@ pub enum Error {
         /// Number of the soil draw; 0 is the soil itself.
         draw: usize,
     },
+    /// A relief, a robot or a soil that is not the one a map was made for.
+    #[error("{of} is not the map's: its {field} is {value}, the map's is {limit}")]
+    OtherMap {
+        /// What is not the map's.
+        of: &'static str,
+        /// In what it differs.
+        field: &'static str,
+        /// Its own, with its unit.
+        value: String,
+        /// The map's.
+        limit: String,
+    },
     /// A start or a goal that cannot be one.
     #[error("{of} ({x}, {y}) {why}")]
     Place {
@@ -162,6 +174,9 @@ impl Error {
                 }
                 _ => "`--cell-m` gives the size of its cells".to_owned(),
             }),
+            Self::OtherMap { .. } => Some(
+                "give what the map was made with, or make another map with `grouser map`".to_owned(),
+            ),
             _ => None,
         }
     }

@@ -157,6 +157,58 @@ fn a_planned_way_is_a_scenario_that_drives() {
 }
 
 #[test]
+fn a_plan_is_written_for_the_relief_the_robot_and_the_soil_of_its_map_alone() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.path(name).display().to_string();
+    let dunes = example("terrain/dunes.asc");
+    let rover = example("robots/skid-steer.toml");
+    map(&dunes, &path("map.tif"), &[]).assert_done();
+    let text = fs::read_to_string(&dunes).unwrap();
+    let (header, heights) = text.split_at(text.find("NODATA").unwrap());
+    // the last row is the southern one; a dune of 3 m at its end
+    let (start, _) = heights.trim_end().rsplit_once(' ').unwrap();
+    fs::write(path("other.asc"), format!("{header}{start} 3.0\n")).unwrap();
+    let moved = text.replace("xllcorner 0", "xllcorner 100");
+    assert_ne!(moved, text);
+    fs::write(path("moved.asc"), moved).unwrap();
+    let plan = |dem: &str, robot: &str, soil: &str| {
+        let (map, way) = (path("map.tif"), path("way.toml"));
+        let to = ["plan", &map, "--from", "3,3", "--to", "9,9", "--json"];
+        let by = [
+            "--scenario",
+            &way,
+            "--dem",
+            dem,
+            "--robot",
+            robot,
+            "--soil",
+            soil,
+        ];
+        grouser([&to[..], &by].concat())
+    };
+    let craters = example("terrain/craters.asc");
+    let bogie = example("robots/rocker-bogie.toml");
+    for (dem, robot, soil, field) in [
+        (craters.as_str(), rover.as_str(), "sandy-loam", "size"),
+        (&path("other.asc"), &rover, "sandy-loam", "pitch"),
+        (&path("moved.asc"), &rover, "sandy-loam", "upper left cell"),
+        (&dunes, &bogie, "sandy-loam", "name"),
+        (&dunes, &rover, "dry-sand", "name"),
+    ] {
+        let refused = plan(dem, robot, soil);
+        assert_eq!(refused.code, Some(2), "{refused:?}");
+        let error = &refused.json()["error"];
+        assert_eq!(error["field"], field, "{error}");
+        assert!(
+            error["value"] != error["limit"] && error["hint"].is_string(),
+            "{error}"
+        );
+        assert!(!folder.path("way.toml").exists());
+    }
+    plan(&dunes, &rover, "sandy-loam").assert_done();
+}
+
+#[test]
 fn no_way_is_no_result_and_bad_places_are_refused() {
     let folder = Folder::new();
     let path = |name: &str| folder.path(name).display().to_string();

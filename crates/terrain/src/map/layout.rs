@@ -255,14 +255,14 @@ impl MapLayout {
             cell: number("GROUSER_CELL_M", (1e-3, 1e3))?,
             headings: Headings::new(count).map_err(|error| error.to_string())?,
             georeference,
-            robot: text("GROUSER_ROBOT")?.to_owned(),
+            robot: unescaped(text("GROUSER_ROBOT")?),
             turning_radius: number("GROUSER_TURNING_RADIUS_M", (0.0, 1e4))?,
             gravity: number("GROUSER_GRAVITY_M_PER_S2", (1e-3, 1e3))?,
             draws: whole(number("GROUSER_SOIL_DRAWS", (0.0, 1e6))?),
             cvar_level: number("GROUSER_CVAR_LEVEL", (0.0, 0.999))?,
             soils: (0..)
                 .map_while(|index| items.get(format!("GROUSER_SOIL_{index}").as_str()))
-                .map(|name| (*name).to_owned())
+                .map(|name| unescaped(name))
                 .collect(),
             job: text("GROUSER_JOB_SHA256")?.to_owned(),
         })
@@ -287,6 +287,13 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
+}
+
+/// What [`escaped`] was given.
+fn unescaped(text: &str) -> String {
+    text.replace("&gt;", ">")
+        .replace("&lt;", "<")
+        .replace("&amp;", "&")
 }
 
 /// The least radius on which the middle of a robot turns without its wheels slipping sideways: 0 where no wheel steers

@@ -7,6 +7,7 @@ mod lattice;
 mod plan_map;
 mod route;
 mod search;
+mod sources;
 
 pub use lattice::PlanSettings;
 pub use plan_map::{PlanMap, read_map};

@@ -112,6 +112,13 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         .transpose()?;
     let map = PlanMap::read(&arguments.map)?;
     session.used_file(&arguments.map)?;
+    let names = match (&arguments.dem, &arguments.robot, &arguments.soil) {
+        (Some(dem), Some(robot), Some(soil)) => Some(scenario::Names { dem, robot, soil }),
+        _ => None,
+    };
+    if let Some(names) = &names {
+        scenario::check(&map, names)?;
+    }
     let headings = map.layout.headings;
     let heading = |angle: Option<f64>| angle.map(|angle| headings.nearest(angle.to_radians()));
     let settings = PlanSettings {
@@ -150,10 +157,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         };
         text.push_str(&file.write_whole(content.as_bytes())?);
     }
-    if let (Some(file), Some(dem), Some(robot), Some(soil)) =
-        (scenario, &arguments.dem, &arguments.robot, &arguments.soil)
-    {
-        let names = scenario::Names { dem, robot, soil };
+    if let (Some(file), Some(names)) = (scenario, names) {
         let content = scenario::toml(&map, route, &names, arguments.speed_m_per_s, &file)?;
         text.push_str(&file.write_whole(content.as_bytes())?);
     }

@@ -9,6 +9,7 @@ use grouser_rover::drive::{
 use grouser_rover::ground::HeightFile;
 use grouser_rover::robot::RobotModel;
 use grouser_terrain::plan::{PlanMap, Route};
+use grouser_terrain::raster::Dem;
 
 use crate::output::OutputFile;
 
@@ -21,6 +22,15 @@ pub(super) struct Names<'a> {
     pub(super) robot: &'a Path,
     /// A key of the catalogue or a soil file, as `--soil` takes it elsewhere.
     pub(super) soil: &'a str,
+}
+
+/// Refuses what the map was not made for: its way would lie on another relief.
+pub(super) fn check(map: &PlanMap, names: &Names<'_>) -> grouser_terrain::Result<()> {
+    let cell = Some(map.layout.cell);
+    let height_step = HeightFile::new(names.dem.to_owned(), cell).height_step;
+    let mut dem = Dem::open(names.dem, cell, height_step)?;
+    let model = RobotModel::read(names.robot)?.under_gravity(map.layout.gravity);
+    map.check_sources(&mut dem, &model, names.soil)
 }
 
 /// The scenario's text, as `file` will hold it: one leg for each straight.
