@@ -76,7 +76,7 @@ fn every_key_of_the_contract_is_there_in_the_order_of_the_file() {
     let sum: f64 = shares.values().map(|v| v.as_f64().unwrap()).sum();
     assert!((sum - 1.0).abs() < 1e-12);
     assert_eq!(found["starts"].as_array().unwrap().len(), 1);
-    assert_eq!(keys(&found["starts"][0]), ["x", "max", "status"]);
+    assert_eq!(keys(&found["starts"][0]), ["x", "max", "utility", "status"]);
     assert!(found["front"].is_null() && found["attainment"].is_null());
     assert!(found["provenance"]["seed"].is_null());
 }
@@ -94,6 +94,36 @@ fn text_says_what_binds_and_what_it_costs() {
     ] {
         assert!(text.contains(words), "{words} in\n{text}");
     }
+}
+
+/// The objective that decides is compared with its scale and shown without; one without a value is said to have none.
+#[test]
+fn text_and_json_name_the_objective_that_decides() {
+    let folder = Folder::new("optimize-deciding");
+    let head = "method = \"minimax\"\n[variables]\nx = { start = 0.2, lower = 0.0, upper = 1.0 }\n[objectives]\n";
+    let scaled = folder.file(
+        "scaled.toml",
+        format!(
+            "{head}cost = {{ expr = \"100 + x\", scale = 0.001 }}\nloss = \"(x - 0.7)^2 + 0.5\"\n"
+        ),
+    );
+    let text = grouser(&["optimize", &scaled]);
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(
+        text.contains("\ngreatest: 0.5, `loss`; utility, with scales: 0.5\n"),
+        "{text}"
+    );
+    let found = json(&grouser(&["optimize", &scaled, "--json"]));
+    assert_eq!(found["deciding"], "loss");
+    assert!((found["max"].as_f64().unwrap() - 0.5).abs() < 1e-6);
+    assert!((found["starts"][0]["utility"].as_f64().unwrap() - 0.5).abs() < 1e-6);
+
+    let nowhere = folder.file("nowhere.toml", format!("{head}a = \"ln(-1 - x)\"\n"));
+    let output = grouser(&["optimize", &nowhere]);
+    assert_eq!(output.status.code(), Some(1));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("greatest: no value"), "{text}");
+    assert!(!text.contains("NaN"), "{text}");
 }
 
 #[test]

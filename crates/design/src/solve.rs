@@ -10,6 +10,9 @@ use grouser_opt::{
 use crate::design::{Design, Objective, Slot, SolverProblem, Task};
 use crate::error::{Error, Result};
 
+/// Objectives whose scaled values differ by less than this · (1 + |value|) decide together.
+const SAME_LEVEL: f64 = 1e-6;
+
 /// One solve among several starts.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -38,6 +41,8 @@ pub struct Optimum {
     pub objectives: Vec<(String, f64)>,
     /// The one that decides ([`Design::deciding`]).
     pub maximum: f64,
+    /// Its name.
+    pub deciding: String,
     /// What was minimised: γ, with scaling.
     pub utility: f64,
     /// γ, for goal attainment.
@@ -217,41 +222,51 @@ impl Design {
             .collect()
     }
 
-    fn maximum(&self, problem: &SolverProblem, unscaled: &[f64]) -> f64 {
+    /// Which of the solver's objectives decides, and its value.
+    fn maximum(&self, problem: &SolverProblem, unscaled: &[f64]) -> (usize, f64) {
         let values = unscaled.iter().enumerate();
         self.worst(values.map(|(i, f)| (&self.objectives[self.file_place(problem, i)], *f)))
     }
 
-    /// The objective that decides among values in the order of the file: the greatest, |f| where absolute and −f where
-    /// maximised; where all are maximised the least, in its own sign.
+    /// The objective that decides among values in the order of the file, without its scale: the one that is greatest with it, |f|
+    /// where absolute and −f where maximised; where all are maximised, in its own sign. Of several that are equal, the one that is greatest
+    /// without.
     #[must_use]
     pub fn deciding(&self, objectives: &[f64]) -> f64 {
         self.worst(self.objectives.iter().zip(objectives.iter().copied()))
+            .1
     }
 
-    fn worst<'o>(&self, values: impl Iterator<Item = (&'o Objective, f64)>) -> f64 {
+    fn worst<'o>(&self, values: impl Iterator<Item = (&'o Objective, f64)>) -> (usize, f64) {
         let all = self.objectives.iter().all(|objective| objective.maximise);
-        let worst = values
-            .map(
-                |(objective, f)| match (objective.absolute, objective.maximise) {
-                    (true, _) => f.abs(),
-                    (_, true) => -f,
-                    _ => f,
-                },
-            )
-            .fold(
-                f64::NEG_INFINITY,
-                |m, v| {
-                    if v > m || v.is_nan() { v } else { m }
-                },
-            );
-        if all { -worst } else { worst }
+        let sized = values.map(|(objective, f)| {
+            let value = match (objective.absolute, objective.maximise) {
+                (true, _) => f.abs(),
+                (_, true) => -f,
+                _ => f,
+            };
+            (objective.scale * value, value)
+        });
+        let sized: Vec<(f64, f64)> = sized.collect();
+        let greater = |m: f64, v: f64| if v > m || v.is_nan() { v } else { m };
+        let level = sized.iter().map(|(scaled, _)| *scaled);
+        let level = level.fold(f64::NEG_INFINITY, greater);
+        let decides = |scaled: f64| {
+            level.is_nan() && scaled.is_nan() || level - scaled <= SAME_LEVEL * (1.0 + level.abs())
+        };
+        let deciding = sized.iter().enumerate();
+        let deciding = deciding.filter(|(_, (scaled, _))| decides(*scaled));
+        let most = deciding.max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
+        let (place, value) = most.map_or((0, f64::NAN), |(place, (_, value))| (place, *value));
+        (place, if all { -value } else { value })
     }
 
     fn start(&self, problem: &SolverProblem, solution: &Solution) -> Start {
         Start {
             x: problem.own(&solution.x).to_vec(),
-            maximum: self.maximum(problem, &self.unscaled(problem, &solution.objectives)),
+            maximum: self
+                .maximum(problem, &self.unscaled(problem, &solution.objectives))
+                .1,
             utility: solution.utility,
             status: solution.status.clone(),
         }
@@ -299,10 +314,12 @@ impl Design {
             .collect();
         constraint_multipliers.extend(self.priced(problem, solution));
         let n = self.variables.len();
+        let (deciding, maximum) = self.maximum(problem, &values);
         Optimum {
             status: solution.status.clone(),
             x: problem.own(&solution.x).to_vec(),
-            maximum: self.maximum(problem, &values),
+            maximum,
+            deciding: names[deciding].clone(),
             utility: solution.utility,
             attainment: (self.task == Task::Attain).then_some(solution.utility),
             objectives: listed(&values),

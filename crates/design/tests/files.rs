@@ -154,6 +154,16 @@ fn goals_weights_scales_and_magnitudes() {
     near(scaled.objectives[0].1, 4.0 / 9.0);
     near(scaled.maximum, 16.0 / 9.0);
     near(scaled.utility, 16.0 / 9.0);
+    assert_eq!(scaled.deciding, "b");
+    // Objectives are compared with their scales: 0.001 (100 + x) never exceeds 0.5.
+    let small = optimum(&design(&text(
+        "cost = { expr = \"100 + x\", scale = 0.001 }\nloss = \"(x - 0.7)^2 + 0.5\"\n",
+        "minimax",
+    )));
+    near(small.x[0], 0.7);
+    assert_eq!(small.deciding, "loss");
+    near(small.maximum, 0.5);
+    near(small.starts[0].maximum, 0.5);
     let weighted = optimum(&design(&text(
         "a = { expr = \"(x - 1)^2\", weight = 3.0 }\nb = \"(x + 1)^2\"\n",
         "weighted",

@@ -298,6 +298,9 @@ impl Certified {
                 level(c.lower),
                 c.boxes
             ),
+            _ if !c.lower.is_finite() => {
+                writeln!(text, "nothing is proved of the box yet ({} boxes)", c.boxes)
+            }
             _ => writeln!(
                 text,
                 "not proved to the gap required: no point of the box {claim} {} ({} boxes)",
@@ -305,7 +308,9 @@ impl Certified {
                 c.boxes
             ),
         };
-        if c.x.is_some() {
+        if c.x.is_some() && !c.gap().is_finite() {
+            let _ = writeln!(text, "best point {}", level(c.upper));
+        } else if c.x.is_some() {
             let _ = writeln!(
                 text,
                 "best point {}, gap {} of {} allowed; constraints hold to {}",
@@ -332,11 +337,14 @@ impl Certified {
                 shown(front.share),
                 shown(self.gap)
             ),
-            Proof::Optimum(c) if c.x.is_some() => format!(
+            Proof::Optimum(c) if c.x.is_some() && c.gap().is_finite() => format!(
                 "the gap is {}, not {}: {reason}",
                 shown(c.gap()),
                 shown(self.gap * (1.0 + c.upper.abs()))
             ),
+            Proof::Optimum(c) if c.x.is_some() => {
+                format!("nothing is proved of the best point: {reason}")
+            }
             _ => format!("neither a feasible point nor its absence is proved: {reason}"),
         })
     }

@@ -144,7 +144,9 @@ pub(super) fn fields<'a>() -> Fields<'a, Solved<'a>> {
             solved.of(|o| variables(solved.design, &o.x), |p| Some(variables(p.design, &p.part.x)));
         "objectives" "the objectives there, without scaling" values =
             solved.of(|o| o.objectives.clone(), |p| Some(objectives(p.design, &p.part.objectives)));
-        "max" "the objective that decides: the greatest; where all are maximised, the least" = solved.of(|o| o.maximum, |p| Some(p.maximum()));
+        "max" "the objective that decides, without its scale: the one that is greatest with it; where all are maximised, the least" =
+            solved.of(|o| o.maximum, |p| Some(p.maximum()));
+        "deciding" "its name" = solved.optimum().map(|o| o.deciding.as_str());
         "utility" "what was minimised" = solved.optimum().map(|o| o.utility);
         "attainment" "attainment factor" = solved.optimum().and_then(|o| o.attainment);
         "objective_multipliers" "local trade-off between the objectives" values =
@@ -234,6 +236,7 @@ fn start<'a>() -> Fields<'a, Part<'a, Start>> {
     fields! { |start: Part<'a, Start>|
         "x" "where it ended" values = Some(variables(start.design, &start.part.x));
         "max" "the objective that decides there" = start.part.maximum;
+        "utility" "what was minimised" = start.part.utility;
         "status" "how it ended" = start.part.status.name();
     }
 }

@@ -67,11 +67,15 @@ fn of_optimum(text: &mut String, design: &Design, optimum: &Optimum) {
         .iter()
         .zip(&optimum.objective_multipliers)
     {
-        table.row([name.as_str(), &shown(*value), &rounded(*share, 4)]);
+        table.row([name.as_str(), &self::value(*value), &rounded(*share, 4)]);
     }
     text.push_str(&table.render());
     let (word, worst) = worst(design, optimum.maximum);
-    let _ = writeln!(text, "{word}: {worst}");
+    let _ = write!(text, "{word}: {worst}, `{}`", optimum.deciding);
+    if has_scales(design) {
+        let _ = write!(text, "; utility, with scales: {}", value(optimum.utility));
+    }
+    text.push('\n');
     if let Some(gamma) = optimum.attainment {
         let _ = writeln!(
             text,
@@ -163,10 +167,26 @@ fn exchange((one, f, price): Priced<'_>, (two, g, other): Priced<'_>) -> String 
 /// What the objective that decides is called, and its value.
 fn worst(design: &Design, maximum: f64) -> (&'static str, String) {
     let maximised = design.objectives.iter().filter(|one| one.maximise).count();
-    match maximised {
-        0 => ("greatest", shown(maximum)),
-        all if all == design.objectives.len() => ("least", shown(maximum)),
-        _ => ("greatest (maximised: negated)", shown(maximum)),
+    let word = match maximised {
+        0 => "greatest",
+        all if all == design.objectives.len() => "least",
+        _ => "greatest (maximised: negated)",
+    };
+    (word, value(maximum))
+}
+
+/// Does the solver compare other numbers than those that are shown?
+fn has_scales(design: &Design) -> bool {
+    let mut scales = design.objectives.iter().map(|objective| objective.scale);
+    scales.any(|scale| (scale - 1.0).abs() > 0.0)
+}
+
+/// A number, or that there is none.
+fn value(value: f64) -> String {
+    if value.is_nan() {
+        "no value".to_owned()
+    } else {
+        shown(value)
     }
 }
 
@@ -179,13 +199,20 @@ fn of_starts(text: &mut String, design: &Design, optimum: &Optimum) {
         solved.count(),
         optimum.optima.len()
     );
-    let mut table = Table::new().number(worst(design, 0.0).0).number("starts");
+    let mut table = Table::new().number(worst(design, 0.0).0);
+    let is_scaled = has_scales(design);
+    if is_scaled {
+        table = table.number("utility");
+    }
+    table = table.number("starts");
     for variable in &design.variables {
         table = table.number(&variable.name);
     }
     for (start, count) in optimum.optima.iter().take(MAX_OPTIMA) {
         let found = &optimum.starts[*start];
-        let mut cells = vec![worst(design, found.maximum).1, count.to_string()];
+        let mut cells = vec![worst(design, found.maximum).1];
+        cells.extend(is_scaled.then(|| value(found.utility)));
+        cells.push(count.to_string());
         cells.extend(found.x.iter().map(|x| shown(*x)));
         table.row(cells);
     }
