@@ -138,7 +138,7 @@ pub fn identify(job: &Job) -> Result<Identification> {
         out.shear = Some(ShearStage { readings, fit });
     }
     if let Some(wheel) = &job.wheel {
-        wheel_stage((job, wheel), &mut out)?;
+        wheel_stage(wheel, &mut out)?;
     }
     Ok(out)
 }
@@ -167,7 +167,7 @@ fn plates(job: &Job) -> Result<PlateStage> {
 ///
 /// The fit holds what earlier stages found for exact; the errors of its answer contain theirs. Source: error propagation
 /// through the stages, as for two-step estimators (Murphy & Topel 1985, J. Business & Economic Statistics 3).
-fn wheel_stage((whole, job): (&Job, &WheelJob), out: &mut Identification) -> Result<()> {
+fn wheel_stage(job: &WheelJob, out: &mut Identification) -> Result<()> {
     let soil = &out.soil;
     let tests = wheel::read_table(&job.table)?;
     check_known(job, soil)?;
@@ -187,7 +187,7 @@ fn wheel_stage((whole, job): (&Job, &WheelJob), out: &mut Identification) -> Res
     let mut uncertainty = Uncertainty::of(&best, job.loss);
     let plates = (out.plates.as_ref()).map(|stage| (&stage.fit, stage.tests.as_slice()));
     let shear = out.shear.as_ref().map(|stage| &stage.fit);
-    let changes = inherited::changes(plates, shear, (whole, job), (&fixed, &tests), &best);
+    let changes = inherited::changes(plates, shear, job, (&fixed, &tests), &best);
     let inherited = uncertainty.widen(&best, job.loss, changes.as_deref());
     let quantile = student_quantile(0.975, uncertainty.freedom);
     let intervals = (0..best.x.len())

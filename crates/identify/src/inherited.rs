@@ -3,7 +3,7 @@
 use grouser_files::soil::SoilNumber::{Cohesion, Exponent, KPhi, KShear, Phi};
 use grouser_opt::{Jacobian, Model as _};
 
-use crate::job::{Job, WheelJob};
+use crate::job::WheelJob;
 use crate::least_squares::Fit;
 use crate::parameter::Parameter;
 use crate::plate::{PlateFit, PlateTest};
@@ -24,7 +24,7 @@ const TAKEN: [Parameter; 5] = [
 pub(crate) fn changes(
     plates: Option<(&PlateFit, &[PlateTest])>,
     shear: Option<&ShearFit>,
-    (job, wheel): (&Job, &WheelJob),
+    wheel: &WheelJob,
     (fixed, tests): (&Fixed, &[WheelTest]),
     best: &Fit,
 ) -> Option<Vec<Vec<f64>>> {
@@ -44,8 +44,7 @@ pub(crate) fn changes(
     let mut out = Vec::new();
     if let Some((fit, tests)) = plates {
         let width = wheel.wheel.width();
-        let loss = (job.plate_settings.loss, width);
-        for [n, k, k_c] in fit.scatter(tests, loss, is_taken[0])? {
+        for [n, k, k_c] in fit.scatter(tests, width, is_taken[0])? {
             // the wheel's width does not change, so that k_phi stands for k_c/b + k_phi; beside its own k_phi, k_c is left
             let k = if is_taken[1] { k } else { k_c / width };
             out.push(change([n, k, 0.0, 0.0, 0.0]));

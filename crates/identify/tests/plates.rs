@@ -212,6 +212,36 @@ fn one_bad_reading_weighs_little_with_hubers_loss() {
     assert!(off(Loss::Huber { threshold: 0.01 }) < 0.1 * off(Loss::Squares));
 }
 
+/// Eighty readings with a scatter, of which four are three times too great: the threshold counts multiples of the scatter,
+/// whatever it is.
+#[test]
+fn hubers_threshold_counts_multiples_of_the_scatter() {
+    for scatter in [0.001, 0.01, 0.05] {
+        let mut test = disc("a", 0.1, &steps(3e-3, 1e-3, 80), |z| 1e6 * z);
+        for (i, force) in test.force.iter_mut().enumerate() {
+            // sizes of a normal distribution in a scrambled order: ln((1 − u)/u)/1.7 is nearly one
+            let u = (0.5 + (37 * i % 80) as f64) / 80.0;
+            *force *= (scatter * ((1.0 - u) / u).ln() / 1.7).exp();
+        }
+        let of = |test: &PlateTest, loss| {
+            let mut settings = PlateSettings::default();
+            settings.loss = loss;
+            fit_plates(&[test.clone()], &settings).unwrap().n
+        };
+        let huber = Loss::Huber { threshold: 1.345 };
+        let clean = of(&test, Loss::Squares);
+        assert!((of(&test, huber) - clean).abs() < 0.2 * scatter);
+        for i in [5, 12, 13, 20] {
+            test.force[i] *= 3.0;
+        }
+        let (robust, squares) = (of(&test, huber) - clean, of(&test, Loss::Squares) - clean);
+        assert!(
+            robust.abs() < 0.3 * scatter && squares.abs() > 0.03,
+            "{scatter}: {robust} {squares}"
+        );
+    }
+}
+
 #[test]
 fn a_table_names_its_plates_and_tests() {
     let file = std::env::temp_dir().join(format!("grouser-plates-{}.csv", std::process::id()));

@@ -10,6 +10,15 @@ use crate::least_squares::{
     Bounded, Fit, Interval, Loss, Settings, Uncertainty, Verdict, fit, profile, redundancy,
 };
 
+/// Rounds in which a robust fit and the scatter about it take turns.
+const MAX_SCALES: usize = 30;
+/// Scatters that differ by less than this share are the same.
+const SAME_SCALE: f64 = 1e-4;
+/// Readings without scatter count as if they had this one, in ln p.
+const LEAST_SCALE: f64 = 1e-9;
+/// The greatest modulus that soils may have, Pa/mⁿ.
+const MAX_MODULUS: f64 = 1e12;
+
 /// How plate tests are fitted.
 ///
 /// ```
@@ -26,7 +35,7 @@ pub struct PlateSettings {
     pub least_depth: f64,
     /// Is the height of each test's surface fitted too?
     pub fit_datum: bool,
-    /// What a residual costs.
+    /// What a residual costs, in multiples of the readings' scatter about the law, which the fit finds.
     pub loss: Loss,
 }
 
@@ -77,6 +86,8 @@ pub struct PlateFit {
     pub redundancy: f64,
     /// The fit.
     pub fit: Fit,
+    /// What a residual cost in it, in units of ln p.
+    loss: Loss,
 }
 
 impl PlateFit {
@@ -85,12 +96,12 @@ impl PlateFit {
     pub(crate) fn scatter(
         &self,
         tests: &[PlateTest],
-        (loss, width): (Loss, f64),
+        width: f64,
         free: bool,
     ) -> Option<Vec<[f64; 3]>> {
         let shape = Shape::of(tests);
         let fitted: Vec<usize> = (usize::from(!free)..=shape.moduli()).collect();
-        let mixtures = Uncertainty::of(&self.fit, loss).scatter(&fitted)?;
+        let mixtures = Uncertainty::of(&self.fit, self.loss).scatter(&fitted)?;
         let moved = |mixture: &Vec<f64>| {
             // d exp(x) = exp(x) dx
             let modulus = |index: usize| Real::exp(self.fit.x[index]) * mixture[index];
@@ -226,7 +237,7 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
         Bounded {
             start: Real::ln(1e6_f64),
             lower: 0.0,
-            upper: 40.0,
+            upper: Real::ln(MAX_MODULUS),
         };
         shape.moduli()
     ]);
@@ -247,12 +258,8 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
         shape,
         fit_datum: settings.fit_datum,
     });
-    let search = Settings {
-        loss: settings.loss,
-        ..Settings::default()
-    };
-    let found = fit(&law, count, &start, &search)?;
-    let uncertainty = Uncertainty::of(&found, settings.loss);
+    let (found, search) = fit_robustly(&law, count, start, settings.loss)?;
+    let uncertainty = Uncertainty::of(&found, search.loss);
     let residuals = split(&found.residuals, &used);
     let series = residuals.iter().map(|test| test.iter().map(|(_, r)| *r));
     let redundancy = redundancy(series);
@@ -266,7 +273,50 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
         &uncertainty,
         (&intervals, widen),
         (shape, residuals, redundancy),
+        search.loss,
     ))
+}
+
+/// The fit, and the settings that it ended with. The threshold of Huber's loss counts multiples of the scatter, which is not
+/// known beforehand: the fit and the median of its residuals' sizes take turns.
+///
+/// Source: Huber & Ronchetti, Robust Statistics, 2009, section 7.8 (location with an auxiliary scale).
+fn fit_robustly(
+    law: &Exact<Law<'_>>,
+    count: usize,
+    mut start: Vec<Bounded>,
+    loss: Loss,
+) -> Result<(Fit, Settings)> {
+    let mut search = Settings::default();
+    let mut found = fit(law, count, &start, &search)?;
+    let Loss::Huber { threshold } = loss else {
+        return Ok((found, search));
+    };
+    let mut scale = f64::INFINITY;
+    for _ in 0..MAX_SCALES {
+        let last = scale;
+        scale = robust_deviation(&found.residuals).max(LEAST_SCALE);
+        if (scale - last).abs() <= SAME_SCALE * scale {
+            break;
+        }
+        search.loss = Loss::Huber {
+            threshold: threshold * scale,
+        };
+        for (bounded, x) in start.iter_mut().zip(&found.x) {
+            bounded.start = *x;
+        }
+        found = fit(law, count, &start, &search)?;
+    }
+    Ok((found, search))
+}
+
+/// The standard deviation of normal residuals whose sizes have this median: outliers do not count in it.
+fn robust_deviation(residuals: &[f64]) -> f64 {
+    /// The median size of a standard normal number.
+    const MEDIAN_SIZE: f64 = 0.674_489_750_196_081_7;
+    let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) / MEDIAN_SIZE
 }
 
 fn assemble(
@@ -275,6 +325,7 @@ fn assemble(
     uncertainty: &Uncertainty,
     (intervals, widen): (&[Interval], f64),
     (shape, residuals, redundancy): (Shape, Vec<Vec<(usize, f64)>>, f64),
+    loss: Loss,
 ) -> PlateFit {
     let n = found.x[0];
     let number = |name: String, index: usize| {
@@ -334,6 +385,7 @@ fn assemble(
         relative_deviation: uncertainty.residual_deviation,
         redundancy,
         fit: found.clone(),
+        loss,
     }
 }
 

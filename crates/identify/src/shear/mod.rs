@@ -70,6 +70,8 @@ pub fn read_table(path: &Path) -> Result<Vec<ShearReading>> {
         .collect())
 }
 
+/// What K may be in a soil, m.
+const MODULUS_LIMITS_M: (f64, f64) = (1e-6, 10.0);
 /// Where searches for K begin, as shares of the longest displacement.
 const K_SHEAR_STARTS: [f64; 7] = [0.2, 1.0, 0.45, 0.09, 0.04, 0.018, 0.008];
 
@@ -130,6 +132,9 @@ pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
             parameters: 3,
         });
     }
+    // no less and no more than a soil may have
+    let least = (1e-6 * reach).clamp(MODULUS_LIMITS_M.0, 0.1 * MODULUS_LIMITS_M.1);
+    let greatest = (10.0 * reach).clamp(2.0 * least, MODULUS_LIMITS_M.1);
     // far from its K a search may take all readings for mobilised, where K has no effect: the best of several
     let from = |k_shear: f64| {
         [
@@ -144,9 +149,9 @@ pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
                 upper: 1.2,
             },
             Bounded {
-                start: k_shear * reach,
-                lower: 1e-6 * reach,
-                upper: 10.0 * reach,
+                start: (k_shear * reach).clamp(least, greatest),
+                lower: least,
+                upper: greatest,
             },
         ]
     };
@@ -207,6 +212,19 @@ mod tests {
             }
         }
         out
+    }
+
+    /// Readings without a rise leave K at its least, which is the least that a soil may have.
+    #[test]
+    fn a_modulus_that_the_readings_leave_open_is_one_that_a_soil_may_have() {
+        let reading = |i: u32| ShearReading {
+            normal: 5e3 * f64::from(1 + i % 3),
+            displacement: 2e-4 * f64::from(1 + i),
+            shear: 500.0 + 2e3 * f64::from(1 + i % 3),
+        };
+        let readings: Vec<ShearReading> = (0..12).map(reading).collect();
+        let [_, _, k_shear] = fit_shear(&readings, Loss::Squares).unwrap().values;
+        assert!((1e-6..=10.0).contains(&k_shear), "{k_shear}");
     }
 
     #[test]
