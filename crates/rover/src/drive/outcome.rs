@@ -93,7 +93,7 @@ pub struct DriveResult {
     pub energy: f64,
     /// Where it went.
     pub ledger: Ledger,
-    /// What the books of energy lack, over what was turned over.
+    /// What the books of energy lack, over what was turned over; at least what lifts the robot by a centimetre.
     pub energy_error: f64,
     /// Estimated against true slip.
     pub slip: SlipScore,

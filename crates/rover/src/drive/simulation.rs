@@ -34,6 +34,8 @@ const WORST_SLIP_TIME_S: f64 = 1.0;
 
 /// The step is at most this long, s: up to here the errors of a drive are those of RESULTS.md.
 const MAX_STEP_S: f64 = 2.5e-3;
+/// The balance of energy is compared with at least the energy that lifts the robot by this, m.
+const LEAST_LIFT_M: f64 = 0.01;
 /// Where the scenario gives no step, it is this share of the time in which the robot's fastest part settles.
 const STEP_RATE: f64 = 0.7;
 /// The greatest share that a scenario may give. Stepping is stable up to 1, or 0.9 with the spring of the soil.
@@ -467,7 +469,9 @@ impl Simulation {
         let (kinetic, potential) = self.vehicle.energy();
         let stored = kinetic + potential - self.energy_at_start;
         let spent = ledger.motor_heat + ledger.soil + ledger.bearings + ledger.dampers + stored;
-        let turned = ledger.electric.abs().max(ledger.soil.abs()).max(1e-9);
+        // a drive that ends at once has turned over next to nothing
+        let least = LEAST_LIFT_M * self.vehicle.model().weight();
+        let turned = ledger.electric.abs().max(ledger.soil.abs()).max(least);
         let place = self.vehicle.state().position;
         DriveResult {
             outcome: self.ended.unwrap_or(Outcome::TimeOut),

@@ -117,7 +117,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         let shown = report::object(&scenario, optimum, &runs);
         text.push_str(&file.write(&scenario.title, shown, session)?);
     }
-    Ok(Report::done(object, text))
+    Ok(Report {
+        warnings: run::bad_balance(&runs).into_iter().collect(),
+        ..Report::done(object, text)
+    })
 }
 
 fn pilot(name: &str) -> Result<Pilot> {

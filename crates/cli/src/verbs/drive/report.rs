@@ -5,7 +5,7 @@ use grouser_report::Object;
 use grouser_rover::drive::Scenario;
 use serde_json::{Value, json};
 
-use super::run::{Run, pilots};
+use super::run::{Run, bad_balance, pilots};
 use super::text::summary;
 
 pub(super) fn object(scenario: &Scenario, optimum: f64, runs: &[Run]) -> Object {
@@ -13,11 +13,12 @@ pub(super) fn object(scenario: &Scenario, optimum: f64, runs: &[Run]) -> Object 
     let played: Vec<Value> = runs.iter().filter_map(drive).collect();
     let drives: Vec<Value> = runs.iter().map(row).collect();
     let drivers = pilots(runs);
-    let summaries: Vec<String> = if runs.len() > drivers.len() {
+    let mut summaries: Vec<String> = if runs.len() > drivers.len() {
         drivers.iter().map(|pilot| summary(runs, *pilot)).collect()
     } else {
         Vec::new()
     };
+    summaries.extend(bad_balance(runs));
     let soils: Vec<(String, &str)> = scenario
         .ground
         .soils

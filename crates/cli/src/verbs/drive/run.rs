@@ -1,6 +1,7 @@
 //! One finished drive, and several.
 
 use grouser_page::run::DriveRecorder;
+use grouser_report::number::rounded;
 use grouser_rover::drive::{DriveResult, Outcome, Pilot, SlipScore};
 use grouser_terrain::mission::PlannedDrive;
 
@@ -22,6 +23,32 @@ pub(super) fn count(runs: &[Run], pilot: Pilot, outcome: Outcome) -> usize {
     runs.iter()
         .filter(|run| run.pilot == pilot && run.result.outcome == outcome)
         .count()
+}
+
+/// A balance of energy that is off by more than this share is said.
+const BAD_BALANCE: f64 = 0.02;
+
+/// The worst balance of energy, where it belies the numbers of its drive.
+pub(super) fn bad_balance(runs: &[Run]) -> Option<String> {
+    let share = |run: &Run| run.result.energy_error.abs();
+    let bad = runs.iter().filter(|run| share(run) > BAD_BALANCE);
+    let worst = bad.clone().max_by(|a, b| share(a).total_cmp(&share(b)))?;
+    let count = bad.count();
+    let among = if runs.len() > 1 {
+        format!(
+            " ({count} of {} drives are off by more than 2 %)",
+            runs.len()
+        )
+    } else {
+        String::new()
+    };
+    Some(format!(
+        "the energy balance of `{}`, seed {}, is off by {} %{among}: its ways and energies are no better; a shorter `step_s` in the \
+         scenario makes them so",
+        worst.pilot.name(),
+        worst.seed,
+        rounded(100.0 * share(worst), 2)
+    ))
 }
 
 /// The drivers in the order of the command line, each once.
