@@ -119,6 +119,21 @@ impl Error {
         self
     }
 
+    /// The same, with the name of what it is about before the message.
+    pub(crate) fn of(mut self, what: &str) -> Self {
+        self.message = format!("{what}: {}", self.message);
+        self
+    }
+
+    /// The same, of a file where no file is named.
+    pub(crate) fn in_file(mut self, path: &Path) -> Self {
+        if self.details.file.is_none() {
+            self.message = format!("{}: {}", path.display(), self.message);
+            self.details.file = Some(path.display().to_string());
+        }
+        self
+    }
+
     fn at(self, path: &Path) -> Self {
         self.with(Details {
             file: Some(path.display().to_string()),

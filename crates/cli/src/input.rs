@@ -4,13 +4,19 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use grouser_files::regular;
+use grouser_rover::robot::RobotModel;
 use sha2::{Digest as _, Sha256};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::files_in_use;
 
 /// The name that stands for standard input or standard output.
 pub(crate) const STANDARD: &str = "-";
+
+/// The robot of a file.
+pub(crate) fn robot(path: &Path) -> Result<RobotModel> {
+    RobotModel::read(path).map_err(|error| Error::from(error).in_file(path))
+}
 
 /// A file being read, or standard input.
 pub(crate) struct Input {

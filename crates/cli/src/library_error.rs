@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use grouser_files::{Error as FileError, Place};
+use grouser_terra::OutOfRange;
 
 use crate::error::{Details, Error, Kind};
 use crate::law_error::Names;
@@ -86,11 +87,33 @@ impl From<grouser_replay::Error> for Error {
 
 impl From<grouser_rover::Error> for Error {
     fn from(error: grouser_rover::Error) -> Self {
+        use grouser_rover::Error as Rover;
+        let hint = error.hint();
         match error {
-            grouser_rover::Error::File(error) => error.into(),
-            error => Self::new(Kind::Content, error.to_string(), error.hint()),
+            Rover::File(error) => error.into(),
+            Rover::OutOfRange { of, range } => out_of_range(&of, range),
+            Rover::Law { of, source } => Names::Columns.error(&source).of(&of),
+            Rover::Terrain { ref file, .. } => {
+                let file = file.display().to_string();
+                Self::new(Kind::Content, error.to_string(), hint).with(Details {
+                    file: Some(file),
+                    ..Details::default()
+                })
+            }
+            Rover::Unreadable { file, source } => Self::file("read", &file, &source),
+            error => Self::new(Kind::Content, error.to_string(), hint),
         }
     }
+}
+
+/// A number of `of` outside its limits.
+fn out_of_range(of: &str, range: OutOfRange) -> Error {
+    Error::new(Kind::Content, format!("{of}: {range}"), None).with(Details {
+        value: range.value.into(),
+        limit: vec![range.low, range.high].into(),
+        unit: Some(range.unit.to_owned()).filter(|unit| !matches!(unit.as_str(), "" | "1")),
+        ..field(range.field)
+    })
 }
 
 impl From<grouser_terrain::Error> for Error {
@@ -105,6 +128,15 @@ impl From<grouser_terrain::Error> for Error {
                 file,
                 source,
             } => Self::file(action, &file, &source),
+            Terrain::OutOfRange { of, range } => out_of_range(&of, range),
+            Terrain::Law { of, source } => Names::Columns.error(&source).of(&of),
+            Terrain::Terrain { ref file, .. } => {
+                let file = file.display().to_string();
+                Self::new(Kind::Content, error.to_string(), hint).with(Details {
+                    file: Some(file),
+                    ..Details::default()
+                })
+            }
             Terrain::OtherMap {
                 field: name,
                 ref value,

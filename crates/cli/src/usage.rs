@@ -42,7 +42,12 @@ fn message(error: &clap::Error) -> String {
         }
         (ErrorKind::ValueValidation, Some(argument), Some(value)) => {
             let reason = std::error::Error::source(error).map(ToString::to_string);
-            let reason = reason.unwrap_or_else(|| "is not valid there".to_owned());
+            let reason = match reason.as_deref() {
+                None => "is not valid there",
+                Some("invalid digit found in string") => "must be a whole number",
+                Some("number too large to fit in target type") => "is too large",
+                Some(reason) => reason,
+            };
             format!("{argument} is `{value}`, but {reason}")
         }
         (ErrorKind::UnknownArgument, Some(argument), _) => {

@@ -78,6 +78,20 @@ impl<Field> OutOfRange<Field> {
     }
 }
 
+/// A number without hundreds of zeros.
+struct Plain(f64);
+
+impl Display for Plain {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        if size < 1e-6 && size > 0.0 || size >= 1e15 && size.is_finite() {
+            write!(f, "{:e}", self.0)
+        } else {
+            write!(f, "{}", self.0)
+        }
+    }
+}
+
 impl<Field: Display> Display for OutOfRange<Field> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let quote = if f.alternate() { "`" } else { "" };
@@ -88,12 +102,14 @@ impl<Field: Display> Display for OutOfRange<Field> {
         write!(
             f,
             "{quote}{}{quote} is {}{space}{unit}, but must ",
-            self.field, self.value
+            self.field,
+            Plain(self.value)
         )?;
+        let [low, high] = [self.low, self.high].map(Plain);
         if self.high >= f64::MAX {
-            write!(f, "be at least {}{space}{unit}", self.low)
+            write!(f, "be at least {low}{space}{unit}")
         } else {
-            write!(f, "lie in [{}, {}]{space}{unit}", self.low, self.high)
+            write!(f, "lie in [{low}, {high}]{space}{unit}")
         }
     }
 }
@@ -148,5 +164,10 @@ mod tests {
         );
         let below = OutOfRange::<&str>::check("share", 3.0, (0.0, 1.0), "1").expect_err("outside");
         assert_eq!(below.to_string(), "share is 3, but must lie in [0, 1]");
+        let huge = check(1e308, (f64::MIN_POSITIVE, 1e18)).expect_err("outside");
+        assert_eq!(
+            huge.to_string(),
+            "load is 1e308 N, but must lie in [2.2250738585072014e-308, 1e18] N"
+        );
     }
 }

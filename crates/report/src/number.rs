@@ -6,7 +6,8 @@ pub fn parse_finite(text: &str) -> Result<f64, String> {
     if let Some(value) = parse_plain(text) {
         return Ok(value);
     }
-    match text.parse::<f64>() {
+    // a minus sign as `shown` writes it
+    match text.replace('\u{2212}', "-").parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err("must be a finite number".to_owned()),
     }
@@ -200,6 +201,7 @@ mod tests {
     #[test]
     fn only_finite_numbers_are_read() {
         assert_eq!(parse_finite("-0.3"), Ok(-0.3));
+        assert_eq!(parse_finite(&shown(-0.3)), Ok(-0.3));
         for text in ["nan", "inf", "-inf", "1e400", "", "0,5", "0x10"] {
             assert!(parse_finite(text).is_err(), "{text}");
         }

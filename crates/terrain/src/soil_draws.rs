@@ -89,7 +89,12 @@ impl SoilIntervals {
                 },
             })?;
             let of = "soil within its intervals";
-            Error::check(of, number.key(), centre, *limits, "SI")?;
+            // in the unit of the key, which the file gives
+            let unit = number.key_unit();
+            let ends = (limits.0 / unit, limits.1 / unit);
+            if !(limits.0 <= centre && centre <= limits.1) {
+                Error::check(of, number.key(), centre / unit, ends, "")?;
+            }
             centres.push(centre);
         }
         (0..count)

@@ -13,6 +13,7 @@ use grouser_terra::{Angle, Kinematics, Settings, SlopeOutcome, Soil, WheelOnSoil
 
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
+use crate::input;
 use crate::law_error::Names;
 use crate::output_choice::Output;
 use crate::session::Session;
@@ -152,7 +153,7 @@ fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<
     let refuse = |error| Names::Flags.error(&error);
     if let Some(path) = &arguments.robot {
         session.used_file(path)?;
-        let model = arguments.gravity.of(RobotModel::read(path)?);
+        let model = arguments.gravity.of(input::robot(path)?);
         return Ok(Climber::Robot(Box::new(model)));
     }
     let (Some(radius), Some(width)) = (arguments.radius_m, arguments.width_m) else {

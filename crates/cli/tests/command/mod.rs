@@ -4,6 +4,7 @@ mod batch;
 mod contract;
 mod design;
 mod drive;
+mod errors;
 mod figures;
 mod gravity;
 mod help;

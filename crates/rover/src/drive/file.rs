@@ -196,7 +196,7 @@ fn read_learn(s: &Section<'_>, hysteresis: f64) -> grouser_files::Result<LearnSp
 
 /// The soils; their files lie beside the scenario.
 fn read_soils(root: &Section<'_>, beside: &Path) -> Result<Vec<SoilSpec>> {
-    let texts = root.sections("soil", |s| {
+    let soils = root.sections("soil", |s| {
         let origin = match s.optional_text("file")? {
             Some(_) if s.has("key") => {
                 return Err(grouser_files::Error::Contradiction {
@@ -213,12 +213,46 @@ fn read_soils(root: &Section<'_>, beside: &Path) -> Result<Vec<SoilSpec>> {
         for (slot, key) in changes.0.iter_mut().zip(SoilChanges::KEYS) {
             *slot = s.optional_number(key, ANY_NUMBER)?;
         }
-        Ok((s.text("name")?.to_owned(), origin, changes))
+        let soil = SoilSpec::new(s.text("name")?, origin, changes);
+        Ok(soil.map_err(|error| at_key(s, error)))
     })?;
-    texts
-        .into_iter()
-        .map(|(name, origin, changes)| SoilSpec::new(&name, origin, changes))
-        .collect()
+    soils.into_iter().collect()
+}
+
+/// What the laws refuse, at the key that gave it and in its unit.
+fn at_key(s: &Section<'_>, error: Error) -> Error {
+    let Error::Law { source, .. } = error else {
+        return error;
+    };
+    let key_of = |field: &str| {
+        let unit = |key: &str| {
+            key.strip_prefix(field)
+                .is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+        };
+        SoilChanges::KEYS
+            .into_iter()
+            .find(|key| unit(key) && s.has(key))
+    };
+    if let grouser_terra::Error::OutOfRange(range) = source
+        && let Some(key) = key_of(range.field)
+    {
+        let scaled = |value: f64| {
+            let value = match key {
+                "phi_deg" => value.to_degrees(),
+                "cohesion_kpa" => value / 1000.0,
+                _ => value,
+            };
+            // the digits of the key's own unit
+            (value * 1e9).round() / 1e9
+        };
+        let limits = (scaled(range.low), scaled(range.high));
+        return s.out_of_range(key, scaled(range.value), limits).into();
+    }
+    let at = source
+        .field()
+        .and_then(key_of)
+        .map_or_else(|| s.place(), |key| s.place_of(key));
+    grouser_files::Error::Soil { at, source }.into()
 }
 
 /// The index of the soil that the file or the catalogue knows by this name.

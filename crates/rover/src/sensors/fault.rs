@@ -186,7 +186,7 @@ impl Schedule {
             let of = format!("fault \"{name}\"");
             Error::check(&of, "from", window.from, (0.0, 1e9), "s")?;
             Error::check(&of, "to", window.to, (window.from, f64::INFINITY), "s")?;
-            Error::check(&of, "value", window.value, limits, "as its kind has it")?;
+            Error::check(&of, "value", window.value, limits, "")?;
         }
         Ok(Self { windows })
     }

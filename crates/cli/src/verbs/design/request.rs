@@ -140,6 +140,7 @@ fn flags(arguments: &Arguments) -> MissionFile {
 
 pub(super) fn read(arguments: &Arguments, session: &mut Session) -> Result<Request> {
     let mut file = flags(arguments);
+    let by_flags = [!file.soils.is_empty(), !file.slopes.is_empty()];
     if let Some(path) = &arguments.mission {
         let document = Document::read(path)?;
         session.used_document(&document);
@@ -156,9 +157,19 @@ pub(super) fn read(arguments: &Arguments, session: &mut Session) -> Result<Reque
             ));
         }
     }
+    // shares that no flag gives are those of the mission file
+    let of_shares = |is_by_flag: bool, error: grouser_design::Error| {
+        let error = Error::from(error);
+        match &arguments.mission {
+            Some(path) if !is_by_flag => error.in_file(path),
+            _ => error,
+        }
+    };
     let (mut chosen, mut sources) = (Vec::new(), Vec::new());
     let is_single = file.soils.len() == 1;
-    for (name, share) in mission::shares("soils", file.soils.clone())? {
+    for (name, share) in mission::shares("soils", file.soils.clone())
+        .map_err(|error| of_shares(by_flags[0], error))?
+    {
         let one = soil_choice::choose(OsStr::new(&name), &arguments.overrides)?;
         // The provenance has room for one soil; several are listed with their sources in the result.
         if is_single {
@@ -173,7 +184,8 @@ pub(super) fn read(arguments: &Arguments, session: &mut Session) -> Result<Reque
             share,
         });
     }
-    let slopes = mission::shares("slopes", file.slopes.clone())?;
+    let slopes = mission::shares("slopes", file.slopes.clone())
+        .map_err(|error| of_shares(by_flags[1], error))?;
     Ok(Request {
         soils: chosen,
         sources,

@@ -74,14 +74,15 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         .map(|name| pilot(name))
         .collect::<Result<_>>()?;
     if !(1..=MAX_SEEDS).contains(&arguments.sweep) {
-        return Err(Error::usage_without_hint(format!(
-            "`--sweep` is {}, but must lie in [1, {MAX_SEEDS}]",
-            arguments.sweep
-        )));
+        let limits = [1.0, MAX_SEEDS as f64];
+        let said = format_args!("lie in [1, {MAX_SEEDS}]");
+        let sweep = arguments.sweep as f64;
+        return Err(Error::out_of_range("--sweep", sweep, limits, said));
     }
     let report = arguments.report.begin()?;
     session.used_file(&arguments.scenario)?;
-    let scenario = read_scenario(&arguments.scenario)?;
+    let path = &arguments.scenario;
+    let scenario = read_scenario(path).map_err(|error| Error::from(error).in_file(path))?;
     session.used_file(&scenario.robot_file)?;
     if scenario.plan.is_some() && pilots.iter().any(|pilot| *pilot != Pilot::Controller) {
         return Err(Error::usage(
@@ -102,7 +103,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         first,
         sweep: arguments.sweep,
     };
-    let (runs, log) = drive_all(&scenario, &jobs, log)?;
+    // what the ground or the robot of a scenario lacks shows itself where it is built
+    let driven = drive_all(&scenario, &jobs, log);
+    let (runs, log) = driven.map_err(|error| error.in_file(path))?;
     let mut text = text::text(&scenario, optimum, &runs);
     let object = object::fields().object(Drives {
         scenario: &scenario,

@@ -48,8 +48,11 @@ pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     // What is not there may be the beginning of several names, of tables.
     let kind = if file.exists() {
         Container::kind(file)?
-    } else {
+    } else if begins_a_name(file) {
         None
+    } else {
+        let reason = std::io::Error::from_raw_os_error(2);
+        return Err(Error::file("read", file, &reason));
     };
     if kind.is_some() && arguments.map.is_some() {
         return Err(Error::usage_without_hint(
@@ -197,6 +200,17 @@ fn only_topic(file: &Path) -> Result<String> {
             format!("`--topic` chooses one of {}", several.join(", ")),
         )),
     }
+}
+
+/// Is there a file beside it whose name begins with this one's?
+fn begins_a_name(file: &Path) -> bool {
+    let name = file.file_name().unwrap_or_default().as_encoded_bytes();
+    let folder = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let entries = std::fs::read_dir(folder.unwrap_or(Path::new(".")));
+    let mut names = entries.into_iter().flatten().flatten();
+    names.any(|entry| entry.file_name().as_encoded_bytes().starts_with(name))
 }
 
 /// A table through its column map.

@@ -15,12 +15,12 @@ mod work;
 use std::path::PathBuf;
 
 use grouser_report::number::parse_finite;
-use grouser_rover::robot::RobotModel;
 use grouser_terrain::raster::Dem;
 use grouser_terrain::{Envelope, Headings, MapLayout, MapMaker, MapSettings, MapSoil, SoilMap};
 
 use crate::error::Result;
 use crate::exit::Outcome;
+use crate::input;
 use crate::session::Session;
 use crate::soil_choice::SoilArguments;
 use crate::verb_report::Report;
@@ -103,7 +103,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let headings = Headings::new(arguments.headings)?;
     let chosen = arguments.soil.choose(session)?;
     session.used_file(&arguments.robot)?;
-    let model = arguments.gravity.of(RobotModel::read(&arguments.robot)?);
+    let model = arguments.gravity.of(input::robot(&arguments.robot)?);
     let mut dem = Dem::open(&arguments.dem, arguments.cell_m, arguments.height_step_m)?;
     session.used_file(&arguments.dem)?;
     let [max_pitch, max_roll] =

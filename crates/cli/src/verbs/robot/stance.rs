@@ -10,6 +10,7 @@ use grouser_rover::statics::{
 };
 
 use crate::error::Result;
+use crate::input;
 use crate::session::Session;
 use crate::verb_report::Report;
 use crate::wheel_choice::GravityArgument;
@@ -46,7 +47,7 @@ impl Arguments {
 
 pub(super) fn run(path: &Path, arguments: &Arguments, session: &mut Session) -> Result<Report> {
     session.used_file(path)?;
-    let model = arguments.gravity.of(RobotModel::read(path)?);
+    let model = arguments.gravity.of(input::robot(path)?);
     let footing = (!arguments.heights_m.is_empty()).then_some(Footing {
         heights: &arguments.heights_m,
         stiffness: GROUND_STIFFNESS_N_PER_M,
