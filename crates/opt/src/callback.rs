@@ -64,7 +64,7 @@ pub struct Progress<'a> {
     pub stationarity: Option<f64>,
 }
 
-/// Called once an iteration or generation, and about ten times a second within a large subproblem; `Break` ends the search with what it has found so far
-/// ([`Status::Stopped`](crate::Status::Stopped), [`MultiStart::stopped`](crate::MultiStart::stopped),
-/// [`Front::stopped`](crate::Front::stopped)).
+/// Called once an iteration or generation, before each probe around a solution, and about ten times a second within a large
+/// subproblem; `Break` ends the search with what it has found so far ([`Status::Stopped`](crate::Status::Stopped),
+/// [`MultiStart::stopped`](crate::MultiStart::stopped), [`Front::stopped`](crate::Front::stopped)).
 pub type Callback<'c> = dyn FnMut(&Progress<'_>) -> ControlFlow<()> + 'c;

@@ -175,6 +175,26 @@ fn a_stop_is_obeyed_within_a_large_subproblem() {
     assert_eq!((within, solution.counts.values), (1, 1));
 }
 
+/// At a solution only the probes around it are left, which may take long.
+#[test]
+fn a_stop_is_obeyed_between_probes() {
+    let problem =
+        Problem::new(disc(0, 0).variables([Variable::free("x", 0.0), Variable::free("y", 0.0)]))
+            .unwrap();
+    let mut heard = 0;
+    let stop = &mut |_: &grouser_opt::Progress<'_>| {
+        heard += 1;
+        if heard == 3 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    };
+    let solution = solve_with(&problem, &Method::Minimax, &Settings::default(), stop).unwrap();
+    assert_eq!((solution.status, heard), (Status::Stopped, 3));
+    assert!(solution.counts.probes < 5, "{:?}", solution.counts);
+}
+
 #[test]
 fn limits_are_kept() {
     let problem = Problem::new(disc(0, 0)).unwrap();

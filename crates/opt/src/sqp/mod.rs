@@ -140,8 +140,25 @@ pub(crate) fn solve(
             program: &program,
             counts: best.0.counts,
         };
-        let improved = probe::improvement(&mut evaluator, settings, &best.1);
+        let progress = Progress {
+            stage: Stage::Solve,
+            iteration: best.0.counts.iterations,
+            x: &best.1.x,
+            utility: best.0.utility,
+            violation: best.0.kkt.violation,
+            stationarity: Some(best.0.kkt.stationarity),
+        };
+        let mut stopped = false;
+        let stop = &mut || {
+            stopped = stopped || callback(&progress).is_break();
+            stopped
+        };
+        let improved = probe::improvement(&mut evaluator, settings, &best.1, stop);
         best.0.counts = evaluator.counts;
+        if stopped {
+            best.0.status = Status::Stopped;
+            return best.0;
+        }
         let Some(x) = improved else {
             return best.0;
         };

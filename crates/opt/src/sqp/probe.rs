@@ -29,11 +29,13 @@ const LINEAR_SWEEPS: usize = 4;
 /// Objectives within this · (1 + |level|) of the level hold it.
 const HOLDING_SLACK: f64 = 1e-6;
 
-/// The best probe around `point` that meets all constraints as well as it does and lowers the level.
+/// The best probe around `point` that meets all constraints as well as it does and lowers the level; none where `stop` returns
+/// `true` before a probe.
 pub(super) fn improvement(
     evaluator: &mut Evaluator<'_>,
     settings: &Settings,
     point: &Point,
+    stop: &mut dyn FnMut() -> bool,
 ) -> Option<Vec<f64>> {
     let level = point.level(evaluator.program);
     let enough = level - REFUTING_DECREASE * (1.0 + level.abs());
@@ -46,11 +48,17 @@ pub(super) fn improvement(
     };
     let lengths = lengths(evaluator.program, point);
     for direction in directions(evaluator, &lengths, settings.probes, point) {
+        if stop() {
+            return None;
+        }
         if let Some((level, x)) = probe(evaluator, point, &direction) {
             keep(level, x);
         }
     }
     for i in 0..lengths.len() {
+        if stop() {
+            return None;
+        }
         let both = [WIDE, -WIDE].map(|sign| probe(evaluator, point, &along(&lengths, i, sign)));
         if let [Some(up), Some(down)] = both
             && up.0.max(down.0) < enough
