@@ -97,8 +97,8 @@ fn what_a_scenario_describes_is_refused_with_its_file_and_numbers() {
     fs::write(&path, robot.replace(radius, "radius_m = 1e308")).unwrap();
     let error = refused(&grouser([
         "robot",
-        "stance",
         &path.display().to_string(),
+        "--stance",
         "--json",
     ]));
     let message = error["message"].as_str().unwrap();
