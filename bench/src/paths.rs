@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use grouser_real::Dual;
 use grouser_terra::{
-    Accuracy, Angle, BatchKernel, BestOf, BestSlipColumns, DualInputs, Kinematics, Pressure,
-    RigidWheel, Settings, ShearLaw, Slip, SlopeOutcome, Soil, SoilParams, SolveStatus, WheelOnSoil,
-    WheelSize, catalogue, entry_angle,
+    Accuracy, Angle, BatchColumns, BatchKernel, BatchPoints, BestOf, BestSlipColumns, DualInputs,
+    Kinematics, Pressure, RigidWheel, Settings, ShearLaw, Slip, SlopeOutcome, Soil, SoilColumns,
+    SoilParams, SolveStatus, WheelOnSoil, WheelSize, catalogue, entry_angle,
 };
 
 /// Median time of `job`, ns, over rounds that last long enough to be measured.
@@ -181,6 +181,103 @@ pub fn run() {
     slip_demands(wheel);
     best_slips(wheel);
     skids();
+    soils(wheel);
+}
+
+/// Forces at 4096 sinkages and under 4096 loads: on one soil, on 4096 that share their exponent, on 4096 that share nothing;
+/// and what a soil costs whose exponent is new.
+fn soils(wheel: RigidWheel) {
+    const COUNT: usize = 4096;
+    let base = sand();
+    let soil = Soil::new(base).expect("a soil");
+    let kernel = BatchKernel::new(soil);
+    // each number by its own irrational turn
+    let spread = |turn: f64, low: f64, high: f64| -> Vec<f64> {
+        let at = |i: usize| low + (high - low) * (turn * i as f64).fract();
+        (0..COUNT).map(at).collect()
+    };
+    let slip = spread(0.618_034, 0.0, 0.9);
+    let load = spread(0.414_214, 20.0, 150.0);
+    let sinkage = spread(0.732_051, 0.003, 0.045);
+    let n = spread(0.236_068, 0.9, 1.3);
+    let cohesion = spread(0.645_751, 500.0, 2000.0);
+    let phi = spread(0.316_625, 0.45, 0.6);
+    let k_shear = spread(0.872_983, 0.015, 0.035);
+    let k_phi = spread(0.358_899, 1.2e6, 1.8e6);
+    let c_1 = spread(0.123_106, 0.15, 0.25);
+    let each = SoilColumns {
+        n: (&n).into(),
+        cohesion: (&cohesion).into(),
+        phi: (&phi).into(),
+        k_shear: (&k_shear).into(),
+        k_phi: (&k_phi).into(),
+        c_1: (&c_1).into(),
+        ..SoilColumns::of(&soil)
+    };
+    let one_exponent = SoilColumns {
+        n: base.n.into(),
+        ..each
+    };
+    let points = BatchPoints {
+        radius: wheel.radius().into(),
+        width: wheel.width().into(),
+        rebound: 0.0.into(),
+        slip: (&slip).into(),
+    };
+    let mut out = vec![vec![0.0; COUNT]; 4];
+    let mut status = vec![SolveStatus::default(); COUNT];
+    let mut time = |soils: Option<&SoilColumns<'_>>, by_load: bool| {
+        let mut times: Vec<f64> = (0..31)
+            .map(|_| {
+                let [sinkage_m, vertical_force, drawbar_pull, torque] = &mut out[..] else {
+                    unreachable!("four columns");
+                };
+                let mut columns = BatchColumns {
+                    sinkage: sinkage_m,
+                    vertical_force,
+                    drawbar_pull,
+                    torque,
+                    status: &mut status,
+                };
+                let start = Instant::now();
+                match (soils, by_load) {
+                    (None, true) => kernel.under_load(&points, black_box(&load), &mut columns),
+                    (None, false) => kernel.forces(&points, black_box(&sinkage), &mut columns),
+                    (Some(soils), true) => {
+                        kernel.under_load_on(soils, &points, black_box(&load), &mut columns)
+                    }
+                    (Some(soils), false) => {
+                        kernel.forces_on(soils, &points, black_box(&sinkage), &mut columns)
+                    }
+                }
+                .expect("columns of one length");
+                start.elapsed().as_secs_f64() * 1e9 / COUNT as f64
+            })
+            .collect();
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    };
+    for (what, by_load) in [("forces at a sinkage", false), ("sinkage of a load", true)] {
+        let one = time(None, by_load);
+        let shared = time(Some(&one_exponent), by_load);
+        let own = time(Some(&each), by_load);
+        println!(
+            "{what}: {one:.0} ns on one soil, {shared:.0} ns on soils of one exponent ({:.2} x), {own:.0} ns on soils that share \
+             nothing ({:.2} x)",
+            shared / one,
+            own / one
+        );
+    }
+    let mut exponent = base.n;
+    let new = median_ns(|| {
+        exponent += 1e-6;
+        let soil = Soil::new(SoilParams {
+            n: exponent,
+            ..base
+        });
+        soil.expect("a soil").params().n
+    });
+    println!("a soil of a new exponent: {new:.0} ns");
 }
 
 /// The slips that hold 4096 slopes, from the level to a little beyond the steepest that is held: on lanes, and one by one.

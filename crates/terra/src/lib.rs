@@ -71,7 +71,7 @@ pub use grouser_real::OutOfRange;
 pub use kinematics::Kinematics;
 pub use lanes::{
     BatchColumns, BatchInput, BatchKernel, BatchPoints, BestOf, BestSlipColumns, LaneMask, Lanes,
-    instructions,
+    SoilColumns, instructions,
 };
 pub use lugs::{LugPassage, lug_spacing_skonieczny, lug_thrust_gain, lug_transport_layer};
 pub use multi_pass::{MultiPass, PassChange};

@@ -16,6 +16,16 @@ use crate::slip_velocity::{SlipNorm, SlipVelocity};
 
 /// The sinkage exponents that the laws are used with.
 pub(crate) const EXPONENT: (f64, f64) = (0.1, 3.0);
+/// Legal moduli of Bekker's law, N/m^(n+1) and N/m^(n+2), and of Reece's, pure numbers.
+pub(crate) const MODULUS: [(f64, f64); 2] = [(-1e12, 1e12), (-1e9, 1e9)];
+/// Legal cohesion, Pa.
+pub(crate) const COHESION: (f64, f64) = (0.0, 1e8);
+/// Legal angle of friction, rad. 89°: beyond it tan φ is no soil any more, and degrees taken for radians end here.
+pub(crate) const PHI: (f64, f64) = (0.0, 89_f64.to_radians());
+/// Legal shear modulus, m.
+pub(crate) const K_SHEAR: (f64, f64) = (1e-6, 10.0);
+/// Legal c_1 and c_2.
+pub(crate) const POSITION: (f64, f64) = (-2.0, 2.0);
 /// Slip angle below which moving sideways takes nothing of the pressure, rad: sin²⁴β is 1.5e-17 there, and 1 − sin²⁴β rounds
 /// to 1.
 const MIN_SUPPORT_ANGLE_RAD: f64 = 0.2;
@@ -98,6 +108,39 @@ pub struct LawChoice {
     pub bulldozing: Option<Bulldozing>,
 }
 
+impl SoilParams {
+    /// These numbers as the laws take them, unchecked.
+    pub(crate) fn laws<R: Real>(&self) -> SoilLaws<R> {
+        let p = self;
+        let r = R::from_f64;
+        SoilLaws {
+            pressure: p.pressure.lifted(),
+            exponent: SinkageExponent {
+                n_0: r(p.n),
+                n_1: r(p.n_1),
+                n_2: r(p.n_2),
+            },
+            strength: MohrCoulomb {
+                cohesion: r(p.cohesion),
+                phi: r(p.phi.rad()),
+            },
+            k_shear: r(p.k_shear),
+            k_shear_1: r(p.k_shear_1),
+            k_shear_side: r(p.k_shear_side.unwrap_or(p.k_shear)),
+            k_shear_side_1: r(p.k_shear_side.map_or(p.k_shear_1, |_| p.k_shear_side_1)),
+            c_1: r(p.c_1),
+            c_2: r(p.c_2),
+            rebound: r(p.rebound),
+            unit_weight: r(p.unit_weight.unwrap_or(0.0)),
+            rear_driving: r(p.rear_driving),
+            rear_drift: r(p.rear_drift),
+            transport_layer: r(p.transport_layer),
+            sideways_support: r(p.sideways_support),
+            choice: p.laws,
+        }
+    }
+}
+
 /// A soil whose every number has been checked, and what its sinkage exponent prepares for the integrals.
 ///
 /// ```
@@ -129,14 +172,17 @@ impl Soil {
     /// NaN is never in range. Reece's law without a unit weight is [`Error::Missing`].
     pub fn new(params: SoilParams) -> Result<Self> {
         let p = &params;
+        let check = |name, value, (min, max): (f64, f64), unit| {
+            Error::check_range(name, value, min, max, unit)
+        };
         match p.pressure {
             Pressure::Bekker(law) => {
-                Error::check_range("k_c", law.k_c, -1e12, 1e12, "N/m^(n+1)")?;
-                Error::check_range("k_phi", law.k_phi, -1e12, 1e12, "N/m^(n+2)")?;
+                check("k_c", law.k_c, MODULUS[0], "N/m^(n+1)")?;
+                check("k_phi", law.k_phi, MODULUS[0], "N/m^(n+2)")?;
             }
             Pressure::Reece(law) => {
-                Error::check_range("k_c_prime", law.k_c_prime, -1e9, 1e9, "1")?;
-                Error::check_range("k_phi_prime", law.k_phi_prime, -1e9, 1e9, "1")?;
+                check("k_c_prime", law.k_c_prime, MODULUS[1], "1")?;
+                check("k_phi_prime", law.k_phi_prime, MODULUS[1], "1")?;
                 if p.unit_weight.is_none() {
                     return Err(Error::Missing {
                         field: "unit_weight",
@@ -145,20 +191,19 @@ impl Soil {
                 }
             }
         }
-        Error::check_range("n", p.n, EXPONENT.0, EXPONENT.1, "1")?;
+        check("n", p.n, EXPONENT, "1")?;
         Error::check_range("n_1", p.n_1, -EXPONENT.1, EXPONENT.1, "1")?;
         Error::check_range("n_2", p.n_2, -EXPONENT.1, EXPONENT.1, "1")?;
-        Error::check_range("cohesion", p.cohesion, 0.0, 1e8, "Pa")?;
-        // 89°: beyond it tan φ is no soil any more, and degrees taken for radians end here
-        Error::check_range("phi", p.phi.rad(), 0.0, 89_f64.to_radians(), "rad")?;
-        Error::check_range("k_shear", p.k_shear, 1e-6, 10.0, "m")?;
+        check("cohesion", p.cohesion, COHESION, "Pa")?;
+        check("phi", p.phi.rad(), PHI, "rad")?;
+        check("k_shear", p.k_shear, K_SHEAR, "m")?;
         Error::check_range("k_shear_1", p.k_shear_1, 0.0, 10.0, "m/rad")?;
         if let Some(k_side) = p.k_shear_side {
-            Error::check_range("k_shear_side", k_side, 1e-6, 10.0, "m")?;
+            check("k_shear_side", k_side, K_SHEAR, "m")?;
         }
         Error::check_range("k_shear_side_1", p.k_shear_side_1, 0.0, 10.0, "m/rad")?;
-        Error::check_range("c_1", p.c_1, -2.0, 2.0, "1")?;
-        Error::check_range("c_2", p.c_2, -2.0, 2.0, "1")?;
+        check("c_1", p.c_1, POSITION, "1")?;
+        check("c_2", p.c_2, POSITION, "1")?;
         Error::check_range("rebound", p.rebound, 0.0, 100.0, "1")?;
         if let Some(gamma) = p.unit_weight {
             Error::check_range("unit_weight", gamma, 0.0, 1e6, "N/m^3")?;
@@ -211,33 +256,7 @@ impl Soil {
     /// [`Contact`](crate::Contact).
     #[must_use]
     pub fn laws<R: Real>(&self) -> SoilLaws<R> {
-        let p = &self.params;
-        let r = R::from_f64;
-        SoilLaws {
-            pressure: p.pressure.lifted(),
-            exponent: SinkageExponent {
-                n_0: r(p.n),
-                n_1: r(p.n_1),
-                n_2: r(p.n_2),
-            },
-            strength: MohrCoulomb {
-                cohesion: r(p.cohesion),
-                phi: r(p.phi.rad()),
-            },
-            k_shear: r(p.k_shear),
-            k_shear_1: r(p.k_shear_1),
-            k_shear_side: r(p.k_shear_side.unwrap_or(p.k_shear)),
-            k_shear_side_1: r(p.k_shear_side.map_or(p.k_shear_1, |_| p.k_shear_side_1)),
-            c_1: r(p.c_1),
-            c_2: r(p.c_2),
-            rebound: r(p.rebound),
-            unit_weight: r(p.unit_weight.unwrap_or(0.0)),
-            rear_driving: r(p.rear_driving),
-            rear_drift: r(p.rear_drift),
-            transport_layer: r(p.transport_layer),
-            sideways_support: r(p.sideways_support),
-            choice: p.laws,
-        }
+        self.params.laws()
     }
 }
 

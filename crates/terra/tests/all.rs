@@ -23,4 +23,5 @@ mod side_disc;
 mod simulation_accuracy;
 mod slip_laws;
 mod small_loads;
+mod soil_columns;
 mod steepest_slope;

@@ -8,9 +8,9 @@ use grouser_terra::{
 use proptest::prelude::*;
 
 /// radius, width, rebound, slip, sinkage over radius
-type Point = (f64, f64, f64, f64, f64);
+pub(super) type Point = (f64, f64, f64, f64, f64);
 
-fn point() -> impl Strategy<Value = Point> {
+pub(super) fn point() -> impl Strategy<Value = Point> {
     let slip = prop_oneof![8 => 0.0..=1.0_f64, 1 => -1.0..0.0_f64, 1 => Just(0.0)];
     let rebound = prop_oneof![4 => Just(0.0), 1 => 0.0..1.0_f64];
     let z = prop_oneof![9 => (-3.3..-0.302_f64).prop_map(|x| 10_f64.powf(x)), 1 => 0.0..0.99_f64];
@@ -39,7 +39,7 @@ fn laws() -> impl Strategy<Value = LawChoice> {
     prop_oneof![2 => Just(LawChoice::default()), 1 => any]
 }
 
-fn soil() -> impl Strategy<Value = Soil> {
+pub(super) fn soil() -> impl Strategy<Value = Soil> {
     (
         0..5_usize,
         0.1..2.5_f64,
@@ -63,16 +63,19 @@ fn soil() -> impl Strategy<Value = Soil> {
 
 /// One point of a batch.
 #[derive(Clone, Copy, Debug)]
-struct Solved {
-    status: SolveStatus,
-    sinkage: f64,
-    vertical_force: f64,
-    drawbar_pull: f64,
-    torque: f64,
+pub(super) struct Solved {
+    pub(super) status: SolveStatus,
+    pub(super) sinkage: f64,
+    pub(super) vertical_force: f64,
+    pub(super) drawbar_pull: f64,
+    pub(super) torque: f64,
 }
 
 /// The points of a batch of `n` that `solve` writes.
-fn batch(n: usize, solve: impl FnOnce(&mut BatchColumns<'_>) -> Result<(), Error>) -> Vec<Solved> {
+pub(super) fn batch(
+    n: usize,
+    solve: impl FnOnce(&mut BatchColumns<'_>) -> Result<(), Error>,
+) -> Vec<Solved> {
     let [
         mut sinkage,
         mut vertical_force,
@@ -99,16 +102,16 @@ fn batch(n: usize, solve: impl FnOnce(&mut BatchColumns<'_>) -> Result<(), Error
         .collect()
 }
 
-struct Columns {
+pub(super) struct Columns {
     radius: Vec<f64>,
     width: Vec<f64>,
     rebound: Vec<f64>,
-    slip: Vec<f64>,
-    sinkage: Vec<f64>,
+    pub(super) slip: Vec<f64>,
+    pub(super) sinkage: Vec<f64>,
 }
 
 impl Columns {
-    fn new(points: &[Point]) -> Self {
+    pub(super) fn new(points: &[Point]) -> Self {
         Self {
             radius: points.iter().map(|p| p.0).collect(),
             width: points.iter().map(|p| p.1).collect(),
@@ -117,7 +120,7 @@ impl Columns {
             sinkage: points.iter().map(|p| p.4 * p.0).collect(),
         }
     }
-    fn points(&self) -> BatchPoints<'_> {
+    pub(super) fn points(&self) -> BatchPoints<'_> {
         BatchPoints {
             radius: (&self.radius).into(),
             width: (&self.width).into(),
@@ -137,12 +140,12 @@ impl Columns {
     }
 }
 
-fn done(solved: &Solved) -> Solved {
+pub(super) fn done(solved: &Solved) -> Solved {
     assert_eq!(solved.status, SolveStatus::Solved, "{solved:?}");
     *solved
 }
 
-fn contact(soil: &Soil, p: Point) -> WheelOnSoil {
+pub(super) fn contact(soil: &Soil, p: Point) -> WheelOnSoil {
     let exact = Settings {
         accuracy: Accuracy::Reference,
         ..Settings::default()

@@ -3,8 +3,8 @@
 use grouser_real::Real;
 
 use crate::quadrature::{
-    LEGENDRE_2, LEGENDRE_6, LEGENDRE_8, LEGENDRE_10, LEGENDRE_16, LEGENDRE_20, LEGENDRE_32, Rule,
-    RuleView, gauss_jacobi,
+    LEGENDRE_2, LEGENDRE_6, LEGENDRE_8, LEGENDRE_10, LEGENDRE_16, LEGENDRE_20, LEGENDRE_32,
+    MAX_NODES, Rule, RuleView, gauss_jacobi,
 };
 
 /// Greatest stiffness of the shear (`ShearState::stiffness`) at which each step of the ladder is good to
@@ -53,20 +53,101 @@ impl Step {
 /// The terms of the polynomial that approximates ratioⁿ.
 pub(crate) const POWER_TERMS: usize = 13;
 
+/// How closely a contact is integrated.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Closeness {
+    /// The coarsest of all, for a start: good to some 1e-3 of the forces.
+    First,
+    /// For the beginning of a search: good to some 1e-5 of the forces.
+    Coarse(Step),
+    /// As the ladder has it.
+    Fine(Step),
+}
+
+impl Closeness {
+    /// How many nodes the friction's rule has, and the cohesion's rule.
+    fn rules(self) -> (usize, RuleView<'static>) {
+        match self {
+            Self::First => (2, LEGENDRE_2.view()),
+            Self::Coarse(Step(0)) => (4, LEGENDRE_6.view()),
+            Self::Coarse(Step(1)) => (5, LEGENDRE_8.view()),
+            Self::Coarse(Step(finer)) => Self::Fine(Step(finer - 1)).rules(),
+            Self::Fine(Step(0)) => (6, LEGENDRE_8.view()),
+            Self::Fine(Step(1)) => (8, LEGENDRE_10.view()),
+            Self::Fine(Step(2)) => (12, LEGENDRE_16.view()),
+            Self::Fine(Step(3)) => (16, LEGENDRE_20.view()),
+            Self::Fine(_) => (MAX_NODES, LEGENDRE_32.view()),
+        }
+    }
+}
+
 /// What one sinkage exponent prepares: Gauss-Jacobi rules and the power of the lean kernel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ExponentTables {
-    first: Rule<2>,
-    coarse: (Rule<4>, Rule<5>),
-    rules: (Rule<6>, Rule<8>, Rule<12>, Rule<16>, Rule<24>),
+    rules: (
+        Rule<2>,
+        Rule<4>,
+        Rule<5>,
+        Rule<6>,
+        Rule<8>,
+        Rule<12>,
+        Rule<16>,
+        Rule<MAX_NODES>,
+    ),
     /// ((y + 3)/4)ⁿ in powers of y = 4·ratio − 3 for ratio in [½, 1]. In the raw ratio the coefficients
     /// would alternate and lose digits.
-    pub(crate) power: [f64; POWER_TERMS],
+    power: [f64; POWER_TERMS],
+}
+
+/// The rules of a contact whose exponent all lanes share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SharedRules<'a> {
+    pub(crate) friction: RuleView<'a>,
+    pub(crate) cohesion: RuleView<'static>,
+    pub(crate) power: &'a [f64; POWER_TERMS],
+}
+
+/// The rules of contacts of which each lane has its own exponent.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneRules<R> {
+    pub(crate) count: usize,
+    pub(crate) nodes: [R; MAX_NODES],
+    pub(crate) weights: [R; MAX_NODES],
+    pub(crate) cohesion: RuleView<'static>,
+    pub(crate) power: [R; POWER_TERMS],
+}
+
+impl<R: Real> LaneRules<R> {
+    /// Rules of nothing yet.
+    #[inline(always)]
+    pub(crate) fn empty() -> Self {
+        Self {
+            count: 0,
+            nodes: [R::ZERO; MAX_NODES],
+            weights: [R::ZERO; MAX_NODES],
+            cohesion: LEGENDRE_2.view(),
+            power: [R::ZERO; POWER_TERMS],
+        }
+    }
+
+    /// Becomes those of exponents at a closeness, but for the power.
+    #[inline(always)]
+    pub(crate) fn set_rules(&mut self, n: R, closeness: Closeness) {
+        (self.count, self.cohesion) = closeness.rules();
+        let (nodes, weights) = (&mut self.nodes, &mut self.weights);
+        gauss_jacobi(n, &mut nodes[..self.count], &mut weights[..self.count]);
+    }
+
+    /// The power becomes that of exponents.
+    #[inline(always)]
+    pub(crate) fn set_power(&mut self, n: R) {
+        self.power = power_polynomial(n);
+    }
 }
 
 impl ExponentTables {
     /// Those of an exponent. Each thread keeps the last ones, since draws of a soil and designs on it mostly share the
-    /// exponent, and the tables cost as much as ten solves.
+    /// exponent, and the tables cost as much as two solves.
     pub(crate) fn of(n: f64) -> Self {
         #[cfg(feature = "std")]
         {
@@ -89,79 +170,106 @@ impl ExponentTables {
 
     fn new(n: f64) -> Self {
         Self {
-            first: gauss_jacobi(n),
-            coarse: (gauss_jacobi(n), gauss_jacobi(n)),
             rules: (
-                gauss_jacobi(n),
-                gauss_jacobi(n),
-                gauss_jacobi(n),
-                gauss_jacobi(n),
-                gauss_jacobi(n),
+                Rule::jacobi(n),
+                Rule::jacobi(n),
+                Rule::jacobi(n),
+                Rule::jacobi(n),
+                Rule::jacobi(n),
+                Rule::jacobi(n),
+                Rule::jacobi(n),
+                Rule::jacobi(n),
             ),
             power: power_polynomial(n),
         }
     }
 
-    /// The coarsest of all, for a start: good to some 1e-3 of the forces.
-    pub(crate) fn first_rules(&self) -> (RuleView<'_>, RuleView<'static>) {
-        (self.first.view(), LEGENDRE_2.view())
-    }
-
-    /// Coarser rules for the beginning of a search: good to some 1e-5 of the forces.
-    pub(crate) fn coarse_rules(&self, step: Step) -> (RuleView<'_>, RuleView<'static>) {
-        match step.0 {
-            0 => (self.coarse.0.view(), LEGENDRE_6.view()),
-            1 => (self.coarse.1.view(), LEGENDRE_8.view()),
-            finer => self.rules(Step(finer - 1)),
+    /// The rules at a closeness.
+    pub(crate) fn at(&self, closeness: Closeness) -> SharedRules<'_> {
+        let (count, cohesion) = closeness.rules();
+        let rules = &self.rules;
+        let friction = match count {
+            2 => rules.0.view(),
+            4 => rules.1.view(),
+            5 => rules.2.view(),
+            6 => rules.3.view(),
+            8 => rules.4.view(),
+            12 => rules.5.view(),
+            16 => rules.6.view(),
+            _ => rules.7.view(),
+        };
+        SharedRules {
+            friction,
+            cohesion,
+            power: &self.power,
         }
     }
 
     /// The (friction, cohesion) rules of a step.
     pub(crate) fn rules(&self, step: Step) -> (RuleView<'_>, RuleView<'static>) {
-        match step.0 {
-            0 => (self.rules.0.view(), LEGENDRE_8.view()),
-            1 => (self.rules.1.view(), LEGENDRE_10.view()),
-            2 => (self.rules.2.view(), LEGENDRE_16.view()),
-            3 => (self.rules.3.view(), LEGENDRE_20.view()),
-            _ => (self.rules.4.view(), LEGENDRE_32.view()),
-        }
+        let rules = self.at(Closeness::Fine(step));
+        (rules.friction, rules.cohesion)
     }
 }
 
-/// Interpolates ((y + 3)/4)ⁿ at Chebyshev's points of [−1, 1]. The function's singularity at y = −3 makes
-/// the error fall by 5.8 a term: 13 terms leave less than 2e-11 for n in [0.1, 3].
-fn power_polynomial(n: f64) -> [f64; POWER_TERMS] {
-    let count = POWER_TERMS as f64;
-    let angle = |k: usize| core::f64::consts::PI * (k as f64 + 0.5) / count;
-    // Chebyshev coefficients by the discrete orthogonality of the cosines …
-    let chebyshev: [f64; POWER_TERMS] = core::array::from_fn(|j| {
-        let sum: f64 = (0..POWER_TERMS)
-            .map(|k| {
-                let y = Real::cos(angle(k));
-                Real::powf(0.25 * (y + 3.0), n) * Real::cos(j as f64 * angle(k))
-            })
-            .sum();
-        sum * if j == 0 { 1.0 } else { 2.0 } / count
-    });
-    // … and T_j in powers of y by its recurrence.
-    let mut out = [0.0; POWER_TERMS];
-    let (mut before, mut now) = ([0.0; POWER_TERMS], [0.0; POWER_TERMS]);
-    now[0] = 1.0;
-    for (j, coefficient) in chebyshev.iter().enumerate() {
-        for (sum, t) in out.iter_mut().zip(now) {
-            *sum += coefficient * t;
+/// ((y + 3)/4)ⁿ as a sum of Chebyshev polynomials, in powers of y. The function's singularity at y = −3 makes
+/// the coefficients fall by 5.8 a term: 13 terms leave less than 2e-11 for n in [0.1, 3].
+///
+/// Its differential equation (y + 3) f′ = n f gives (k − 1 − n) a_{k−1} + 6k a_k + (k + 1 + n) a_{k+1} = 0. With
+/// a_k = n (n − 1) … (n + 1 − k) d_{k+1} the falling solution is d_k = 6k d_{k+1} + (n + 1 + k) (n − k) d_{k+2}, the last ones
+/// first and without a division, so that a whole n is nothing special; f(1) = 1 gives its size.
+#[inline(always)]
+fn power_polynomial<R: Real>(n: R) -> [R; POWER_TERMS] {
+    let c = R::from_f64;
+    let mut terms = [R::ONE; POWER_TERMS];
+    let (mut d, mut behind) = (R::ONE, R::ZERO);
+    let mut k = POWER_TERMS;
+    while k > 0 {
+        let kf = c(k as f64);
+        let next = (c(6.0) * kf).mul_add(d, (n + R::ONE + kf) * (n - kf) * behind);
+        (behind, d) = (d, next);
+        k -= 1;
+        // d_{k+1}
+        terms[k] = d;
+    }
+    terms[0] = c(0.5) * terms[0];
+    let (mut falling, mut sum) = (R::ONE, terms[0]);
+    for (k, term) in terms.iter_mut().enumerate().skip(1) {
+        falling *= n + R::ONE - c(k as f64);
+        *term *= falling;
+        sum += *term;
+    }
+    let scale = R::ONE / sum;
+    let mut out = [R::ZERO; POWER_TERMS];
+    for (j, term) in terms.iter().enumerate() {
+        let term = scale * *term;
+        // those of even degree are even, the others odd
+        let mut k = j % 2;
+        while k <= j {
+            out[k] += c(CHEBYSHEV[j][k]) * term;
+            k += 2;
         }
-        let mut next = [0.0; POWER_TERMS];
-        let factor = if j == 0 { 1.0 } else { 2.0 };
-        for k in 0..POWER_TERMS {
-            let raised = if k > 0 { now[k - 1] } else { 0.0 };
-            next[k] = factor * raised - if j == 0 { 0.0 } else { before[k] };
-        }
-        before = now;
-        now = next;
     }
     out
 }
+
+/// Chebyshev's polynomials in powers of y, by their recurrence.
+const CHEBYSHEV: [[f64; POWER_TERMS]; POWER_TERMS] = {
+    let mut rows = [[0.0; POWER_TERMS]; POWER_TERMS];
+    rows[0][0] = 1.0;
+    rows[1][1] = 1.0;
+    let mut j = 2;
+    while j < POWER_TERMS {
+        let mut k = 0;
+        while k < POWER_TERMS {
+            let raised = if k > 0 { rows[j - 1][k - 1] } else { 0.0 };
+            rows[j][k] = 2.0 * raised - rows[j - 2][k];
+            k += 1;
+        }
+        j += 1;
+    }
+    rows
+};
 
 #[cfg(test)]
 mod tests {

@@ -12,7 +12,7 @@
 
 use grouser_real::Real;
 
-use super::ladder::POWER_TERMS;
+use super::ladder::{LaneRules, POWER_TERMS, SharedRules};
 use crate::quadrature::RuleView;
 
 /// (sin θ/θ − 1)/θ² in θ² for |θ| ≤ 1.048, by interpolation at Chebyshev's points: relative error of the
@@ -154,6 +154,74 @@ pub(crate) struct Frame<R> {
     arc: R,
 }
 
+/// The rules of a contact: those of one exponent for all lanes, or of one for each.
+pub(crate) trait LeanRules<R> {
+    /// How many nodes the friction's rule has.
+    fn count(&self) -> usize;
+    /// A node of it, four over the node, and its weight.
+    fn node(&self, k: usize) -> (R, R, R);
+    /// ((y + 3)/4)ⁿ.
+    fn power(&self, y: R) -> R;
+    /// The cohesion's rule.
+    fn cohesion(&self) -> RuleView<'static>;
+}
+
+impl<R: Real> LeanRules<R> for SharedRules<'_> {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.friction.nodes.len()
+    }
+
+    #[inline(always)]
+    fn node(&self, k: usize) -> (R, R, R) {
+        let t = self.friction.nodes[k];
+        let weight = self.friction.weights[k];
+        (R::from_f64(t), R::from_f64(4.0 / t), R::from_f64(weight))
+    }
+
+    #[inline(always)]
+    fn power(&self, y: R) -> R {
+        estrin(y, self.power)
+    }
+
+    #[inline(always)]
+    fn cohesion(&self) -> RuleView<'static> {
+        self.cohesion
+    }
+}
+
+impl<R: Real> LeanRules<R> for LaneRules<R> {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    #[inline(always)]
+    fn node(&self, k: usize) -> (R, R, R) {
+        let t = self.nodes[k];
+        (t, R::from_f64(4.0) / t, self.weights[k])
+    }
+
+    #[inline(always)]
+    fn power(&self, y: R) -> R {
+        // even and odd powers side by side
+        let square = y * y;
+        let (mut even, mut odd) = (self.power[POWER_TERMS - 1], R::ZERO);
+        let mut k = POWER_TERMS - 1;
+        while k > 0 {
+            odd = odd.mul_add(square, self.power[k - 1]);
+            even = even.mul_add(square, self.power[k - 2]);
+            k -= 2;
+        }
+        odd.mul_add(y, even)
+    }
+
+    #[inline(always)]
+    fn cohesion(&self) -> RuleView<'static> {
+        self.cohesion
+    }
+}
+
 impl<R: Short> LeanContact<R> {
     #[inline(always)]
     pub(crate) fn frame(self) -> Frame<R> {
@@ -180,26 +248,16 @@ impl<R: Short> LeanContact<R> {
 
     /// All nodes, one after the other.
     #[inline(always)]
-    pub(crate) fn sums(
-        self,
-        rules: (RuleView<'_>, RuleView<'_>),
-        power: &[f64; POWER_TERMS],
-    ) -> LeanSums<R> {
+    pub(crate) fn sums(self, rules: &impl LeanRules<R>) -> LeanSums<R> {
         let frame = self.frame();
         let mut sums = LeanSums::zero();
-        for (&t, &weight) in rules.0.nodes.iter().zip(rules.0.weights) {
-            let four_per_t = R::from_f64(4.0 / t);
-            frame.friction(
-                R::from_f64(t),
-                four_per_t,
-                R::from_f64(weight),
-                power,
-                &mut sums,
-            );
+        for k in 0..rules.count() {
+            frame.friction(k, rules, &mut sums);
         }
+        let rule = rules.cohesion();
         // every rule of Legendre's in use has an even number of nodes: its upper half determines them all
-        let half = rules.1.nodes.len() / 2;
-        for (&x, &weight) in rules.1.nodes[half..].iter().zip(&rules.1.weights[half..]) {
+        let half = rule.nodes.len() / 2;
+        for (&x, &weight) in rule.nodes[half..].iter().zip(&rule.weights[half..]) {
             frame.cohesion(R::from_f64(x - 0.5), R::from_f64(weight), &mut sums);
         }
         frame.finish(&mut sums);
@@ -225,18 +283,12 @@ impl<R: Short> Frame<R> {
 
     /// A node of the friction rule: both pieces at once, since σ is the same in both.
     #[inline(always)]
-    pub(crate) fn friction(
-        &self,
-        t: R,
-        four_per_t: R,
-        weight: R,
-        power: &[f64; POWER_TERMS],
-        sums: &mut LeanSums<R>,
-    ) {
+    fn friction(&self, k: usize, rules: &impl LeanRules<R>, sums: &mut LeanSums<R>) {
         let contact = &self.contact;
+        let (t, four_per_t, weight) = rules.node(k);
         let (sin, cos, share) = self.node((-t).mul_add(contact.front, contact.theta_1));
         let ratio = (cos - self.cos_1) * self.per_drop;
-        let sigma = weight * estrin(ratio.mul_add(four_per_t, R::from_f64(-3.0)), power);
+        let sigma = weight * rules.power(ratio.mul_add(four_per_t, R::from_f64(-3.0)));
         sums.stress(sigma, (sin, cos, share));
         let rear = self.node(t.mul_add(contact.rear, -contact.behind));
         sums.stress(sigma * self.shares, rear);

@@ -1,17 +1,22 @@
 //! Batches: many operating points on one soil, eight at a time.
 
+use core::ops::Range;
+
 use crate::caution::{Cautions, Judged};
+use crate::contact::ladder::ExponentTables;
 use crate::error::{Error, Result};
 use crate::kinematics::Kinematics;
 use crate::settings::Settings;
 use crate::sinkage::LoadOutcome;
 use crate::slip::Slip;
-use crate::soil::Soil;
+use crate::soil::{EXPONENT, Soil, SoilParams};
 use crate::status::SolveStatus;
 use crate::wheel::RigidWheel;
 use crate::wheel_on_soil::WheelOnSoil;
 
-use super::columns::{BatchColumns, BatchInput, BatchPoints, Inputs};
+use super::columns::{
+    BatchColumns, BatchInput, BatchPoints, Inputs, SOIL_NUMBERS, SoilColumns, SoilInputs, put,
+};
 use super::curve;
 use super::forces::ForceSheet;
 use super::load::{LoadSheet, Start};
@@ -68,6 +73,8 @@ enum Task {
 struct Workspace {
     /// Numbers that all points share, as columns.
     constants: [[f64; CHUNK]; 5],
+    /// And numbers of their soils.
+    soils: [[f64; CHUNK]; SOIL_NUMBERS],
     plan: Plan,
     forces: ForceSheet,
     load: LoadSheet,
@@ -76,6 +83,7 @@ struct Workspace {
 impl Workspace {
     const EMPTY: Self = Self {
         constants: [[0.0; CHUNK]; 5],
+        soils: [[0.0; CHUNK]; SOIL_NUMBERS],
         plan: Plan::EMPTY,
         forces: ForceSheet::EMPTY,
         load: LoadSheet::EMPTY,
@@ -158,7 +166,8 @@ impl BatchKernel {
         sinkage: impl Into<BatchInput<'a>>,
         out: &mut BatchColumns<'_>,
     ) -> Result<()> {
-        Workspace::with(|room| self.run(points, sinkage.into(), out, (Task::Forces, room)))
+        let inputs = (points, None, sinkage.into());
+        Workspace::with(|room| self.run(inputs, out, (Task::Forces, room)))
     }
 
     /// Sinkages and forces under given loads (N).
@@ -196,7 +205,38 @@ impl BatchKernel {
         load: impl Into<BatchInput<'a>>,
         out: &mut BatchColumns<'_>,
     ) -> Result<()> {
-        Workspace::with(|room| self.run(points, load.into(), out, (Task::Load, room)))
+        let inputs = (points, None, load.into());
+        Workspace::with(|room| self.run(inputs, out, (Task::Load, room)))
+    }
+
+    /// [`BatchKernel::forces`] with a soil for each point.
+    ///
+    /// # Errors
+    /// As [`BatchKernel::forces`].
+    pub fn forces_on<'a>(
+        &self,
+        soils: &SoilColumns<'a>,
+        points: &BatchPoints<'a>,
+        sinkage: impl Into<BatchInput<'a>>,
+        out: &mut BatchColumns<'_>,
+    ) -> Result<()> {
+        let inputs = (points, Some(soils), sinkage.into());
+        Workspace::with(|room| self.run(inputs, out, (Task::Forces, room)))
+    }
+
+    /// [`BatchKernel::under_load`] with a soil for each point: [`SoilColumns`] has an example.
+    ///
+    /// # Errors
+    /// As [`BatchKernel::forces`].
+    pub fn under_load_on<'a>(
+        &self,
+        soils: &SoilColumns<'a>,
+        points: &BatchPoints<'a>,
+        load: impl Into<BatchInput<'a>>,
+        out: &mut BatchColumns<'_>,
+    ) -> Result<()> {
+        let inputs = (points, Some(soils), load.into());
+        Workspace::with(|room| self.run(inputs, out, (Task::Load, room)))
     }
 
     /// A slip curve: sinkages and forces of one wheel under one load (N) at many slips, on this soil with
@@ -242,7 +282,8 @@ impl BatchKernel {
             rebound: self.soil.params().rebound.into(),
             slip: slip.into(),
         };
-        Workspace::with(|room| self.run(&points, load.into(), out, (Task::Curve, room)))
+        let inputs = (&points, None, load.into());
+        Workspace::with(|room| self.run(inputs, out, (Task::Curve, room)))
     }
 
     /// What to keep in mind about the solved point at a place of columns, from its numbers alone, as
@@ -277,64 +318,36 @@ impl BatchKernel {
         found: &BatchColumns<'_>,
         at: usize,
     ) -> Cautions {
-        let mut out = Cautions::default();
-        if found.status[at] != SolveStatus::Solved {
-            return out;
-        }
-        let Ok(slip) = Slip::new(points.slip.at(at)) else {
-            return out;
-        };
-        let motion = Kinematics::straight(slip);
-        let (s, radius, width) = (slip.value(), points.radius.at(at), points.width.at(at));
-        let (sinkage, vertical_force) = (found.sinkage[at], found.vertical_force[at]);
-        let (pull, torque) = (found.drawbar_pull[at] * radius, found.torque[at]);
-        let rebound = points.rebound.at(at);
-        // a driving wheel shears forwards, and compacts what does not spring back
-        let is_driving = slip.is_driving();
-        let lost_work = if is_driving && rebound == 0.0 {
-            0.0
-        } else {
-            torque * (1.0 + s.min(0.0)) - pull * (1.0 - s.max(0.0))
-        };
-        let fitted = self.soil.params().fitted;
-        out.judge(&Judged {
-            position: self.soil.laws().position_at(&motion.motion::<f64>()),
-            sinkage,
-            radius,
-            reverses: !is_driving && self.reverses((radius, width, rebound), sinkage, &motion),
-            outside_fit: fitted.is_some_and(|f| !f.holds(&motion, width, vertical_force)),
-            lost_work: (lost_work, torque.abs().max(pull.abs())),
-        });
-        out
+        cautions_of(self.soil.params(), points, (found, at))
     }
 
-    /// Does the shear under a wheel of this radius and width, m, change its sign?
-    fn reverses(
+    /// [`BatchKernel::cautions`] with a soil for each point.
+    #[must_use]
+    pub fn cautions_on(
         &self,
-        (radius, width, rebound): (f64, f64, f64),
-        sinkage: f64,
-        motion: &Kinematics,
-    ) -> bool {
-        let contact = || -> Result<_> {
-            let wheel = RigidWheel::new(radius, width)?;
-            let soil = self.soil.with_rebound(rebound)?;
-            let contact = WheelOnSoil::new(wheel, soil, Settings::default())?;
-            Ok(contact.contact(contact.entry_angle(sinkage, motion)?, motion))
-        };
-        contact().is_ok_and(|contact| {
-            let angles = contact.angles();
-            contact.shear.reverses(angles.theta_1 - angles.theta_2)
-        })
+        soils: &SoilColumns<'_>,
+        points: &BatchPoints<'_>,
+        found: &BatchColumns<'_>,
+        at: usize,
+    ) -> Cautions {
+        cautions_of(&soils.params(&self.soil, at), points, (found, at))
     }
 
     fn run(
         &self,
-        points: &BatchPoints<'_>,
-        given: BatchInput<'_>,
+        (points, soils, given): (&BatchPoints<'_>, Option<&SoilColumns<'_>>, BatchInput<'_>),
         out: &mut BatchColumns<'_>,
         (task, room): (Task, &mut Workspace),
     ) -> Result<()> {
         let n = out.check_lengths()?;
+        let soil_inputs = soils.map_or([BatchInput::Constant(0.0); SOIL_NUMBERS], SoilColumns::all);
+        // one exponent for all points, if it is legal: else each point by itself says so
+        let tables = match soils.map(|soils| soils.n) {
+            Some(BatchInput::Constant(n)) if n >= EXPONENT.0 && n <= EXPONENT.1 => {
+                Some(ExponentTables::of(n))
+            }
+            _ => None,
+        };
         let inputs = [
             points.radius,
             points.width,
@@ -344,11 +357,13 @@ impl BatchKernel {
         ];
         let Workspace {
             constants,
+            soils: of_soils,
             plan,
             forces,
             load,
         } = room;
-        for (input, constant) in inputs.iter().zip(&mut *constants) {
+        let all = inputs.iter().zip(&mut *constants);
+        for (input, constant) in all.chain(soil_inputs.iter().zip(&mut *of_soils)) {
             match *input {
                 BatchInput::Constant(x) => constant[..n.min(CHUNK)].fill(x),
                 BatchInput::Column(column) => Error::check_length(column.len(), n)?,
@@ -365,16 +380,20 @@ impl BatchKernel {
         };
         for from in (0..n).step_by(chunk) {
             let range = from..n.min(from + chunk);
-            let [radius, width, rebound, slip, given] = core::array::from_fn(|k| match inputs[k] {
-                BatchInput::Constant(_) => &constants[k][..range.len()],
-                BatchInput::Column(column) => &column[range.clone()],
-            });
+            let [radius, width, rebound, slip, given] =
+                core::array::from_fn(|k| part(inputs[k], &constants[k], range.clone()));
             let inputs = Inputs {
                 radius,
                 width,
                 rebound,
                 slip,
                 given,
+                soil: soils.map(|_| SoilInputs {
+                    numbers: core::array::from_fn(|k| {
+                        part(soil_inputs[k], &of_soils[k], range.clone())
+                    }),
+                    tables: tables.as_ref(),
+                }),
             };
             self.chunk(inputs, task, (plan, forces, load), out.part(range));
         }
@@ -426,15 +445,18 @@ impl BatchKernel {
     ) -> Result<(SolveStatus, [f64; 4])> {
         let rebound = inputs.rebound[i];
         let wheel = RigidWheel::new(inputs.radius[i], inputs.width[i])?;
-        let contact = match contact {
-            Some(contact) if contact.soil().params().rebound == rebound => {
+        let new =
+            |soil: Soil| WheelOnSoil::new(wheel, soil.with_rebound(rebound)?, Settings::default());
+        let contact = match (contact, &inputs.soil) {
+            (contact, Some(soils)) => {
+                let params = put(self.soil.params(), soils.numbers.map(|of| of[i]));
+                contact.insert(new(Soil::new(params)?)?)
+            }
+            (Some(contact), None) if contact.soil().params().rebound == rebound => {
                 contact.set_wheel(wheel)?;
                 contact
             }
-            _ => {
-                let soil = self.soil.with_rebound(rebound)?;
-                contact.insert(WheelOnSoil::new(wheel, soil, Settings::default())?)
-            }
+            (contact, None) => contact.insert(new(self.soil)?),
         };
         let motion = Kinematics::straight(Slip::new(inputs.slip[i])?);
         let sinkage = if solve {
@@ -449,4 +471,67 @@ impl BatchKernel {
         let numbers = [sinkage, f.vertical_force, f.drawbar_pull, f.torque];
         Ok((SolveStatus::Solved, numbers))
     }
+}
+
+/// Cautions at a place of columns on a soil.
+fn cautions_of(
+    soil: &SoilParams,
+    points: &BatchPoints<'_>,
+    (found, at): (&BatchColumns<'_>, usize),
+) -> Cautions {
+    let mut out = Cautions::default();
+    if found.status[at] != SolveStatus::Solved {
+        return out;
+    }
+    let Ok(slip) = Slip::new(points.slip.at(at)) else {
+        return out;
+    };
+    let motion = Kinematics::straight(slip);
+    let (s, radius, width) = (slip.value(), points.radius.at(at), points.width.at(at));
+    let (sinkage, vertical_force) = (found.sinkage[at], found.vertical_force[at]);
+    let (pull, torque) = (found.drawbar_pull[at] * radius, found.torque[at]);
+    let rebound = points.rebound.at(at);
+    // a driving wheel shears forwards, and compacts what does not spring back
+    let is_driving = slip.is_driving();
+    let lost_work = if is_driving && rebound == 0.0 {
+        0.0
+    } else {
+        torque * (1.0 + s.min(0.0)) - pull * (1.0 - s.max(0.0))
+    };
+    let fitted = soil.fitted;
+    out.judge(&Judged {
+        position: soil.laws().position_at(&motion.motion::<f64>()),
+        sinkage,
+        radius,
+        reverses: !is_driving && reverses((soil, radius, width, rebound), sinkage, &motion),
+        outside_fit: fitted.is_some_and(|f| !f.holds(&motion, width, vertical_force)),
+        lost_work: (lost_work, torque.abs().max(pull.abs())),
+    });
+    out
+}
+
+/// The numbers of a range of points, from the column of the number that all share.
+fn part<'a>(input: BatchInput<'a>, constant: &'a [f64; CHUNK], range: Range<usize>) -> &'a [f64] {
+    match input {
+        BatchInput::Constant(_) => &constant[..range.len()],
+        BatchInput::Column(column) => &column[range],
+    }
+}
+
+/// Does the shear under a wheel of this radius and width, m, and this rebound change its sign?
+fn reverses(
+    (soil, radius, width, rebound): (&SoilParams, f64, f64, f64),
+    sinkage: f64,
+    motion: &Kinematics,
+) -> bool {
+    let contact = || -> Result<_> {
+        let wheel = RigidWheel::new(radius, width)?;
+        let soil = Soil::new(SoilParams { rebound, ..*soil })?;
+        let contact = WheelOnSoil::new(wheel, soil, Settings::default())?;
+        Ok(contact.contact(contact.entry_angle(sinkage, motion)?, motion))
+    };
+    contact().is_ok_and(|contact| {
+        let angles = contact.angles();
+        contact.shear.reverses(angles.theta_1 - angles.theta_2)
+    })
 }

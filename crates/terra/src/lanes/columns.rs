@@ -2,7 +2,11 @@
 
 use core::ops::Range;
 
+use crate::angle::Angle;
+use crate::contact::ladder::ExponentTables;
 use crate::error::{Error, Result};
+use crate::pressure::{Bekker, Pressure, Reece};
+use crate::soil::{Soil, SoilParams};
 use crate::status::SolveStatus;
 
 /// One quantity of all points of a batch: the same number for all, or one for each.
@@ -55,6 +59,126 @@ pub struct BatchPoints<'a> {
     pub rebound: BatchInput<'a>,
     /// Slip.
     pub slip: BatchInput<'a>,
+}
+
+/// Numbers of the soil under each point: draws of a soil that is known within bounds, say. All other numbers and the laws are
+/// those of the kernel's soil.
+///
+/// ```
+/// use grouser_terra::{
+///     BatchColumns, BatchKernel, BatchPoints, SoilColumns, SolveStatus, catalogue,
+/// };
+/// let sand = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
+/// let kernel = BatchKernel::new(sand);
+/// let phi = [29.0_f64, 30.0, 95.0].map(f64::to_radians);
+/// let soils = SoilColumns {
+///     n: (&[1.0, 1.1, 1.2]).into(),
+///     phi: (&phi).into(),
+///     ..SoilColumns::of(&sand)
+/// };
+/// let points = BatchPoints {
+///     radius: 0.125.into(),
+///     width: 0.1.into(),
+///     rebound: 0.0.into(),
+///     slip: 0.2.into(),
+/// };
+/// let [mut sinkage, mut vertical_force, mut drawbar_pull, mut torque] = [[0.0; 3]; 4];
+/// let mut status = [SolveStatus::default(); 3];
+/// let mut columns = BatchColumns {
+///     sinkage: &mut sinkage,
+///     vertical_force: &mut vertical_force,
+///     drawbar_pull: &mut drawbar_pull,
+///     torque: &mut torque,
+///     status: &mut status,
+/// };
+/// kernel.under_load_on(&soils, &points, 80.0, &mut columns)?;
+/// assert!(sinkage[0] < sinkage[1]); // a greater exponent is softer near the surface
+/// assert_eq!(status[2], SolveStatus::BadInput); // φ = 95°
+/// # Ok::<(), grouser_terra::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoilColumns<'a> {
+    /// k_c of Bekker's law, N/m^(n+1); k_c′ where the kernel's soil has Reece's.
+    pub k_c: BatchInput<'a>,
+    /// k_phi of Bekker's law, N/m^(n+2); k_phi′ where the kernel's soil has Reece's.
+    pub k_phi: BatchInput<'a>,
+    /// Sinkage exponent. Points that share one take half the time.
+    pub n: BatchInput<'a>,
+    /// Cohesion, Pa.
+    pub cohesion: BatchInput<'a>,
+    /// Angle of internal friction, rad.
+    pub phi: BatchInput<'a>,
+    /// Shear deformation modulus, m.
+    pub k_shear: BatchInput<'a>,
+    /// Maximum stress at θ_m = (c_1 + c_2 s) θ_1.
+    pub c_1: BatchInput<'a>,
+    /// Maximum stress at θ_m = (c_1 + c_2 s) θ_1.
+    pub c_2: BatchInput<'a>,
+}
+
+/// How many numbers of a soil are columns.
+pub(super) const SOIL_NUMBERS: usize = 8;
+
+impl<'a> SoilColumns<'a> {
+    /// One soil for all points.
+    #[must_use]
+    pub fn of(soil: &Soil) -> Self {
+        let params = soil.params();
+        let (k_c, k_phi) = match params.pressure {
+            Pressure::Bekker(law) => (law.k_c, law.k_phi),
+            Pressure::Reece(law) => (law.k_c_prime, law.k_phi_prime),
+        };
+        Self {
+            k_c: k_c.into(),
+            k_phi: k_phi.into(),
+            n: params.n.into(),
+            cohesion: params.cohesion.into(),
+            phi: params.phi.rad().into(),
+            k_shear: params.k_shear.into(),
+            c_1: params.c_1.into(),
+            c_2: params.c_2.into(),
+        }
+    }
+
+    /// All columns, in the order of [`SoilInputs`].
+    pub(super) const fn all(&self) -> [BatchInput<'a>; SOIL_NUMBERS] {
+        [
+            self.k_c,
+            self.k_phi,
+            self.n,
+            self.cohesion,
+            self.phi,
+            self.k_shear,
+            self.c_1,
+            self.c_2,
+        ]
+    }
+
+    /// What a soil becomes at a point.
+    pub(super) fn params(&self, soil: &Soil, i: usize) -> SoilParams {
+        put(soil.params(), self.all().map(|input| input.at(i)))
+    }
+}
+
+/// The parameters of a soil with other numbers, in the order of [`SoilInputs`].
+pub(super) fn put(soil: &SoilParams, numbers: [f64; SOIL_NUMBERS]) -> SoilParams {
+    let [k_c, k_phi, n, cohesion, phi, k_shear, c_1, c_2] = numbers;
+    SoilParams {
+        pressure: match soil.pressure {
+            Pressure::Bekker(_) => Pressure::Bekker(Bekker { k_c, k_phi }),
+            Pressure::Reece(_) => Pressure::Reece(Reece {
+                k_c_prime: k_c,
+                k_phi_prime: k_phi,
+            }),
+        },
+        n,
+        cohesion,
+        phi: Angle::from_rad(phi),
+        k_shear,
+        c_1,
+        c_2,
+        ..*soil
+    }
 }
 
 /// Where a batch writes: one slice a quantity, all of one length. Where the status of a point is not
@@ -121,6 +245,17 @@ pub(super) struct Inputs<'a> {
     pub(super) slip: &'a [f64],
     /// Sinkage or load.
     pub(super) given: &'a [f64],
+    /// The soils of the points, unless they are the kernel's.
+    pub(super) soil: Option<SoilInputs<'a>>,
+}
+
+/// Numbers of the soils of a chunk.
+#[derive(Clone, Copy)]
+pub(super) struct SoilInputs<'a> {
+    /// k_c, k_phi, n, cohesion, phi, k_shear, c_1 and c_2.
+    pub(super) numbers: [&'a [f64]; SOIL_NUMBERS],
+    /// The tables of the exponent where all points share it.
+    pub(super) tables: Option<&'a ExponentTables>,
 }
 
 impl Inputs<'_> {

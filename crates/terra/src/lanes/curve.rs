@@ -199,6 +199,7 @@ impl<const N: usize> Solved<N> {
                 rebound: &inputs.rebound[..N],
                 slip,
                 given: &inputs.given[..N],
+                soil: None,
             },
             plan: &mut *chunk.plan,
             out: BatchColumns {
@@ -421,6 +422,7 @@ mod tests {
             rebound: &same,
             slip: &slip,
             given: &same,
+            soil: None,
         };
         let is_close = write::<Lanes>(&nodes, &inputs, &mut out);
         let off = slip

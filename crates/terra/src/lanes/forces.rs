@@ -1,5 +1,6 @@
 //! Forces of a chunk at given sinkages.
 
+use crate::contact::ladder::Closeness;
 use crate::contact::lean::estrin;
 use crate::contact::lean::{
     LeanContact, MAX_HALF_ARC_RAD, MAX_SINKAGE_PER_RADIUS, MIN_SINKAGE_PER_RADIUS,
@@ -9,7 +10,7 @@ use crate::contact::lean::{
 use crate::status::SolveStatus;
 
 use super::columns::Inputs;
-use super::plan::{Chunk, Plan, Prepared, SINGLE_STEP, step_of, within};
+use super::plan::{Chunk, LaneSoil, Plan, Prepared, SINGLE_STEP, step_of, within};
 use super::sheet::{Column, eight};
 use super::vector::Vector;
 
@@ -38,6 +39,8 @@ pub(super) struct ForceSheet {
     r_over_k: Column,
     stress: Column,
     hold: Column,
+    /// Exponent and tan φ, where each point has its own.
+    soil: [Column; 2],
 }
 
 impl ForceSheet {
@@ -50,6 +53,7 @@ impl ForceSheet {
         r_over_k: Column::EMPTY,
         stress: Column::EMPTY,
         hold: Column::EMPTY,
+        soil: [Column::EMPTY; 2],
     };
 }
 
@@ -73,8 +77,11 @@ pub(super) fn run<V: Vector>(chunk: &mut Chunk<'_>, sheet: &mut ForceSheet) {
         sort_in::<V>(prepared, inputs, (sheet, plan), at);
     }
     plan.sort(inputs.len());
+    let mut exponents = prepared.exponents(inputs);
     for group in plan.groups() {
         let places = group.places;
+        let [n, tan_phi] = prepared.gather(inputs, &sheet.soil, places);
+        exponents.set(&n);
         let contact = LeanContact {
             theta_1: sheet.theta_1.gather::<V>(places),
             behind: sheet.behind.gather::<V>(places),
@@ -83,10 +90,8 @@ pub(super) fn run<V: Vector>(chunk: &mut Chunk<'_>, sheet: &mut ForceSheet) {
             q: sheet.q.gather::<V>(places),
             r_over_k: sheet.r_over_k.gather::<V>(places),
         };
-        let tables = &prepared.tables;
-        let sums = V::sums(&contact, tables.rules(group.step), &tables.power);
-        let tan_phi = V::from_f64(prepared.tan_phi);
-        let f = sums.forces(
+        let rules = exponents.rules(&n, Closeness::Fine(group.step));
+        let f = rules.sums(&contact).forces(
             sheet.stress.gather::<V>(places),
             tan_phi,
             sheet.hold.gather::<V>(places),
@@ -120,10 +125,14 @@ struct Placed<V> {
 impl<V: Vector> Placed<V> {
     /// Points by radius, width, rebound ratio, slip and sinkage over radius.
     #[inline(always)]
-    fn new(prepared: &Prepared, [radius, width, rebound, slip, z_over_r]: [V; 5]) -> Self {
+    fn new(
+        prepared: &Prepared,
+        soil: &LaneSoil<V>,
+        [radius, width, rebound, slip, z_over_r]: [V; 5],
+    ) -> Self {
         let c = V::from_f64;
-        let modulus = prepared.modulus(width);
-        let position = slip.mul_add(c(prepared.laws.c_2), c(prepared.laws.c_1));
+        let modulus = prepared.modulus(soil, width);
+        let position = slip.mul_add(soil.c_2, soil.c_1);
         let rise = rebound * z_over_r;
         let sound = within(radius, 1e-3, 100.0)
             & within(width, 1e-3, 100.0)
@@ -132,7 +141,8 @@ impl<V: Vector> Placed<V> {
             & within(z_over_r, MIN_SINKAGE_PER_RADIUS, MAX_SINKAGE_PER_RADIUS)
             & within(rise, 0.0, MAX_SINKAGE_PER_RADIUS)
             & V::ZERO.lt(modulus)
-            & position.lt(c(1.0 - NARROW_FRONT_SHARE * prepared.n));
+            & position.lt(V::ONE - c(NARROW_FRONT_SHARE) * soil.n)
+            & soil.sound;
 
         let theta_1 = angle(z_over_r);
         let behind = if V::any(V::ZERO.lt(rise)) {
@@ -143,7 +153,7 @@ impl<V: Vector> Placed<V> {
         let arc = theta_1 + behind;
         let q = V::ONE - slip;
         let fastest = V::ONE - q * (V::ONE - z_over_r.max(rise));
-        let r_over_k = radius * c(prepared.per_k_shear);
+        let r_over_k = radius * soil.per_k_shear;
         let stiffness = r_over_k * c(core::f64::consts::LN_2) * arc * fastest;
         let sound = sound & arc.le(c(2.0 * MAX_HALF_ARC_RAD));
 
@@ -152,7 +162,7 @@ impl<V: Vector> Placed<V> {
         let sin_1 = (z_over_r * (c(2.0) - z_over_r)).sqrt();
         let area = radius * width;
         // A (L sin θ_1)ⁿ L = k (r L sin θ_1)ⁿ L
-        let power = (radius * front * sin_1).powf(c(prepared.n));
+        let power = (radius * front * sin_1).powf(soil.n);
         Self {
             contact: LeanContact {
                 theta_1,
@@ -163,7 +173,7 @@ impl<V: Vector> Placed<V> {
                 r_over_k,
             },
             stress: area * modulus * power * front,
-            hold: area * c(prepared.cohesion) * arc,
+            hold: area * soil.cohesion * arc,
             step: V::select(sound, step_of(stiffness), c(SINGLE_STEP)),
         }
     }
@@ -178,8 +188,10 @@ fn sort_in<V: Vector>(
     at: usize,
 ) {
     let radius: V = eight(inputs.radius, at);
+    let soil = prepared.soil(inputs, at);
     let placed = Placed::new(
         prepared,
+        &soil,
         [
             radius,
             eight(inputs.width, at),
@@ -198,4 +210,8 @@ fn sort_in<V: Vector>(
     sheet.r_over_k.store(at, contact.r_over_k);
     sheet.stress.store(at, placed.stress);
     sheet.hold.store(at, placed.hold);
+    if inputs.soil.is_some() {
+        sheet.soil[0].store(at, soil.n);
+        sheet.soil[1].store(at, soil.tan_phi);
+    }
 }

@@ -8,20 +8,18 @@
 //!
 //! Slopes are those of ln W, DP/W and T/W: all three nearly straight.
 
-use grouser_real::Real;
-
-use crate::contact::ladder::Step;
+use crate::contact::ladder::{Closeness, Step};
 use crate::contact::lean::{
     LeanContact, MAX_SINKAGE_PER_RADIUS, MIN_SINKAGE_PER_RADIUS, NARROW_FRONT_SHARE, Three, horner,
     versine,
 };
-use crate::quadrature::RuleView;
-
 use crate::status::SolveStatus;
 
 use super::columns::{BatchColumns, Inputs};
 use super::curve::Smooth;
-use super::plan::{Chunk, Group, Plan, Prepared, SINGLE_STEP, step_of, within};
+use super::plan::{
+    Chunk, Exponents, Group, LaneSoil, Plan, Prepared, Rules, SINGLE_STEP, step_of, within,
+};
 use super::sheet::{Column, eight};
 use super::vector::Vector;
 
@@ -51,10 +49,8 @@ pub(super) struct LoadSheet {
     points: [Column; 6],
     x: Column,
     per_slope: Column,
-    /// ln(W/load), DP/W and T/(r W) at the coarse rule's first place, and that place.
-    first: [Column; 4],
-    /// The slopes of DP/W and T/(r W), and the last step.
-    slopes: [Column; 3],
+    /// Exponent and tan φ, where each point has its own.
+    soil: [Column; 2],
     /// Where the search of each point ended, if that is kept: x, dx/d ln W and the two slopes.
     pub(super) kept: [Column; 4],
 }
@@ -64,8 +60,7 @@ impl LoadSheet {
         points: [Column::EMPTY; 6],
         x: Column::EMPTY,
         per_slope: Column::EMPTY,
-        first: [Column::EMPTY; 4],
-        slopes: [Column::EMPTY; 3],
+        soil: [Column::EMPTY; 2],
         kept: [Column::EMPTY; 4],
     };
 }
@@ -80,6 +75,8 @@ struct Loaded<V> {
     scale: V,
     /// r b c/load.
     hold: V,
+    n: V,
+    tan_phi: V,
 }
 
 /// Points before their search and before their slip.
@@ -104,50 +101,61 @@ struct Begun<V: Vector> {
 impl<V: Vector> Base<V> {
     /// Points by radius, width, rebound ratio and load.
     #[inline(always)]
-    fn new(prepared: &Prepared, [radius, width, rebound, load]: [V; 4]) -> Self {
-        let c = V::from_f64;
-        let n = prepared.n;
-        let modulus = prepared.modulus(width);
+    fn new(
+        prepared: &Prepared,
+        soil: &LaneSoil<V>,
+        [radius, width, rebound, load]: [V; 4],
+    ) -> Self {
+        let modulus = prepared.modulus(soil, width);
         // With a rebound the force may fall with sinkage: that search is not for lanes.
         let sound = within(radius, 1e-3, 100.0)
             & within(width, 1e-3, 100.0)
             & within(rebound, 0.0, 0.0)
             & within(load, f64::MIN_POSITIVE, 1e12)
-            & V::ZERO.lt(modulus);
+            & V::ZERO.lt(modulus)
+            & soil.sound;
         let area = radius * width / load;
-        let bare = c(n).mul_add(radius.ln(), (area * modulus).ln());
+        let bare = soil.n.mul_add(radius.ln(), (area * modulus).ln());
         // Bekker: W = b k rⁿ⁺¹ θ_1²ⁿ⁺¹ (3 − n)/3 · 2⁻ⁿ
-        let shape = (3.0 - n).max(0.5) / 3.0;
-        let shape = Real::ln(shape) - n * core::f64::consts::LN_2;
         Self {
-            r_over_k: radius * c(prepared.per_k_shear),
+            r_over_k: radius * soil.per_k_shear,
             bare,
-            hold: area * c(prepared.cohesion),
+            hold: area * soil.cohesion,
             sound,
-            x: -(bare + c(shape)) * c(prepared.per_slope()),
+            x: -(bare + soil.shape) * soil.per_slope,
         }
     }
 
     /// These points at a slip.
     #[inline(always)]
-    fn at(&self, prepared: &Prepared, slip: V) -> Begun<V> {
-        let c = V::from_f64;
-        let position = slip.mul_add(c(prepared.laws.c_2), c(prepared.laws.c_1));
+    fn at(&self, soil: &LaneSoil<V>, slip: V) -> Begun<V> {
+        let position = slip.mul_add(soil.c_2, soil.c_1);
         let ahead = V::ONE - position.clamp(V::ZERO, V::ONE);
         Begun {
             loaded: Loaded {
                 q: V::ONE - slip,
                 r_over_k: self.r_over_k,
                 ahead,
-                scale: c(prepared.n + 1.0).mul_add(ahead.ln(), self.bare),
+                scale: (soil.n + V::ONE).mul_add(ahead.ln(), self.bare),
                 hold: self.hold,
+                n: soil.n,
+                tan_phi: soil.tan_phi,
             },
             sound: self.sound
                 & within(slip, 0.0, 1.0)
-                & position.lt(c(1.0 - NARROW_FRONT_SHARE * prepared.n)),
+                & position.lt(V::ONE - V::from_f64(NARROW_FRONT_SHARE) * soil.n),
             x: self.x,
         }
     }
+}
+
+/// Where the fine rule begins, and what is known by then: the slopes of x against ln W and of DP/W and T/(r W), and the
+/// last step.
+struct Approach<V> {
+    x: V,
+    per_slope: V,
+    slopes: [V; 2],
+    step: V,
 }
 
 /// Forces over the load at a place.
@@ -162,32 +170,23 @@ struct Found<V> {
 
 impl<V: Vector> Loaded<V> {
     #[inline(always)]
-    fn gather(sheet: &LoadSheet, places: &[u16; 8]) -> Self {
+    fn gather(chunk: (&Prepared, &Inputs<'_>), sheet: &LoadSheet, places: &[u16; 8]) -> Self {
         let [q, r_over_k, ahead, scale, hold, _] = &sheet.points;
+        let [n, tan_phi] = chunk.0.gather(chunk.1, &sheet.soil, places);
         Self {
             q: q.gather(places),
             r_over_k: r_over_k.gather(places),
             ahead: ahead.gather(places),
             scale: scale.gather(places),
             hold: hold.gather(places),
-        }
-    }
-
-    #[inline(always)]
-    fn load(sheet: &LoadSheet, at: usize) -> Self {
-        let [q, r_over_k, ahead, scale, hold, _] = &sheet.points;
-        Self {
-            q: q.load(at),
-            r_over_k: r_over_k.load(at),
-            ahead: ahead.load(at),
-            scale: scale.load(at),
-            hold: hold.load(at),
+            n,
+            tan_phi,
         }
     }
 
     /// The contact at x, and the scales of friction and cohesion.
     #[inline(always)]
-    fn contact(&self, prepared: &Prepared, x: V) -> (LeanContact<V>, V, V) {
+    fn contact(&self, x: V) -> (LeanContact<V>, V, V) {
         let theta_1 = x.exp();
         let front = self.ahead * theta_1;
         let contact = LeanContact {
@@ -200,20 +199,19 @@ impl<V: Vector> Loaded<V> {
         };
         let y = theta_1 * theta_1;
         let ln_sin_theta = y.mul_add(horner(y, &LN_SINC), x + x);
-        let stress = V::from_f64(prepared.n).mul_add(ln_sin_theta, self.scale);
+        let stress = self.n.mul_add(ln_sin_theta, self.scale);
         (contact, stress.exp() * theta_1, self.hold * theta_1)
     }
 
     #[inline(always)]
-    fn forces(&self, prepared: &Prepared, rules: (RuleView<'_>, RuleView<'_>), x: V) -> Three<V> {
-        let (contact, stress, hold) = self.contact(prepared, x);
-        let sums = V::sums(&contact, rules, &prepared.tables.power);
-        sums.forces(stress, V::from_f64(prepared.tan_phi), hold)
+    fn forces(&self, rules: &Rules<'_, V>, x: V) -> Three<V> {
+        let (contact, stress, hold) = self.contact(x);
+        rules.sums(&contact).forces(stress, self.tan_phi, hold)
     }
 
     #[inline(always)]
-    fn found(&self, prepared: &Prepared, rules: (RuleView<'_>, RuleView<'_>), x: V) -> Found<V> {
-        let f = self.forces(prepared, rules, x);
+    fn found(&self, rules: &Rules<'_, V>, x: V) -> Found<V> {
+        let f = self.forces(rules, x);
         let per_load = V::ONE / f.vertical_force;
         Found {
             off: f.vertical_force.ln(),
@@ -267,8 +265,10 @@ pub(super) fn run<V: Vector>(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start
         Some(smooth) => interpolate::<V>(prepared, inputs, (sheet, plan), (smooth, nodes)),
         None => search::<V>(prepared, inputs, (sheet, plan), nodes),
     }
+    let mut exponents = prepared.exponents(inputs);
     for group in plan.groups() {
-        finish::<V>(prepared, inputs, (sheet, group), out, nodes);
+        let of_group = (&mut *sheet, &mut exponents, group);
+        finish::<V>((prepared, inputs), of_group, (out, start));
     }
 }
 
@@ -281,68 +281,52 @@ fn search<V: Vector>(
     one_rule: bool,
 ) {
     let n = inputs.len();
+    let mut exponents = prepared.exponents(inputs);
     for at in (0..n).step_by(8) {
-        set_up::<V>(prepared, inputs, (sheet, plan), at);
-    }
-    let first = prepared.tables.first_rules();
-    // Two steps; the first leaves its place and residual for the second's secant.
-    for at in (0..n).step_by(8) {
-        let x: V = sheet.x.load(at);
-        let force = Loaded::load(sheet, at).forces(prepared, first, x);
-        let off = force.vertical_force.ln();
-        let next = held(x - off * sheet.per_slope.load(at));
-        sheet.first[0].store(at, off);
-        sheet.first[3].store(at, x);
-        sheet.x.store(at, next);
-    }
-    for at in (0..n).step_by(8) {
-        let x: V = sheet.x.load(at);
-        let force = Loaded::load(sheet, at).forces(prepared, first, x);
-        let off = force.vertical_force.ln();
-        let (dx, dy) = (x - sheet.first[3].load(at), off - sheet.first[0].load(at));
-        let per_slope = secant(dx, dy, sheet.per_slope.load(at));
+        let loaded = set_up::<V>(prepared, inputs, (sheet, plan), at);
+        exponents.set(&loaded.n);
+        let rules = exponents.rules(&loaded.n, Closeness::First);
+        // two steps; the second along the secant
+        let first: V = sheet.x.load(at);
+        let off_first = loaded.forces(&rules, first).vertical_force.ln();
+        let per_slope: V = sheet.per_slope.load(at);
+        let x = held(first - off_first * per_slope);
+        let off = loaded.forces(&rules, x).vertical_force.ln();
+        let per_slope = secant(x - first, off - off_first, per_slope);
         sheet.x.store(at, held(x - off * per_slope));
         sheet.per_slope.store(at, per_slope);
-    }
-    for at in (0..n).step_by(8) {
         choose::<V>(sheet, plan, at);
     }
     if one_rule {
         plan.level(n);
     }
     plan.sort(n);
-    for group in plan.groups() {
-        let rules = prepared.tables.coarse_rules(group.step);
-        let x: V = sheet.x.gather(group.places);
-        let found = Loaded::gather(sheet, group.places).found(prepared, rules, x);
-        let next = held(x - found.off * sheet.per_slope.gather(group.places));
-        let [off, pull, turn, place] = &mut sheet.first;
-        off.store(group.at, found.off);
-        pull.store(group.at, found.pull);
-        turn.store(group.at, found.turn);
-        place.store(group.at, x);
-        sheet.slopes[2].store(group.at, next);
-    }
-    for group in plan.groups() {
-        let rules = prepared.tables.coarse_rules(group.step);
-        let x: V = sheet.slopes[2].load(group.at);
-        let found = Loaded::gather(sheet, group.places).found(prepared, rules, x);
-        let [off, pull, turn, place] = &mut sheet.first;
-        let step = x - place.load(group.at);
-        let known = V::from_f64(1e-10).lt(step.abs());
-        let per_step = V::select(known, V::ONE / step, V::ZERO);
-        let before = sheet.per_slope.gather(group.places);
-        let per_slope = V::select(
-            known,
-            secant(step, found.off - off.load(group.at), before),
-            before,
-        );
-        sheet.slopes[0].store(group.at, (found.pull - pull.load(group.at)) * per_step);
-        sheet.slopes[1].store(group.at, (found.turn - turn.load(group.at)) * per_step);
+}
+
+/// Two steps by a coarse rule from where the coarsest ended.
+#[inline(always)]
+fn approach<V: Vector>(
+    loaded: &Loaded<V>,
+    rules: &Rules<'_, V>,
+    (first, before): (V, V),
+) -> Approach<V> {
+    let at_first = loaded.found(rules, first);
+    let x = held(first - at_first.off * before);
+    let found = loaded.found(rules, x);
+    let step = x - first;
+    let known = V::from_f64(1e-10).lt(step.abs());
+    let per_step = V::select(known, V::ONE / step, V::ZERO);
+    let per_slope = secant(step, found.off - at_first.off, before);
+    let per_slope = V::select(known, per_slope, before);
+    Approach {
+        x: held(x - found.off * per_slope),
+        per_slope,
+        slopes: [
+            (found.pull - at_first.pull) * per_step,
+            (found.turn - at_first.turn) * per_step,
+        ],
         // a step too short for a slope counts as a long one
-        sheet.slopes[2].store(group.at, V::select(known, step, V::ONE));
-        off.store(group.at, per_slope);
-        place.store(group.at, held(x - found.off * per_slope));
+        step: V::select(known, step, V::ONE),
     }
 }
 
@@ -355,10 +339,11 @@ fn interpolate<V: Vector>(
     (smooth, one_rule): (&Smooth, bool),
 ) {
     let shared = [inputs.radius, inputs.width, inputs.rebound, inputs.given];
-    let base = Base::<V>::new(prepared, shared.map(|column| V::from_f64(column[0])));
+    let soil = prepared.soil::<V>(inputs, 0);
+    let base = Base::<V>::new(prepared, &soil, shared.map(|column| V::from_f64(column[0])));
     for at in (0..inputs.len()).step_by(8) {
         let slip = eight::<V>(inputs.slip, at);
-        keep((sheet, plan), &base.at(prepared, slip), at);
+        keep((sheet, plan), &base.at(&soil, slip), at);
         let [x, rest @ ..] = smooth.at(slip);
         sheet.x.store(at, held(x));
         for (column, x) in sheet.kept.iter_mut().zip(rest) {
@@ -370,14 +355,6 @@ fn interpolate<V: Vector>(
         plan.level(inputs.len());
     }
     plan.sort(inputs.len());
-    for group in plan.groups() {
-        let (at, places) = (group.at, group.places);
-        sheet.first[0].store(at, sheet.kept[0].gather::<V>(places));
-        sheet.first[3].store(at, sheet.x.gather::<V>(places));
-        sheet.slopes[0].store(at, sheet.kept[1].gather::<V>(places));
-        sheet.slopes[1].store(at, sheet.kept[2].gather::<V>(places));
-        sheet.slopes[2].store(at, V::from_f64(smooth.slope_error));
-    }
 }
 
 /// Eight points in their natural order: what does not depend on sinkage, and where to begin.
@@ -387,9 +364,11 @@ fn set_up<V: Vector>(
     inputs: &Inputs<'_>,
     (sheet, plan): (&mut LoadSheet, &mut Plan),
     at: usize,
-) {
+) -> Loaded<V> {
+    let soil = prepared.soil(inputs, at);
     let base = Base::<V>::new(
         prepared,
+        &soil,
         [
             eight(inputs.radius, at),
             eight(inputs.width, at),
@@ -397,10 +376,15 @@ fn set_up<V: Vector>(
             eight(inputs.given, at),
         ],
     );
-    let begun = base.at(prepared, eight(inputs.slip, at));
+    let begun = base.at(&soil, eight(inputs.slip, at));
     keep((sheet, plan), &begun, at);
+    if inputs.soil.is_some() {
+        sheet.soil[0].store(at, soil.n);
+        sheet.soil[1].store(at, soil.tan_phi);
+    }
     sheet.x.store(at, held(begun.x));
-    sheet.per_slope.store(at, V::from_f64(prepared.per_slope()));
+    sheet.per_slope.store(at, soil.per_slope);
+    begun.loaded
 }
 
 /// Writes what does not depend on sinkage into the sheet.
@@ -451,28 +435,41 @@ fn stiffness<V: Vector>(theta_1: V, z_over_r: V, q: V, r_over_k: V) -> V {
 /// The fine rule's evaluation, further ones where they are needed, and the outcomes.
 #[inline(always)]
 fn finish<V: Vector>(
-    prepared: &Prepared,
-    inputs: &Inputs<'_>,
-    (sheet, group): (&mut LoadSheet, Group<'_>),
-    out: &mut BatchColumns<'_>,
-    keep: bool,
+    (prepared, inputs): (&Prepared, &Inputs<'_>),
+    (sheet, exponents, group): (&mut LoadSheet, &mut Exponents<'_, V>, Group<'_>),
+    (out, start): (&mut BatchColumns<'_>, Start<'_>),
 ) {
     let c = V::from_f64;
-    let at = group.at;
-    let rules = prepared.tables.rules(group.step);
-    let loaded = Loaded::<V>::gather(sheet, group.places);
-    let mut per_slope: V = sheet.first[0].load(at);
-    let mut x: V = sheet.first[3].load(at);
-    let mut slopes: [V; 2] = [sheet.slopes[0].load(at), sheet.slopes[1].load(at)];
-    let mut step: V = sheet.slopes[2].load(at);
-    let mut found = loaded.found(prepared, rules, x);
+    let places = group.places;
+    let loaded = Loaded::<V>::gather((prepared, inputs), sheet, places);
+    exponents.set(&loaded.n);
+    let x: V = sheet.x.gather(places);
+    let Approach {
+        mut x,
+        mut per_slope,
+        mut slopes,
+        mut step,
+    } = match start.expected {
+        None => {
+            let rules = exponents.rules(&loaded.n, Closeness::Coarse(group.step));
+            approach(&loaded, &rules, (x, sheet.per_slope.gather(places)))
+        }
+        Some(smooth) => Approach {
+            x,
+            per_slope: sheet.kept[0].gather(places),
+            slopes: [sheet.kept[1].gather(places), sheet.kept[2].gather(places)],
+            step: c(smooth.slope_error),
+        },
+    };
+    let rules = exponents.rules(&loaded.n, Closeness::Fine(group.step));
+    let mut found = loaded.found(&rules, x);
     for _ in 0..MAX_FINE_PASSES {
         let open = !((found.off * step).abs().le(c(STRAIGHT_RESIDUAL)));
         if !V::any(open) {
             break;
         }
         let next = held(x - found.off * per_slope);
-        let again = loaded.found(prepared, rules, next);
+        let again = loaded.found(&rules, next);
         let dx = next - x;
         let per_step = V::ONE / dx;
         per_slope = V::select(
@@ -493,7 +490,7 @@ fn finish<V: Vector>(
         };
     }
     let dx = -found.off * per_slope;
-    if keep {
+    if start.nodes {
         let ended = [x + dx, per_slope, slopes[0], slopes[1]].map(V::to_array);
         for (column, ended) in sheet.kept.iter_mut().zip(ended) {
             for (&place, x) in group.places.iter().zip(ended) {

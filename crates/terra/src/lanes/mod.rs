@@ -17,6 +17,6 @@ mod vector;
 
 pub use batch::{BatchKernel, instructions};
 pub use best::{BestOf, BestSlipColumns};
-pub use columns::{BatchColumns, BatchInput, BatchPoints};
+pub use columns::{BatchColumns, BatchInput, BatchPoints, SoilColumns};
 pub(crate) use nodes::EightNodes;
 pub use portable::{LaneMask, Lanes};

@@ -2,12 +2,15 @@
 
 use grouser_real::Real;
 
+use crate::contact::ladder::{Closeness, LaneRules, SharedRules};
 use crate::contact::ladder::{ExponentTables, LIMITS, Step};
-use crate::pressure::Pressure;
+use crate::contact::lean::{LeanContact, LeanSums};
+use crate::pressure::{Pressure, Reece};
 use crate::shear::ShearLaw;
-use crate::soil::{Soil, SoilLaws};
+use crate::soil::{COHESION, EXPONENT, K_SHEAR, MODULUS, PHI, POSITION, Soil, SoilLaws};
 
 use super::columns::{BatchColumns, Inputs};
+use super::sheet::{Column, eight};
 use super::vector::Vector;
 
 /// Points worked on together: enough to fill groups of eight of each kind, few enough for the stack.
@@ -57,20 +60,179 @@ impl Prepared {
         })
     }
 
-    /// dx/d ln W of a wheel without shear, x = ln θ_1.
-    pub(super) fn per_slope(&self) -> f64 {
-        1.0 / (2.0 * self.n + 1.0)
+    /// The soils of eight points from a place on.
+    #[inline(always)]
+    pub(super) fn soil<V: Vector>(&self, inputs: &Inputs<'_>, at: usize) -> LaneSoil<V> {
+        let c = V::from_f64;
+        let Some(columns) = &inputs.soil else {
+            let shape = Real::ln((3.0 - self.n).max(0.5) / 3.0);
+            let shape = shape - self.n * core::f64::consts::LN_2;
+            let [k_c, k_phi] = match self.laws.pressure {
+                Pressure::Bekker(law) => [c(law.k_c), c(law.k_phi)],
+                Pressure::Reece(law) => [c(law.k_c_prime), c(law.k_phi_prime)],
+            };
+            return LaneSoil {
+                k_c,
+                k_phi,
+                n: c(self.n),
+                cohesion: c(self.cohesion),
+                tan_phi: c(self.tan_phi),
+                per_k_shear: c(self.per_k_shear),
+                c_1: c(self.laws.c_1),
+                c_2: c(self.laws.c_2),
+                per_slope: c(1.0 / (2.0 * self.n + 1.0)),
+                shape: c(shape),
+                sound: V::ZERO.lt(V::ONE),
+            };
+        };
+        let [k_c, k_phi, n, cohesion, phi, k_shear, c_1, c_2] = columns.numbers;
+        let [k_c, k_phi]: [V; 2] = [eight(k_c, at), eight(k_phi, at)];
+        let [n, cohesion, phi]: [V; 3] = [eight(n, at), eight(cohesion, at), eight(phi, at)];
+        let [k_shear, c_1, c_2]: [V; 3] = [eight(k_shear, at), eight(c_1, at), eight(c_2, at)];
+        let modulus = match self.laws.pressure {
+            Pressure::Bekker(_) => MODULUS[0],
+            Pressure::Reece(_) => MODULUS[1],
+        };
+        let sound = inside(k_c, modulus)
+            & inside(k_phi, modulus)
+            & inside(n, EXPONENT)
+            & inside(cohesion, COHESION)
+            & inside(phi, PHI)
+            & inside(k_shear, K_SHEAR)
+            & inside(c_1, POSITION)
+            & inside(c_2, POSITION);
+        // a sine takes another way in all lanes where one is huge
+        let n = n.clamp(c(EXPONENT.0), c(EXPONENT.1));
+        let phi = phi.clamp(c(PHI.0), c(PHI.1));
+        LaneSoil {
+            k_c,
+            k_phi,
+            n,
+            cohesion,
+            tan_phi: phi.sin() / phi.cos(),
+            per_k_shear: c(core::f64::consts::LOG2_E) / k_shear,
+            c_1,
+            c_2,
+            per_slope: V::ONE / (n + n + V::ONE),
+            shape: ((c(3.0) - n).max(c(0.5)) * c(1.0 / 3.0)).ln() - n * c(core::f64::consts::LN_2),
+            sound,
+        }
     }
 
     /// The pressure-sinkage modulus under wheels of these widths.
     #[inline(always)]
-    pub(super) fn modulus<V: Vector>(&self, width: V) -> V {
+    pub(super) fn modulus<V: Vector>(&self, soil: &LaneSoil<V>, width: V) -> V {
         match self.laws.pressure {
-            Pressure::Bekker(law) => V::from_f64(law.k_c) / width + V::from_f64(law.k_phi),
+            Pressure::Bekker(_) => soil.k_c / width + soil.k_phi,
             // powers of the width, one by one: the price of a law that is rare in catalogues
             Pressure::Reece(_) => {
-                V::from_array(width.to_array().map(|b| self.laws.modulus(b, self.n)))
+                let numbers = [soil.k_c, soil.k_phi, soil.cohesion, soil.n].map(V::to_array);
+                let mut modulus = width.to_array();
+                for (k, x) in modulus.iter_mut().enumerate() {
+                    let [k_c_prime, k_phi_prime, cohesion, n] = numbers.map(|of| of[k]);
+                    let law = Reece {
+                        k_c_prime,
+                        k_phi_prime,
+                    };
+                    *x = law.modulus(cohesion, self.laws.unit_weight, *x, n);
+                }
+                V::from_array(modulus)
             }
+        }
+    }
+
+    /// Exponent and tan φ at eight places, from their columns where each point has its own.
+    #[inline(always)]
+    pub(super) fn gather<V: Vector>(
+        &self,
+        inputs: &Inputs<'_>,
+        columns: &[Column; 2],
+        places: &[u16; 8],
+    ) -> [V; 2] {
+        if inputs.soil.is_none() {
+            return [V::from_f64(self.n), V::from_f64(self.tan_phi)];
+        }
+        [columns[0].gather(places), columns[1].gather(places)]
+    }
+
+    /// The exponents of a chunk.
+    pub(super) fn exponents<'a, V: Vector>(&'a self, inputs: &Inputs<'a>) -> Exponents<'a, V> {
+        match &inputs.soil {
+            None => Exponents::Shared(&self.tables),
+            Some(soil) => soil
+                .tables
+                .map_or_else(|| Exponents::Each(LaneRules::empty()), Exponents::Shared),
+        }
+    }
+}
+
+/// The soils of eight points.
+#[derive(Clone, Copy)]
+pub(super) struct LaneSoil<V: Vector> {
+    k_c: V,
+    k_phi: V,
+    pub(super) n: V,
+    pub(super) cohesion: V,
+    pub(super) tan_phi: V,
+    /// log₂e/K
+    pub(super) per_k_shear: V,
+    pub(super) c_1: V,
+    pub(super) c_2: V,
+    /// dx/d ln W of a wheel without shear, x = ln θ_1.
+    pub(super) per_slope: V,
+    /// ln((3 − n)/3 · 2⁻ⁿ), 3 − n at least ½: Bekker's closed form in θ_1.
+    pub(super) shape: V,
+    /// Are all of them legal?
+    pub(super) sound: V::Mask,
+}
+
+/// The exponents of a chunk: one with its tables, or a room for the rules of eight.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "it stands still, and its room is on the stack"
+)]
+pub(super) enum Exponents<'a, V> {
+    Shared(&'a ExponentTables),
+    Each(LaneRules<V>),
+}
+
+impl<V: Vector> Exponents<'_, V> {
+    /// Takes eight exponents.
+    #[inline(always)]
+    pub(super) fn set(&mut self, n: &V) {
+        if let Self::Each(rules) = self {
+            V::set_power(rules, n);
+        }
+    }
+
+    /// The rules of the eight exponents that were taken last.
+    #[inline(always)]
+    pub(super) fn rules(&mut self, n: &V, closeness: Closeness) -> Rules<'_, V> {
+        match self {
+            Self::Shared(tables) => Rules::Shared(tables.at(closeness)),
+            Self::Each(rules) => {
+                V::set_rules(rules, n, closeness);
+                Rules::Each(rules)
+            }
+        }
+    }
+}
+
+/// The rules of eight contacts.
+pub(super) enum Rules<'a, V> {
+    /// Of one exponent.
+    Shared(SharedRules<'a>),
+    /// Of an exponent each.
+    Each(&'a LaneRules<V>),
+}
+
+impl<V: Vector> Rules<'_, V> {
+    /// The integrals of eight contacts.
+    #[inline(always)]
+    pub(super) fn sums(&self, contact: &LeanContact<V>) -> LeanSums<V> {
+        match self {
+            Self::Shared(rules) => V::sums(contact, rules),
+            Self::Each(rules) => V::lane_sums(contact, rules),
         }
     }
 }
@@ -85,6 +247,11 @@ pub(super) fn step_of<V: Vector>(stiffness: V) -> V {
         step += V::select(within, V::ZERO, V::ONE);
     }
     step
+}
+
+#[inline(always)]
+fn inside<V: Vector>(x: V, (low, high): (f64, f64)) -> V::Mask {
+    within(x, low, high)
 }
 
 /// Are the numbers in a range? NaN is in none.
@@ -114,8 +281,6 @@ pub(super) struct Chunk<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Group<'a> {
     pub(super) step: Step,
-    /// Their place in the order of the plan.
-    pub(super) at: usize,
     pub(super) places: &'a [u16; 8],
     pub(super) count: usize,
 }
@@ -179,7 +344,6 @@ impl Plan {
                 let places = self.order[from..to.next_multiple_of(8)].as_chunks::<8>().0;
                 places.iter().enumerate().map(move |(k, places)| Group {
                     step: Step::at(step),
-                    at: from + 8 * k,
                     places,
                     count: 8.min(to - from - 8 * k),
                 })

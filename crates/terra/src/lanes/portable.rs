@@ -5,9 +5,8 @@ use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Su
 use grouser_real::Real;
 
 use super::vector::Vector;
-use crate::contact::ladder::POWER_TERMS;
+use crate::contact::ladder::{Closeness, LaneRules, SharedRules};
 use crate::contact::lean::{LeanContact, LeanSums, Short};
-use crate::quadrature::RuleView;
 
 /// Eight numbers, computed lane by lane in plain code that every machine has: no lane sees another.
 ///
@@ -247,12 +246,20 @@ impl Vector for Lanes {
         )
     }
     #[inline(never)]
-    fn sums(
-        contact: &LeanContact<Self>,
-        rules: (RuleView<'_>, RuleView<'_>),
-        power: &[f64; POWER_TERMS],
-    ) -> LeanSums<Self> {
-        contact.sums(rules, power)
+    fn sums(contact: &LeanContact<Self>, rules: &SharedRules<'_>) -> LeanSums<Self> {
+        contact.sums(rules)
+    }
+    #[inline(never)]
+    fn lane_sums(contact: &LeanContact<Self>, rules: &LaneRules<Self>) -> LeanSums<Self> {
+        contact.sums(rules)
+    }
+    #[inline(never)]
+    fn set_rules(rules: &mut LaneRules<Self>, n: &Self, closeness: Closeness) {
+        rules.set_rules(*n, closeness);
+    }
+    #[inline(never)]
+    fn set_power(rules: &mut LaneRules<Self>, n: &Self) {
+        rules.set_power(*n);
     }
     #[inline(always)]
     fn any(mask: LaneMask) -> bool {

@@ -2,9 +2,8 @@
 
 use grouser_real::Real;
 
-use crate::contact::ladder::POWER_TERMS;
+use crate::contact::ladder::{Closeness, LaneRules, SharedRules};
 use crate::contact::lean::{LeanContact, LeanSums, Short, estrin, horner};
-use crate::quadrature::RuleView;
 
 /// Eight f64 side by side, on some set of instructions.
 pub(super) trait Vector: Short {
@@ -20,11 +19,13 @@ pub(super) trait Vector: Short {
     fn exponent_and_mantissa(self) -> (Self, Self);
     /// [`LeanContact::sums`], as one function of each set of instructions: compiled once, not wherever it
     /// is called.
-    fn sums(
-        contact: &LeanContact<Self>,
-        rules: (RuleView<'_>, RuleView<'_>),
-        power: &[f64; POWER_TERMS],
-    ) -> LeanSums<Self>;
+    fn sums(contact: &LeanContact<Self>, rules: &SharedRules<'_>) -> LeanSums<Self>;
+    /// The same where each lane has its own exponent.
+    fn lane_sums(contact: &LeanContact<Self>, rules: &LaneRules<Self>) -> LeanSums<Self>;
+    /// [`LaneRules::set_rules`] likewise.
+    fn set_rules(rules: &mut LaneRules<Self>, n: &Self, closeness: Closeness);
+    /// [`LaneRules::set_power`] likewise.
+    fn set_power(rules: &mut LaneRules<Self>, n: &Self);
     /// Does the mask hold in any lane?
     fn any(mask: Self::Mask) -> bool;
 

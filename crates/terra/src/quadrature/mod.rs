@@ -3,7 +3,7 @@
 mod jacobi;
 mod legendre;
 
-pub(crate) use jacobi::gauss_jacobi;
+pub(crate) use jacobi::{MAX_NODES, gauss_jacobi};
 use legendre::gauss_legendre;
 
 /// Nodes and weights on [0, 1].
@@ -14,6 +14,13 @@ pub(crate) struct Rule<const N: usize> {
 }
 
 impl<const N: usize> Rule<N> {
+    /// The Gauss-Jacobi rule for the weight tⁿ.
+    pub(crate) fn jacobi(n: f64) -> Self {
+        let (mut nodes, mut weights) = ([0.0; N], [0.0; N]);
+        gauss_jacobi(n, &mut nodes, &mut weights);
+        Self { nodes, weights }
+    }
+
     /// The rule as a slice of nodes and one of weights, whatever its length.
     pub(crate) fn view(&self) -> RuleView<'_> {
         RuleView {
@@ -23,11 +30,11 @@ impl<const N: usize> Rule<N> {
     }
 }
 
-/// A rule of any length.
+/// A rule of any length, in one kind of number.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RuleView<'a> {
-    pub(crate) nodes: &'a [f64],
-    pub(crate) weights: &'a [f64],
+pub(crate) struct RuleView<'a, R = f64> {
+    pub(crate) nodes: &'a [R],
+    pub(crate) weights: &'a [R],
 }
 
 impl RuleView<'_> {

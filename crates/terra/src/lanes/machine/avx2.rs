@@ -41,7 +41,7 @@ lanes_of!(Avx2, Avx2Mask, [0 1], {
     or: |a, b| _mm256_or_pd(a, b),
     not: |a| _mm256_xor_pd(a, _mm256_castsi256_pd(ones())),
     any: |m| _mm256_movemask_pd(m) != 0,
-    sums: sums,
+    features: "avx2,fma",
     power_of_two: |x| _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_add_epi64(
         _mm256_castpd_si256(x),
         _mm256_set1_epi64x(1023),
@@ -65,14 +65,4 @@ lanes_of!(Avx2, Avx2Mask, [0 1], {
 unsafe fn ones() -> __m256i {
     // SAFETY: as all above.
     unsafe { _mm256_set1_epi64x(-1) }
-}
-
-/// The sums on these instructions.
-#[target_feature(enable = "avx2,fma")]
-fn sums(
-    contact: &LeanContact<Avx2>,
-    rules: (RuleView<'_>, RuleView<'_>),
-    power: &[f64; POWER_TERMS],
-) -> LeanSums<Avx2> {
-    contact.sums(rules, power)
 }

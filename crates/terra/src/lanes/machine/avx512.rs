@@ -41,7 +41,7 @@ lanes_of!(Avx512, Avx512Mask, [0], {
     or: |a, b| a | b,
     not: |a| !a,
     any: |m| m != 0,
-    sums: sums,
+    features: "avx2,fma,avx512f,avx512dq",
     power_of_two: |x| _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_add_epi64(
         _mm512_castpd_si512(x),
         _mm512_set1_epi64(1023),
@@ -59,13 +59,3 @@ lanes_of!(Avx512, Avx512Mask, [0], {
         _mm512_castpd_si512(_mm512_set1_pd(1.0)),
     )),
 });
-
-/// The sums on these instructions.
-#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
-fn sums(
-    contact: &LeanContact<Avx512>,
-    rules: (RuleView<'_>, RuleView<'_>),
-    power: &[f64; POWER_TERMS],
-) -> LeanSums<Avx512> {
-    contact.sums(rules, power)
-}

@@ -27,15 +27,14 @@ macro_rules! lanes_of {
         or: |$ka:ident, $kb:ident| $or:expr,
         not: |$oa:ident| $not:expr,
         any: |$pm:ident| $any:expr,
-        sums: $sums:ident,
+        features: $features:literal,
         power_of_two: |$ux:ident| $power:expr,
         times_power: |$ra:ident, $rb:ident| $times:expr,
         exponent: |$vx:ident| $exponent:expr,
         mantissa: |$wx:ident| $mantissa:expr $(,)?
     }) => {
-        use crate::contact::ladder::POWER_TERMS;
+        use crate::contact::ladder::{Closeness, LaneRules, SharedRules};
         use crate::contact::lean::{LeanContact, LeanSums, Short};
-        use crate::quadrature::RuleView;
         use crate::lanes::portable::{EXPONENT_BIAS, TWO_52};
         use crate::lanes::vector::{self, Vector};
         use grouser_real::Real;
@@ -240,6 +239,24 @@ macro_rules! lanes_of {
             lanes_of!(@one_by_one ln_1p tan asin acos atan sinh cosh tanh);
         }
 
+        // One function each on these instructions, which callers do not repeat.
+        #[target_feature(enable = $features)]
+        fn sums(contact: &LeanContact<$name>, rules: &SharedRules<'_>) -> LeanSums<$name> {
+            contact.sums(rules)
+        }
+        #[target_feature(enable = $features)]
+        fn lane_sums(contact: &LeanContact<$name>, rules: &LaneRules<$name>) -> LeanSums<$name> {
+            contact.sums(rules)
+        }
+        #[target_feature(enable = $features)]
+        fn set_rules(rules: &mut LaneRules<$name>, n: &$name, closeness: Closeness) {
+            rules.set_rules(*n, closeness);
+        }
+        #[target_feature(enable = $features)]
+        fn set_power(rules: &mut LaneRules<$name>, n: &$name) {
+            rules.set_power(*n);
+        }
+
         impl Short for $name {
             #[inline(always)]
             fn exp2_short(self) -> Self {
@@ -282,12 +299,20 @@ macro_rules! lanes_of {
                 (exponent, self.each(|$wx| unsafe { $mantissa }))
             }
             #[inline(always)]
-            fn sums(
-                contact: &LeanContact<Self>,
-                rules: (RuleView<'_>, RuleView<'_>),
-                power: &[f64; POWER_TERMS],
-            ) -> LeanSums<Self> {
-                unsafe { $sums(contact, rules, power) }
+            fn sums(contact: &LeanContact<Self>, rules: &SharedRules<'_>) -> LeanSums<Self> {
+                unsafe { sums(contact, rules) }
+            }
+            #[inline(always)]
+            fn lane_sums(contact: &LeanContact<Self>, rules: &LaneRules<Self>) -> LeanSums<Self> {
+                unsafe { lane_sums(contact, rules) }
+            }
+            #[inline(always)]
+            fn set_rules(rules: &mut LaneRules<Self>, n: &Self, closeness: Closeness) {
+                unsafe { set_rules(rules, n, closeness) }
+            }
+            #[inline(always)]
+            fn set_power(rules: &mut LaneRules<Self>, n: &Self) {
+                unsafe { set_power(rules, n) }
             }
             #[inline(always)]
             fn any(mask: $mask) -> bool {
