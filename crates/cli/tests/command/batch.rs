@@ -405,7 +405,8 @@ fn a_quantity_that_is_not_read_is_refused_by_name() {
         "slip_angle_rad",
         "radius_mm",
         "load_kn",
-        "phi_deg",
+        "phi_rad",
+        "n_1",
         "mass_kg",
         "beta_deg",
         "slip-angle-deg",
@@ -602,4 +603,57 @@ fn a_row_is_solved_on_its_own_soil_among_many() {
         let alone = alone.lines().nth(1).unwrap();
         assert_eq!((solved[place], solved[23 - place]), (alone, alone));
     }
+}
+
+/// Rows with numbers of the soil are the rows on soil files with these numbers; an empty field is the soil's own, and a bad one
+/// concerns its row alone.
+#[test]
+fn a_row_may_have_its_own_numbers_of_the_soil() {
+    let folder = Folder::new();
+    let numbers = "n,cohesion_kpa,phi_deg,k_shear_m,k_c_kn_per_m_n1,k_phi_kn_per_m_n2,c_1,c_2";
+    let rows = [
+        // by load, by sinkage, braked, drifting: all but the first two by the general solver
+        ("0.3,,40,0", "0.9,0.5,33,0.02,1.2,1400,0.2,0.3"),
+        ("0.3,0.01,,0", "1.25,2,28,0.03,0.5,1600,0.25,0.25"),
+        ("-0.2,,40,0", "1.2,1.5,31,0.021,0.8,1500,0.2,0.3"),
+        ("0.3,,40,10", "1.05,1.5,31,0.021,0.8,1500,0.2,0.3"),
+    ];
+    let header = "soil,radius_m,width_m,slip,sinkage_m,load_n,slip_angle_deg";
+    let mut columns = format!("{header},{numbers}\n");
+    let mut files = format!("{header}\n");
+    for (place, (point, own)) in rows.iter().enumerate() {
+        let mut text = String::from("format = 1\nname = \"soil\"\n");
+        for (key, value) in numbers.split(',').zip(own.split(',')) {
+            writeln!(text, "{key} = {value}").unwrap();
+        }
+        let soil = folder.file(&format!("soil-{place}.toml"), &text);
+        let point = format!("0.1,0.1,{point}");
+        writeln!(files, "{},{point}", soil.display()).unwrap();
+        writeln!(columns, "dry-sand,{point},{own}").unwrap();
+    }
+    let (files, _) = solve(&folder, &files);
+    let (columns, _) = solve(&folder, &columns);
+    for (there, here) in files.iter().zip(&columns) {
+        assert_eq!((&*there["status"], &*here["status"]), ("ok", "ok"));
+        assert_eq!(there["cautions"], here["cautions"]);
+        for column in [
+            "sinkage_m",
+            "vertical_force_n",
+            "drawbar_pull_n",
+            "torque_nm",
+        ] {
+            let off = number(here, column) / number(there, column) - 1.0;
+            assert!(off.abs() < 1e-9, "{column} {off:e}");
+        }
+    }
+    assert!(number(&columns[2], "sinkage_m") > 1.2 * number(&columns[0], "sinkage_m"));
+
+    let text = "soil,radius_m,width_m,slip,load_n,phi_deg\ndry-sand,0.1,0.1,0.3,40,\ndry-sand,0.1,0.1,0.3,40,95\n\
+                dry-sand,0.1,0.1,0.3,40,30\n";
+    let (rows, _) = solve_to(&folder, text, 3);
+    assert_eq!(rows[0]["drawbar_pull_n"], rows[2]["drawbar_pull_n"]); // 30° are the sand's own
+    assert!(
+        rows[1]["status"].contains("`phi_deg` is 95 deg"),
+        "{rows:?}"
+    );
 }

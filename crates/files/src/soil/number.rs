@@ -1,6 +1,6 @@
 //! The numbers of a soil: key, unit, and place in the parameters.
 
-use grouser_terra::{Angle, Bekker, OpenSoil, Pressure};
+use grouser_terra::{Angle, BatchInput, Bekker, OpenSoil, Pressure, SoilColumns};
 
 /// A number of a soil that files, intervals and identification name by its key.
 ///
@@ -119,6 +119,24 @@ impl SoilNumber {
             Self::TransportLayer => Some(soil.transport_layer),
             Self::SidewaysSupport => Some(soil.sideways_support),
         }
+    }
+
+    /// Its column in a batch with a soil for each point; `None` where a batch has none.
+    pub const fn column<'a, 'b>(
+        self,
+        columns: &'b mut SoilColumns<'a>,
+    ) -> Option<&'b mut BatchInput<'a>> {
+        Some(match self {
+            Self::KC => &mut columns.k_c,
+            Self::KPhi => &mut columns.k_phi,
+            Self::Exponent => &mut columns.n,
+            Self::Cohesion => &mut columns.cohesion,
+            Self::Phi => &mut columns.phi,
+            Self::KShear => &mut columns.k_shear,
+            Self::C1 => &mut columns.c_1,
+            Self::C2 => &mut columns.c_2,
+            _ => return None,
+        })
     }
 
     /// Puts `value` (SI) into a soil; a modulus that the soil's pressure law does not have changes nothing.

@@ -7,6 +7,7 @@ use std::path::Path;
 use super::stream::Line;
 use crate::error::{Error, Result};
 use crate::operation::Prescribed;
+use grouser_files::soil::SoilNumber;
 use grouser_files::{is_quantity_name, nearest};
 use grouser_log::csv::{Field, quoted, split};
 use grouser_report::number::{parse_finite, parse_plain, push_exact};
@@ -43,37 +44,40 @@ const READ: [&str; 11] = [
     "grouser_thickness_m",
 ];
 
-/// Numbers of a soil, which come from the soil itself.
-const OF_THE_SOIL: [&str; 12] = [
-    "n",
-    "n_1",
-    "n_2",
-    "c_1",
-    "c_2",
-    "k_c_kn_per_m_n1",
-    "k_phi_kn_per_m_n2",
-    "cohesion_kpa",
-    "phi_deg",
-    "k_shear_m",
-    "unit_weight_n_per_m3",
-    "transport_layer_m",
+/// Numbers of a soil that a row may have of its own.
+pub(super) const SOIL_NUMBERS: [SoilNumber; 8] = [
+    SoilNumber::KC,
+    SoilNumber::KPhi,
+    SoilNumber::Exponent,
+    SoilNumber::Cohesion,
+    SoilNumber::Phi,
+    SoilNumber::KShear,
+    SoilNumber::C1,
+    SoilNumber::C2,
 ];
+
+/// Numbers of a soil that only the soil itself has.
+const OF_THE_SOIL: [&str; 4] = ["n_1", "n_2", "unit_weight_n_per_m3", "transport_layer_m"];
 
 /// Why a column that is not read must not be ignored: to ignore it would give a result for another wheel; `None`
 /// where it may.
 fn refusal(name: &str) -> Option<String> {
-    if READ.contains(&name) || ADDED.contains(&name) {
+    let is_soil_number = |name| SOIL_NUMBERS.iter().any(|number| number.key() == name);
+    if READ.contains(&name) || ADDED.contains(&name) || is_soil_number(name) {
         return None;
     }
     if OF_THE_SOIL.contains(&name) {
-        return Some("numbers of a soil come from the soil: name a soil file in `soil`".to_owned());
+        return Some("this number comes from the soil: name a soil file in `soil`".to_owned());
     }
     is_quantity_name(name).then(|| {
-        let meant = nearest(&name.to_lowercase().replace(['-', ' '], "_"), READ)
+        let read = READ.into_iter().chain(SOIL_NUMBERS.map(SoilNumber::key));
+        let meant = nearest(&name.to_lowercase().replace(['-', ' '], "_"), read)
             .map_or_else(String::new, |meant| format!("did you mean `{meant}`? "));
         format!(
-            "{meant}read are `{}`; rename a column that is only a remark, as `note_…` or `measured_…`",
-            READ.join("`, `")
+            "{meant}read are `{}` and, of the soil, `{}`; rename a column that is only a remark, as `note_…` or \
+             `measured_…`",
+            READ.join("`, `"),
+            SOIL_NUMBERS.map(SoilNumber::key).join("`, `")
         )
     })
 }
@@ -96,12 +100,18 @@ pub(super) struct Columns {
     grouser_height: Option<usize>,
     grouser_count: Option<usize>,
     grouser_thickness: Option<usize>,
+    /// Of [`SOIL_NUMBERS`].
+    soil_numbers: [Option<usize>; SOIL_NUMBERS.len()],
 }
+
+/// Numbers of a soil that a row has of its own, SI, in the order of [`SOIL_NUMBERS`].
+pub(super) type SoilNumbers = [Option<f64>; SOIL_NUMBERS.len()];
 
 /// The operating point of a row.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Point<'a> {
     pub(super) soil: Cow<'a, str>,
+    pub(super) soil_numbers: SoilNumbers,
     pub(super) radius_m: f64,
     pub(super) width_m: f64,
     /// Height (m), number and thickness (m) of the lugs; `None` for a smooth wheel.
@@ -146,7 +156,23 @@ enum Layout {
     Broken,
 }
 
+/// The columns of a soil's numbers.
+fn find_all(
+    find: &impl Fn(&str) -> Result<Option<usize>>,
+) -> Result<[Option<usize>; SOIL_NUMBERS.len()]> {
+    let mut places = [None; SOIL_NUMBERS.len()];
+    for (place, number) in places.iter_mut().zip(SOIL_NUMBERS) {
+        *place = find(number.key())?;
+    }
+    Ok(places)
+}
+
 impl Columns {
+    /// Which of a soil's numbers have a column.
+    pub(super) fn has_soil_numbers(&self) -> [bool; SOIL_NUMBERS.len()] {
+        self.soil_numbers.map(|place| place.is_some())
+    }
+
     /// Reads the header.
     pub(super) fn read(header: Option<Line<'_>>, path: &Path) -> Result<Self> {
         let refuse = |message: String, hint: Option<&str>| {
@@ -205,6 +231,7 @@ impl Columns {
             grouser_height: find("grouser_height_m")?,
             grouser_count: find("grouser_count")?,
             grouser_thickness: find("grouser_thickness_m")?,
+            soil_numbers: find_all(&find)?,
             header: line.text.to_owned(),
             names: names.clone(),
         };
@@ -360,8 +387,19 @@ impl Columns {
             ]),
             _ => None,
         };
+        let mut soil_numbers = [None; SOIL_NUMBERS.len()];
+        if self.has_soil_numbers().contains(&true) {
+            for ((found, place), number) in soil_numbers
+                .iter_mut()
+                .zip(self.soil_numbers)
+                .zip(SOIL_NUMBERS)
+            {
+                *found = optional(place, number.key())?.map(|value| value * number.key_unit());
+            }
+        }
         Ok(Point {
             grousers,
+            soil_numbers,
             soil: fields[self.soil].value(line),
             radius_m: required(Some(self.radius), "radius_m")?,
             width_m: required(Some(self.width), "width_m")?,

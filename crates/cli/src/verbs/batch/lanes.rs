@@ -3,11 +3,12 @@
 use std::ops::Range;
 
 use grouser_terra::{
-    BatchColumns, BatchKernel, BatchPoints, Caution, Cautions, MAX_MISS, Soil, SolveStatus,
+    BatchColumns, BatchInput, BatchPoints, Caution, Cautions, MAX_MISS, Soil, SoilColumns,
+    SolveStatus,
 };
 
-use super::columns::{Numbers, Point, Row};
-use super::soils::Soils;
+use super::columns::{Numbers, Point, Row, SOIL_NUMBERS};
+use super::soils::{Known, Soils};
 use crate::operation::Prescribed;
 
 /// The points in columns: those of one soil that are solved alike are side by side.
@@ -18,6 +19,23 @@ struct Points {
     slip: Vec<f64>,
     /// Sinkage or load.
     given: Vec<f64>,
+    /// Of [`SOIL_NUMBERS`] those that the table has.
+    soil: [Option<Vec<f64>>; SOIL_NUMBERS.len()],
+}
+
+impl Points {
+    /// The numbers of the soils of some points on one soil; `None` where the table has no column of them.
+    fn soils(&self, soil: &Soil, range: &Range<usize>) -> Option<SoilColumns<'_>> {
+        let mut soils = SoilColumns::of(soil);
+        let mut is_own = false;
+        for (number, values) in SOIL_NUMBERS.into_iter().zip(&self.soil) {
+            if let (Some(column), Some(values)) = (number.column(&mut soils), values) {
+                *column = BatchInput::Column(&values[range.clone()]);
+                is_own = true;
+            }
+        }
+        is_own.then_some(soils)
+    }
 }
 
 /// What the kernel found of the points, in columns.
@@ -55,12 +73,9 @@ impl Found {
     }
 
     /// Solves points of one soil, by their loads or by their sinkages.
-    fn solve(
-        &mut self,
-        points: &Points,
-        range: Range<usize>,
-        (kernel, by_load): (&BatchKernel, bool),
-    ) {
+    fn solve(&mut self, points: &Points, range: Range<usize>, (known, by_load): (&Known, bool)) {
+        let kernel = &known.kernel;
+        let soils = points.soils(&known.soil, &range);
         let given = &points.given[range.clone()];
         let points = BatchPoints {
             radius: (&points.radius[range.clone()]).into(),
@@ -76,13 +91,17 @@ impl Found {
             status: &mut self.status[range.clone()],
         };
         // The columns are equally long, so that the kernel refuses none.
-        let _ = if by_load {
-            kernel.under_load(&points, given, &mut out)
-        } else {
-            kernel.forces(&points, given, &mut out)
+        let _ = match (&soils, by_load) {
+            (None, true) => kernel.under_load(&points, given, &mut out),
+            (None, false) => kernel.forces(&points, given, &mut out),
+            (Some(soils), true) => kernel.under_load_on(soils, &points, given, &mut out),
+            (Some(soils), false) => kernel.forces_on(soils, &points, given, &mut out),
         };
         for (at, cautions) in self.cautions[range].iter_mut().enumerate() {
-            *cautions = kernel.cautions(&points, &out, at);
+            *cautions = match &soils {
+                None => kernel.cautions(&points, &out, at),
+                Some(soils) => kernel.cautions_on(soils, &points, &out, at),
+            };
             let missed = (out.vertical_force[at] - given[at]).abs();
             let is_coarse = by_load && missed > MAX_MISS * given[at]; // NaN where there is no solution
             cautions.insert_if(is_coarse, Caution::LoadBelowResolution);
@@ -103,7 +122,11 @@ pub(super) fn may_be_several(point: &Point<'_>, soil: &Soil) -> bool {
 }
 
 /// What the kernel finds of each row.
-pub(super) fn solve(rows: &[Row<'_>], soils: &Soils<'_>) -> Found {
+pub(super) fn solve(
+    rows: &[Row<'_>],
+    soils: &Soils<'_>,
+    has_numbers: [bool; SOIL_NUMBERS.len()],
+) -> Found {
     // twice the soil's number, and one more for a load
     let group = |row: usize| {
         let point = rows[row].point.as_ref().ok()?;
@@ -127,6 +150,7 @@ pub(super) fn solve(rows: &[Row<'_>], soils: &Soils<'_>) -> Found {
         rebound: column(),
         slip: column(),
         given: column(),
+        soil: has_numbers.map(|has| has.then(column)),
     };
     let mut found = Found {
         places: vec![None; rows.len()],
@@ -142,8 +166,10 @@ pub(super) fn solve(rows: &[Row<'_>], soils: &Soils<'_>) -> Found {
         let (Some(group), Ok(point)) = (*group, &rows[row].point) else {
             continue;
         };
-        let soil = soils.at(group / 2).map(|known| known.soil.params());
-        let rebound = point.rebound.or(soil.map(|soil| soil.rebound));
+        let known = soils.at(group / 2);
+        let rebound = point
+            .rebound
+            .or(known.map(|known| known.soil.params().rebound));
         let place = next[group];
         next[group] += 1;
         found.places[row] = Some(place);
@@ -151,6 +177,13 @@ pub(super) fn solve(rows: &[Row<'_>], soils: &Soils<'_>) -> Found {
         points.width[place] = point.width_m;
         points.rebound[place] = rebound.unwrap_or_default();
         points.slip[place] = point.slip;
+        let of_soils = known.map_or([f64::NAN; SOIL_NUMBERS.len()], |known| known.numbers);
+        let numbers = point.soil_numbers.into_iter().zip(of_soils);
+        for (values, (own, of_soil)) in points.soil.iter_mut().zip(numbers) {
+            if let Some(values) = values {
+                values[place] = own.unwrap_or(of_soil);
+            }
+        }
         points.given[place] = match point.prescribed {
             Prescribed::Load(given) | Prescribed::Sinkage(given) => given,
         };
@@ -158,7 +191,7 @@ pub(super) fn solve(rows: &[Row<'_>], soils: &Soils<'_>) -> Found {
     for group in 0..2 * soils.len() {
         if let Some(known) = soils.at(group / 2) {
             let range = starts[group]..starts[group + 1];
-            found.solve(&points, range, (&known.kernel, group % 2 == 1));
+            found.solve(&points, range, (known, group % 2 == 1));
         }
     }
     found

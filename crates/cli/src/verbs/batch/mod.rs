@@ -11,11 +11,11 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use grouser_terra::{
-    Angle, Caution, Cautions, Kinematics, RigidWheel, Settings, Slip, Soil, SolveStatus,
+    Angle, Caution, Cautions, Kinematics, OpenSoil, RigidWheel, Settings, Slip, Soil, SolveStatus,
     WheelOnSoil,
 };
 
-use self::columns::{Columns, Numbers, Point, Row};
+use self::columns::{Columns, Numbers, Point, Row, SOIL_NUMBERS, SoilNumbers};
 use self::sink::TableSink;
 use self::soils::{Met, Soils};
 use self::stream::{Blocks, Text};
@@ -38,7 +38,9 @@ use grouser_report::{Fields, fields};
     long_about = "Solve a table of operating points, one per line of a CSV file with commas.\n\n\
         Columns: soil, radius_m, width_m, slip, slip_angle_deg, rebound, grouser_height_m, grouser_count, \
         grouser_thickness_m (these five optional), and sinkage_m or \
-        load_n or both, of which exactly one is filled in each row. Every column of the input is kept; sinkage_m \
+        load_n or both, of which exactly one is filled in each row. Numbers of the soil may differ from row to row: \
+        k_c_kn_per_m_n1, k_phi_kn_per_m_n2, n, cohesion_kpa, phi_deg, k_shear_m, c_1 and c_2, as in soil files; \
+        where such a field is empty the soil's own number holds. Every column of the input is kept; sinkage_m \
         is filled in place, and vertical_force_n, drawbar_pull_n, torque_nm, side_force_n (beside slip_angle_deg), \
         pull_fluctuation_n and torque_fluctuation_nm (beside lugs), status and cautions (their keys, with spaces between) are \
         added. A column that looks like another \
@@ -125,7 +127,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         let mut rows: Vec<Row<'_>> = Vec::with_capacity(chunk.max_lines());
         rows.extend(chunk.rows().map(|line| columns.row(line, &mut fields)));
         let soils = Soils::of(&rows, &met);
-        let found = lanes::solve(&rows, &soils);
+        let found = lanes::solve(&rows, &soils, columns.has_soil_numbers());
         let mut cache = Cache::default();
         let mut solved = Chunk {
             text: String::with_capacity(160 * rows.len()),
@@ -223,7 +225,12 @@ struct Cache(Option<(CacheKey, WheelOnSoil)>);
 
 /// The soil's name, and the bits of the numbers.
 type CacheKey = (String, Bits);
-type Bits = ([u64; 2], Option<[u64; 3]>, Option<u64>);
+type Bits = (
+    [u64; 2],
+    Option<[u64; 3]>,
+    Option<u64>,
+    [Option<u64>; SOIL_NUMBERS.len()],
+);
 
 /// Appends a row with its answer by the general solver, as a line.
 fn complete(
@@ -278,6 +285,7 @@ fn solve_point(
         [wheel.0.to_bits(), wheel.1.to_bits()],
         point.grousers.map(|sizes| sizes.map(f64::to_bits)),
         point.rebound.map(f64::to_bits),
+        point.soil_numbers.map(|number| number.map(f64::to_bits)),
     );
     let pair = match &cache.0 {
         Some(((soil, last), pair)) if *soil == point.soil && *last == bits => pair.clone(),
@@ -288,6 +296,7 @@ fn solve_point(
                     .map(|chosen| chosen.soil)
                     .map_err(|error| error.to_string())?,
             };
+            let soil = with_numbers(&soil, &point.soil_numbers)?;
             let soil = match point.rebound {
                 Some(rebound) => soil.with_rebound(rebound).map_err(refuse)?,
                 None => soil,
@@ -306,6 +315,20 @@ fn solve_point(
     let slip = Slip::new(point.slip).map_err(refuse)?;
     let kinematics = motion(point, slip).map_err(refuse)?;
     operation::solve(&pair, point.prescribed, &kinematics).map_err(refuse)
+}
+
+/// A soil with the numbers that a row has of its own.
+fn with_numbers(soil: &Soil, numbers: &SoilNumbers) -> Result<Soil, String> {
+    if *numbers == [None; SOIL_NUMBERS.len()] {
+        return Ok(*soil);
+    }
+    let mut open = OpenSoil::from(*soil.params());
+    for (number, value) in SOIL_NUMBERS.into_iter().zip(numbers) {
+        if let Some(value) = *value {
+            number.put(&mut open, value);
+        }
+    }
+    open.soil().map_err(|error| Names::Columns.message(&error))
 }
 
 fn motion(point: &Point<'_>, slip: Slip) -> grouser_terra::Result<Kinematics> {

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use grouser_terra::{BatchKernel, Soil};
+use grouser_terra::{BatchInput, BatchKernel, Soil, SoilColumns};
 
-use super::columns::Row;
+use super::columns::{Row, SOIL_NUMBERS};
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
 
@@ -19,6 +19,22 @@ const FIRST_NAMES: usize = 8;
 pub(super) struct Known {
     pub(super) soil: Soil,
     pub(super) kernel: BatchKernel,
+    /// The soil's [`SOIL_NUMBERS`], for rows without their own.
+    pub(super) numbers: [f64; SOIL_NUMBERS.len()],
+}
+
+impl Known {
+    fn new(soil: &Soil) -> Self {
+        let mut columns = SoilColumns::of(soil);
+        Self {
+            soil: *soil,
+            kernel: BatchKernel::new(*soil),
+            numbers: SOIL_NUMBERS.map(|number| match number.column(&mut columns) {
+                Some(BatchInput::Constant(number)) => *number,
+                _ => f64::NAN,
+            }),
+        }
+    }
 }
 
 /// The soils that all threads have met.
@@ -71,10 +87,7 @@ impl<'a> Met<'a> {
         if state.sources.len() < SOILS {
             state.sources.insert(name.to_owned(), chosen.source);
         }
-        let known = Arc::new(Known {
-            soil: chosen.soil,
-            kernel: BatchKernel::new(chosen.soil),
-        });
+        let known = Arc::new(Known::new(&chosen.soil));
         state.soils.insert(name.to_owned(), Arc::clone(&known));
         Some(known)
     }
