@@ -1,6 +1,6 @@
 //! Where the normal stress is greatest: which slip moves it.
 
-use grouser_real::Scalar;
+use grouser_real::{Real, Scalar};
 
 use super::Motion;
 use crate::pressure::level_off;
@@ -49,12 +49,19 @@ impl StressPosition {
 }
 
 impl StressPosition {
-    /// Is it the slip itself that moves the greatest stress of a wheel that drives straight ahead?
-    pub(crate) fn takes_driving_slip(self, norm: SlipNorm) -> bool {
+    /// The slip that enters of a wheel that drives straight ahead: [`StressPosition::slip_of`] in numbers of any kind.
+    #[inline(always)]
+    pub(crate) fn driving_slip<R: Real>(self, slip: R, norm: SlipNorm) -> R {
+        let sliding = match (self, norm) {
+            (Self::InPlane | Self::Magnitude, _) | (_, SlipNorm::Greater) => slip,
+            (_, SlipNorm::Root) => {
+                let forward = R::ONE - slip;
+                slip / (R::ONE + forward * forward).sqrt()
+            }
+        };
         match self {
-            Self::InPlane | Self::Magnitude => true,
-            Self::Whole | Self::Sliding => norm == SlipNorm::Greater,
-            Self::Saturating => false,
+            Self::Saturating => level_off(sliding),
+            _ => sliding,
         }
     }
 

@@ -132,7 +132,7 @@ impl<V: Vector> Placed<V> {
     ) -> Self {
         let c = V::from_f64;
         let modulus = prepared.modulus(soil, width);
-        let position = slip.mul_add(soil.c_2, soil.c_1);
+        let position = prepared.position(soil, slip);
         let rise = rebound * z_over_r;
         let sound = within(radius, 1e-3, 100.0)
             & within(width, 1e-3, 100.0)

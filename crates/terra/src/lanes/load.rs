@@ -128,8 +128,8 @@ impl<V: Vector> Base<V> {
 
     /// These points at a slip.
     #[inline(always)]
-    fn at(&self, soil: &LaneSoil<V>, slip: V) -> Begun<V> {
-        let position = slip.mul_add(soil.c_2, soil.c_1);
+    fn at(&self, prepared: &Prepared, soil: &LaneSoil<V>, slip: V) -> Begun<V> {
+        let position = prepared.position(soil, slip);
         let ahead = V::ONE - position.clamp(V::ZERO, V::ONE);
         Begun {
             loaded: Loaded {
@@ -343,7 +343,7 @@ fn interpolate<V: Vector>(
     let base = Base::<V>::new(prepared, &soil, shared.map(|column| V::from_f64(column[0])));
     for at in (0..inputs.len()).step_by(8) {
         let slip = eight::<V>(inputs.slip, at);
-        keep((sheet, plan), &base.at(&soil, slip), at);
+        keep((sheet, plan), &base.at(prepared, &soil, slip), at);
         let [x, rest @ ..] = smooth.at(slip);
         sheet.x.store(at, held(x));
         for (column, x) in sheet.kept.iter_mut().zip(rest) {
@@ -376,7 +376,7 @@ fn set_up<V: Vector>(
             eight(inputs.given, at),
         ],
     );
-    let begun = base.at(&soil, eight(inputs.slip, at));
+    let begun = base.at(prepared, &soil, eight(inputs.slip, at));
     keep((sheet, plan), &begun, at);
     if inputs.soil.is_some() {
         sheet.soil[0].store(at, soil.n);

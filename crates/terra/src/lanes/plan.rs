@@ -39,13 +39,12 @@ pub(super) struct Prepared {
 
 impl Prepared {
     /// `None` for a soil whose exponent depends on slip: no one Gauss-Jacobi rule serves it; and for one
-    /// whose contact or shear changes with slip by a law that the lanes do not have.
+    /// whose rear contact or shear changes with slip by a law that the lanes do not have.
     pub(super) fn new(soil: &Soil) -> Option<Self> {
         let laws = soil.laws::<f64>();
         let choice = laws.choice;
         if laws.rear_driving != 0.0
             || laws.transport_layer != 0.0
-            || !choice.stress_position.takes_driving_slip(choice.slip_norm)
             || choice.shear == Some(ShearLaw::SlipVelocityRegular)
         {
             return None;
@@ -119,6 +118,14 @@ impl Prepared {
         }
     }
 
+    /// θ_m/θ_1 at these slips, before it is held in [0, 1].
+    #[inline(always)]
+    pub(super) fn position<V: Vector>(&self, soil: &LaneSoil<V>, slip: V) -> V {
+        let choice = self.laws.choice;
+        let moving = choice.stress_position.driving_slip(slip, choice.slip_norm);
+        moving.mul_add(soil.c_2, soil.c_1)
+    }
+
     /// The pressure-sinkage modulus under wheels of these widths.
     #[inline(always)]
     pub(super) fn modulus<V: Vector>(&self, soil: &LaneSoil<V>, width: V) -> V {
@@ -176,8 +183,8 @@ pub(super) struct LaneSoil<V: Vector> {
     pub(super) tan_phi: V,
     /// log₂e/K
     pub(super) per_k_shear: V,
-    pub(super) c_1: V,
-    pub(super) c_2: V,
+    c_1: V,
+    c_2: V,
     /// dx/d ln W of a wheel without shear, x = ln θ_1.
     pub(super) per_slope: V,
     /// ln((3 − n)/3 · 2⁻ⁿ), 3 − n at least ½: Bekker's closed form in θ_1.

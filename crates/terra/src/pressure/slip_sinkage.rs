@@ -46,6 +46,7 @@ impl SlipSinkage {
 /// ```
 /// assert_eq!(grouser_terra::level_off(0.5_f64), 0.375);
 /// ```
+#[inline(always)]
 pub fn level_off<R: Real>(x: R) -> R {
     x * (R::ONE - R::from_f64(0.5) * x)
 }
