@@ -1,10 +1,13 @@
 //! Many operating points at once: arrays in, arrays out, on lanes and threads.
 
-use grouser::terra::{BatchColumns, BatchInput, BatchKernel, BatchPoints, SolveStatus};
+use grouser::files::soil::SoilNumber;
+use grouser::terra::{
+    BatchColumns, BatchInput, BatchKernel, BatchPoints, SoilColumns, SolveStatus,
+};
 use numpy::{PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 
-use crate::error::raised;
+use crate::error::{Details, input_error, raised};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 use crate::workers::{self, POINTS_PER_BLOCK};
@@ -51,14 +54,66 @@ pub(crate) fn write_codes(codes: &mut [u8], statuses: &[SolveStatus]) {
     }
 }
 
+/// The soil of each point: the numbers of `keys` (of soil files) in `columns`, in the keys' units and scaled here into `room`.
+fn soil_columns<'a>(
+    soil: &Soil,
+    keys: &[String],
+    columns: &'a [Column<'_>],
+    room: &'a mut [Vec<f64>],
+) -> PyResult<Option<SoilColumns<'a>>> {
+    if keys.is_empty() {
+        return Ok(None);
+    }
+    let mut soils = SoilColumns::of(&soil.soil);
+    for ((key, column), scaled) in keys.iter().zip(columns).zip(room) {
+        let number = SoilNumber::named(key);
+        let place = number.and_then(|number| Some((number, number.column(&mut soils)?)));
+        let Some((number, place)) = place else {
+            let known = SoilNumber::all().filter(|number| number.column(&mut soils).is_some());
+            let known: Vec<&str> = known.map(SoilNumber::key).collect();
+            let message = format!(
+                "{key} is no number that differs by point: {}",
+                known.join(", ")
+            );
+            return Err(input_error(message, Details::field("draws")));
+        };
+        let unit = number.key_unit();
+        *place = match column.input()? {
+            BatchInput::Constant(x) => BatchInput::Constant(x * unit),
+            BatchInput::Column(values) if unit == 1.0 => BatchInput::Column(values),
+            BatchInput::Column(values) => {
+                scaled.extend(values.iter().map(|x| x * unit));
+                BatchInput::Column(scaled)
+            }
+        };
+    }
+    Ok(Some(soils))
+}
+
+/// The soils of a range of points.
+fn soils_of<'a>(soils: &SoilColumns<'a>, from: usize, to: usize) -> SoilColumns<'a> {
+    let own = |input| part(input, from, to);
+    SoilColumns {
+        k_c: own(soils.k_c),
+        k_phi: own(soils.k_phi),
+        n: own(soils.n),
+        cohesion: own(soils.cohesion),
+        phi: own(soils.phi),
+        k_shear: own(soils.k_shear),
+        c_1: own(soils.c_1),
+        c_2: own(soils.c_2),
+    }
+}
+
 /// Sinkage and forces under loads, or forces at sinkages. `columns` are radius, width, rebound, slip, and load or sinkage,
-/// each a contiguous array or one number; `status` and `numbers` (sinkage, vertical force, drawbar pull, torque) are written.
+/// then the numbers of the soil that `keys` names, each a contiguous array or one number; `status` and `numbers` (sinkage,
+/// vertical force, drawbar pull, torque) are written.
 #[pyfunction]
 pub(crate) fn solve_points<'py>(
     py: Python<'py>,
     soil: &Soil,
     is_load: bool,
-    columns: [Column<'py>; 5],
+    columns: (Vec<Column<'py>>, Vec<String>),
     mut status: PyReadwriteArray1<'py, u8>,
     mut numbers: Numbers<'py>,
     threads: usize,
@@ -66,12 +121,19 @@ pub(crate) fn solve_points<'py>(
     let codes = status.as_slice_mut()?;
     let points = codes.len();
     let mut inputs = [BatchInput::Constant(0.0); 5];
-    for (input, column) in inputs.iter_mut().zip(&columns) {
-        *input = column.input()?;
+    let (columns, keys) = columns;
+    check_length(columns.len(), inputs.len() + keys.len())?;
+    for (place, column) in columns.iter().enumerate() {
+        let input = column.input()?;
         if let BatchInput::Column(values) = input {
             check_length(values.len(), points)?;
         }
+        if let Some(own) = inputs.get_mut(place) {
+            *own = input;
+        }
     }
+    let mut room = vec![Vec::new(); keys.len()];
+    let soils = soil_columns(soil, &keys, &columns[inputs.len()..], &mut room)?;
     let [sinkage, vertical_force, drawbar_pull, torque] = &mut numbers;
     let mut rest = [
         sinkage.as_slice_mut()?,
@@ -113,12 +175,12 @@ pub(crate) fn solve_points<'py>(
                 slip,
             };
             let kernel = &kernel;
-            jobs.push(move || {
-                if is_load {
-                    kernel.under_load(&points, value, &mut out)
-                } else {
-                    kernel.forces(&points, value, &mut out)
-                }
+            let soils = soils.map(|soils| soils_of(&soils, from, to));
+            jobs.push(move || match (&soils, is_load) {
+                (None, true) => kernel.under_load(&points, value, &mut out),
+                (None, false) => kernel.forces(&points, value, &mut out),
+                (Some(soils), true) => kernel.under_load_on(soils, &points, value, &mut out),
+                (Some(soils), false) => kernel.forces_on(soils, &points, value, &mut out),
             });
             from = to;
         }

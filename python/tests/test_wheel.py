@@ -319,3 +319,32 @@ def test_everything_is_picklable() -> None:
     assert (a.drawbar_pull_n, a.torque_nm) == (b.drawbar_pull_n, b.torque_nm)
     points = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=[0.1, 0.2])
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(points)).sinkage_m, points.sinkage_m)
+
+
+def test_draws_of_a_soil_are_soils_of_their_own() -> None:
+    rng = np.random.default_rng(1)
+    draws = {
+        "n": rng.uniform(0.9, 1.3, 40),
+        "cohesion_kpa": rng.uniform(0.2, 2.0, 40),
+        "phi_deg": rng.uniform(26.0, 36.0, 40),
+        "k_shear_m": rng.uniform(0.01, 0.04, 40),
+        "k_c_kn_per_m_n1": rng.uniform(0.5, 1.5, 40),
+        "k_phi_kn_per_m_n2": rng.uniform(1200.0, 1800.0, 40),
+        "c_1": rng.uniform(0.1, 0.3, 40),
+        "c_2": rng.uniform(0.2, 0.4, 40),
+    }
+    found = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=0.3, draws=draws, threads=2)
+    forces = wheel.at_sinkage(SAND, **SIZE, sinkage_m=found.sinkage_m, slip=0.3, draws=draws)
+    for i in range(40):
+        soil = soils.Soil(**{key: float(values[i]) for key, values in draws.items()})
+        alone = wheel.under_load(soil, **SIZE, load_n=80.0, slip=0.3)
+        assert found.sinkage_m[i] == pytest.approx(alone.sinkage_m, rel=1e-9)
+        assert found.drawbar_pull_n[i] == pytest.approx(alone.drawbar_pull_n, abs=1e-7)
+        assert forces.torque_nm[i] == pytest.approx(alone.torque_nm, rel=1e-8)
+    # one number for all points, against each slip; a bad draw concerns its point alone
+    table = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=[[0.1], [0.3]], draws={"phi_deg": [30.0, 95.0, 33.0]})
+    assert table.status.tolist() == [[0, 3, 0]] * 2
+    same = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=0.1, draws={"phi_deg": 33})
+    assert same.drawbar_pull_n == pytest.approx(table.drawbar_pull_n[0, 2], abs=1e-9)
+    with pytest.raises(InputError, match="n_1 is no number that differs by point"):
+        wheel.under_load(SAND, **SIZE, load_n=80.0, slip=0.1, draws={"n_1": 0.2})

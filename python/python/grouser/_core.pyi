@@ -216,7 +216,7 @@ def slips_from_speeds(forward: _Floats, rim: _Floats) -> _Floats: ...
 def solve_points(
     soil: Soil,
     is_load: bool,
-    columns: Sequence[_Column],
+    columns: tuple[Sequence[_Column], Sequence[str]],
     status: _Codes,
     numbers: Sequence[_Floats],
     threads: int,

@@ -30,6 +30,7 @@ array([-3.656 ,  3.2949])
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -159,6 +160,15 @@ def _points(
     return Points(shaped(shape, status), *(shaped(shape, column) for column in numbers))
 
 
+def _drawn(draws: Mapping[str, Any] | None) -> tuple[list[str], dict[str, Any]]:
+    """The keys of the numbers that differ from point to point, and the numbers by their names in messages."""
+    if draws is None:
+        return [], {}
+    check_kind("draws", draws, Mapping)
+    keys = [str(key) for key in draws]
+    return keys, {f"draws[{key!r}]": value for key, value in zip(keys, draws.values())}
+
+
 def under_load(
     soil: Soil,
     *,
@@ -167,6 +177,7 @@ def under_load(
     load_n: Any,
     slip: Any,
     rebound: Any = None,
+    draws: Mapping[str, Any] | None = None,
     threads: int | None = None,
 ) -> Points:
     """Sinkage and forces of smooth wheels under loads, straight ahead.
@@ -183,6 +194,10 @@ def under_load(
         Slip, -1 to 1; negative where the wheel brakes.
     rebound : array_like, optional
         Rebound ratio of the soil behind the wheel; the soil's own by default.
+    draws : mapping of str to array_like, optional
+        Numbers of the soil that differ from point to point, by the keys and in the units of soil files:
+        ``k_c_kn_per_m_n1``, ``k_phi_kn_per_m_n2``, ``n``, ``cohesion_kpa``, ``phi_deg``, ``k_shear_m``, ``c_1``
+        and ``c_2``. One outside its limits is a bad point.
     threads : int, optional
         Threads of this call; by default as many as the machine runs, one for each 16384 points.
 
@@ -194,7 +209,7 @@ def under_load(
     Raises
     ------
     InputError
-        Shapes that do not broadcast.
+        Shapes that do not broadcast, a key of ``draws`` that is not listed above.
     InputTypeError
         Objects, text or complex numbers.
 
@@ -204,14 +219,25 @@ def under_load(
     >>> p = wheel.under_load(soils.find("dry-sand"), radius_m=0.125, width_m=0.1, load_n=80.0, slip=[0.2, 2.0])
     >>> p.status
     array([0, 3], dtype=uint8)
+    >>> p = wheel.under_load(
+    ...     soils.find("dry-sand"),
+    ...     radius_m=0.125,
+    ...     width_m=0.1,
+    ...     load_n=80.0,
+    ...     slip=0.2,
+    ...     draws={"n": [1.0, 1.1, 1.2], "phi_deg": [29.0, 30.0, 31.0]},
+    ... )
+    >>> p.drawbar_pull_n.round(2).tolist()
+    [-2.57, -1.4, 0.21]
     """
     check_kind("soil", soil, Soil)
     rebound = soil.rebound if rebound is None else rebound
+    keys, drawn = _drawn(draws)
     shape, points, flat = columns(
-        radius_m=radius_m, width_m=width_m, rebound=rebound, slip=slip, load_n=load_n
+        radius_m=radius_m, width_m=width_m, rebound=rebound, slip=slip, load_n=load_n, **drawn
     )
     status, numbers = _outputs(points)
-    _core.solve_points(soil, True, flat, status, numbers, threads_of(threads))
+    _core.solve_points(soil, True, (flat, keys), status, numbers, threads_of(threads))
     return _points(shape, status, numbers)
 
 
@@ -223,6 +249,7 @@ def at_sinkage(
     sinkage_m: Any,
     slip: Any,
     rebound: Any = None,
+    draws: Mapping[str, Any] | None = None,
     threads: int | None = None,
 ) -> Points:
     """Forces of smooth wheels at sinkages (m), straight ahead; otherwise as `under_load`.
@@ -236,11 +263,12 @@ def at_sinkage(
     """
     check_kind("soil", soil, Soil)
     rebound = soil.rebound if rebound is None else rebound
+    keys, drawn = _drawn(draws)
     shape, points, flat = columns(
-        radius_m=radius_m, width_m=width_m, rebound=rebound, slip=slip, sinkage_m=sinkage_m
+        radius_m=radius_m, width_m=width_m, rebound=rebound, slip=slip, sinkage_m=sinkage_m, **drawn
     )
     status, numbers = _outputs(points)
-    _core.solve_points(soil, False, flat, status, numbers, threads_of(threads))
+    _core.solve_points(soil, False, (flat, keys), status, numbers, threads_of(threads))
     return _points(shape, status, numbers)
 
 
