@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::repository::root;
 
@@ -229,11 +230,22 @@ fn page(path: &Path) -> (usize, Vec<String>) {
 /// Runs pages that must have at least this many commands.
 fn check(pages: &[PathBuf], min_commands: usize) {
     let (mut ran, mut failures) = (0, Vec::new());
-    for path in pages {
-        let (commands, failed) = page(path);
-        ran += commands;
-        failures.extend(failed);
-    }
+    // pages know nothing of one another
+    let next = AtomicUsize::new(0);
+    let some = || {
+        let mine = || pages.get(next.fetch_add(1, Ordering::Relaxed));
+        std::iter::from_fn(|| mine().map(|path| page(path))).collect::<Vec<_>>()
+    };
+    std::thread::scope(|scope| {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let runs: Vec<_> = (0..threads.min(pages.len()))
+            .map(|_| scope.spawn(some))
+            .collect();
+        for (commands, failed) in runs.into_iter().flat_map(|run| run.join().unwrap()) {
+            ran += commands;
+            failures.extend(failed);
+        }
+    });
     assert!(failures.is_empty(), "{}", failures.join("\n"));
     assert!(ran >= min_commands, "only {ran} commands");
 }
