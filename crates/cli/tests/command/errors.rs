@@ -112,7 +112,7 @@ fn what_a_scenario_describes_is_refused_with_its_file_and_numbers() {
 fn intervals_without_their_soil_are_refused_in_the_unit_of_the_key() {
     let folder = Folder::new();
     let intervals = "format = 1\nsource = \"a test\"\ncohesion_kpa = { low = 0.4, high = 0.5 }\n";
-    let path = folder.file("i.toml", intervals.to_owned());
+    let path = folder.file("i.toml", intervals);
     let error = refused(&grouser([
         "map",
         &example("terrain/dunes.asc"),

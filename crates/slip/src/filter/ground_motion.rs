@@ -87,7 +87,8 @@ impl Core {
     }
 
     /// Updates the models by a reading of the reference that was stamped `stamp_ns`: at once, or once the rims have been read again
-    /// where they are read seldom. A robot that brakes in between would be led on at its speed before.
+    /// where they are read seldom or it is late itself: others may come with it. A robot that brakes in between would be led on
+    /// at its speed before.
     pub(super) fn update_ground_motion(
         &mut self,
         stamp_ns: i64,
@@ -98,16 +99,28 @@ impl Core {
             .motion(stamp_ns, measurement, &self.settings)?;
         self.reference.speed = motion.and_then(|motion| Some((motion.speed[0]?, stamp_ns)));
         let now_ns = self.now_ns.unwrap_or(stamp_ns);
-        let waits = self.wheels.measure_ways() && self.is_sparse(now_ns);
+        let is_known = self.are_rims_read_since(stamp_ns);
+        let is_sparse = self.is_sparse(now_ns);
         let Some(ground) = &mut self.ground else {
             return Ok(());
         };
+        let is_late = ground.is_late(stamp_ns) && !is_known;
+        let waits = self.wheels.measure_ways() && (is_sparse || is_late);
         let has_room = ground.put_off((stamp_ns, *measurement, motion));
         if !(waits && has_room) {
             self.predict_ground_motion(now_ns);
             self.use_awaiting();
         }
         Ok(())
+    }
+
+    /// Has a powered wheel been read at `time_ns` or later?
+    pub(super) fn are_rims_read_since(&self, time_ns: i64) -> bool {
+        let newest = self
+            .wheels
+            .powered()
+            .filter_map(|wheel| wheel.track.newest_time());
+        newest.max().is_some_and(|newest| newest >= time_ns)
     }
 
     /// Updates the models by the readings of the reference that waited for the rims.

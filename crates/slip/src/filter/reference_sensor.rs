@@ -44,6 +44,9 @@ pub(super) struct ReferenceSensor {
     frozen: Option<([u64; 3], i64)>,
 }
 
+/// Poses within this share of the shortest period of samples come from one queue.
+const QUEUED_PERIODS: f64 = 0.5;
+
 impl ReferenceSensor {
     /// A measurement as a mean speed; `None` where it is the first of its kind, or the one before is too old.
     pub(super) fn motion(
@@ -104,6 +107,11 @@ impl ReferenceSensor {
         };
         let elapsed = seconds_between(last_ns, time_ns);
         if !(elapsed > 0.0) || elapsed > MAX_PERIOD_S {
+            return Ok(None);
+        }
+        // poses that a stall had held up come at once: the step between two of them is no speed
+        let is_pose = matches!(measurement, Measurement::Pose { .. });
+        if is_pose && elapsed * settings.max_rate < QUEUED_PERIODS {
             return Ok(None);
         }
         let size = Real::hypot(passed[0], passed[1]);

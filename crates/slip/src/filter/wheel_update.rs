@@ -71,7 +71,13 @@ impl Core {
         };
         if !self.is_sparse(now_ns) {
             self.predict_ground_motion(now_ns);
-            self.use_awaiting();
+            let last_ns = self
+                .ground
+                .as_deref()
+                .and_then(GroundTrack::last_awaiting_ns);
+            if last_ns.is_some_and(|stamp_ns| self.are_rims_read_since(stamp_ns)) {
+                self.use_awaiting();
+            }
         }
         for index in 0..self.wheels.channels.len() {
             let wheel = &mut self.wheels.channels[index];

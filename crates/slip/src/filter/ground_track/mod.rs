@@ -58,6 +58,10 @@ const MAX_HEADING_SIGMA_RAD: f64 = 0.3;
 const RISE_FACTOR: f64 = 3.0;
 /// Readings of the reference that wait for the rims at most: those at 20 Hz between rims read at 3 Hz.
 const MAX_AWAITING: usize = 6;
+/// A reading that comes after this many periods may be the first of several that were held up.
+const LATE_PERIODS: f64 = 1.3;
+/// Places that are stamped within this share of their period come from one queue.
+const QUEUE_SHARE: f64 = 0.1;
 /// Entries of the history at most, and its time, s: the longest delay and a window of the rims.
 const MAX_HISTORY_ENTRIES: usize = 512;
 const HISTORY_S: f64 = MAX_DELAY_S + 0.5;
@@ -194,13 +198,28 @@ impl GroundTrack {
         self.awaited_speed = None;
     }
 
-    /// A reading waits for the rims; `false` where no other can.
+    /// A reading waits for the rims; `false` where no other can. Of places at one moment, which a stall of the network or a backlog had
+    /// held up, the last is the youngest.
     pub(super) fn put_off(&mut self, reading: Awaiting) -> bool {
+        if let Some(Some(last)) = self.awaiting.iter_mut().rfind(|place| place.is_some())
+            && is_place(&last.1)
+            && is_place(&reading.1)
+            && seconds_between(last.0, reading.0) < QUEUE_SHARE * self.period_s
+        {
+            *last = reading;
+            return true;
+        }
         let mut places = self.awaiting.iter_mut().filter(|place| place.is_none());
         if let Some(place) = places.next() {
             *place = Some(reading);
         }
         places.next().is_some()
+    }
+
+    /// The stamp of the last reading that waits.
+    pub(super) fn last_awaiting_ns(&self) -> Option<i64> {
+        let last = self.awaiting.iter().rev().find_map(|place| place.as_ref());
+        last.map(|(stamp_ns, ..)| *stamp_ns)
     }
 
     /// The first reading that waits.
@@ -243,6 +262,15 @@ impl GroundTrack {
         self.models
             .has_started()
             .then_some(RimPath { x, y, turned, way })
+    }
+
+    /// Is a reading of this stamp so late that others may come with it?
+    pub(super) fn is_late(&self, stamp_ns: i64) -> bool {
+        let silence = |last_ns| seconds_between(last_ns, stamp_ns);
+        self.period_s > 0.0
+            && self
+                .received_ns
+                .is_some_and(|last_ns| silence(last_ns) > LATE_PERIODS * self.period_s)
     }
 
     /// The time without a reading after which the reference is silent, s.
@@ -441,6 +469,14 @@ impl GroundTrack {
         }
         Outcome::Refused
     }
+}
+
+/// Does it say where the robot is? A displacement adds to those before.
+const fn is_place(measurement: &Measurement) -> bool {
+    matches!(
+        measurement,
+        Measurement::Pose { .. } | Measurement::Position { .. }
+    )
 }
 
 /// The travel of a rim at `now_ns`, m: that of its last reading, and its speed since.
