@@ -226,7 +226,7 @@ fn hubers_threshold_counts_multiples_of_the_scatter() {
         let of = |test: &PlateTest, loss| {
             let mut settings = PlateSettings::default();
             settings.loss = loss;
-            fit_plates(&[test.clone()], &settings).unwrap().n
+            fit_plates(std::slice::from_ref(test), &settings).unwrap().n
         };
         let huber = Loss::Huber { threshold: 1.345 };
         let clean = of(&test, Loss::Squares);

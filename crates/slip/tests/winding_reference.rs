@@ -7,7 +7,7 @@
 
 use core::f64::consts::TAU;
 
-use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::filter::{FilterOutput, FilterSettings, SlipFilter};
 use grouser_slip::{Health, Invalid, Measurement, Motion, Robot, Sample, Wheel};
 
 use crate::noise::Noise;
@@ -144,13 +144,9 @@ impl Drive<'_> {
         let mut aside = [0.0; 2];
         let mut ticks_before = [None; 4];
         let mut queue = Vec::new();
-        let mut any = (0.0, 0.0);
         let mut reference = Reference::default();
-        let mut naive = (0.0, 0.0);
         let mut stamp_ns = i64::MIN;
-        let (mut squares, mut ok, mut all) = (0.0, 0.0, 0.0);
-        let (mut stands, mut contradicts) = (0.0, 0.0);
-        let (mut lie_s, mut lies) = (0.0_f64, [0.0; 4]);
+        let mut score = Score::default();
         for step in 0..(seconds / STEP_S).round() as i64 {
             let time_s = step as f64 * STEP_S;
             let (speed, turn, slip) = (
@@ -214,63 +210,99 @@ impl Drive<'_> {
             stamp_ns = (stamp_ns + 2_000_000).max(now_ns + late_ns);
             for (wheel, angle) in angles.iter().enumerate() {
                 let ticks = (angle / TAU * self.ticks_per_turn).floor();
-                let raw = ticks as i64 as u64;
                 let before = ticks_before[wheel].replace(ticks).unwrap_or(ticks);
-                let period_s = self.row_steps as f64 * STEP_S;
-                let rate = (ticks - before) * TAU / self.ticks_per_turn / period_s;
-                send(
-                    stamp_ns,
-                    if self.by_rates {
-                        Measurement::WheelRate { wheel, rate }
-                    } else {
-                        Measurement::WheelCount { wheel, raw }
-                    },
-                );
+                send(stamp_ns, self.rotation(wheel, ticks, before));
             }
             if !(from_s..to_s).contains(&time_s) {
                 continue;
             }
             for (wheel, (_, left)) in PLACES.into_iter().enumerate() {
                 if let Some(mean) = reference.mean_slip(wheel, left) {
-                    naive.0 += (mean - slip) * (mean - slip);
-                    naive.1 += 1.0;
+                    score.naive.add(mean - slip);
                 }
             }
-            for (estimate, lie) in filter.latest().wheels.iter().zip(&mut lies) {
-                all += 1.0;
-                stands += f64::from(u8::from(
-                    estimate.health == Health::Ok && estimate.motion == Some(Motion::Standstill),
-                ));
-                let is_wrong = estimate.health == Health::Invalid(Invalid::Inconsistent);
-                contradicts += f64::from(u8::from(is_wrong));
-                if let Some(known) = estimate.slip {
-                    any.0 += (known.value() - slip).powi(2);
-                    any.1 += 1.0;
-                }
-                let Some(known) = estimate.slip.filter(|_| estimate.health == Health::Ok) else {
-                    *lie = 0.0;
-                    continue;
-                };
-                ok += 1.0;
-                let error = known.value() - slip;
-                squares += error * error;
-                let is_far = error.abs() > 4.0 * estimate.sigma.unwrap_or(0.0);
-                *lie = if is_far {
-                    *lie + self.row_steps as f64 * STEP_S
-                } else {
-                    0.0
-                };
-                lie_s = lie_s.max(*lie);
-            }
+            score.add(&filter.latest(), slip, self.row_steps as f64 * STEP_S);
         }
+        score.outcome()
+    }
+
+    /// What the sensor of a wheel says of its ticks.
+    fn rotation(&self, wheel: usize, ticks: f64, before: f64) -> Measurement {
+        if !self.by_rates {
+            let raw = ticks as i64 as u64;
+            return Measurement::WheelCount { wheel, raw };
+        }
+        let period_s = self.row_steps as f64 * STEP_S;
+        let rate = (ticks - before) * TAU / self.ticks_per_turn / period_s;
+        Measurement::WheelRate { wheel, rate }
+    }
+}
+
+/// The root mean square of numbers.
+#[derive(Clone, Copy, Default)]
+struct Rms {
+    squares: f64,
+    count: f64,
+}
+
+impl Rms {
+    fn add(&mut self, x: f64) {
+        self.squares += x * x;
+        self.count += 1.0;
+    }
+
+    fn value(self) -> f64 {
+        (self.squares / self.count.max(1.0)).sqrt()
+    }
+}
+
+/// What was said, against the truth.
+#[derive(Default)]
+struct Score {
+    ok: Rms,
+    whole: Rms,
+    naive: Rms,
+    all: f64,
+    stands: f64,
+    contradicts: f64,
+    lie_s: f64,
+    lies: [f64; 4],
+}
+
+impl Score {
+    /// Adds the estimates of a row of `period_s`.
+    fn add(&mut self, estimates: &FilterOutput<'_>, slip: f64, period_s: f64) {
+        for (estimate, lie) in estimates.wheels.iter().zip(&mut self.lies) {
+            self.all += 1.0;
+            let is_ok = estimate.health == Health::Ok;
+            let stands = is_ok && estimate.motion == Some(Motion::Standstill);
+            self.stands += f64::from(u8::from(stands));
+            let is_wrong = estimate.health == Health::Invalid(Invalid::Inconsistent);
+            self.contradicts += f64::from(u8::from(is_wrong));
+            if let Some(known) = estimate.slip {
+                self.whole.add(known.value() - slip);
+            }
+            let Some(known) = estimate.slip.filter(|_| is_ok) else {
+                *lie = 0.0;
+                continue;
+            };
+            let error = known.value() - slip;
+            self.ok.add(error);
+            let is_far = error.abs() > 4.0 * estimate.sigma.unwrap_or(0.0);
+            *lie = if is_far { *lie + period_s } else { 0.0 };
+            self.lie_s = self.lie_s.max(*lie);
+        }
+    }
+
+    fn outcome(&self) -> Outcome {
         Outcome {
-            rmse: (squares / f64::max(ok, 1.0)).sqrt(),
-            whole_rmse: (any.0 / f64::max(any.1, 1.0)).sqrt(),
-            naive: (naive.0 / f64::max(naive.1, 1.0)).sqrt(),
-            lie_s,
-            ok: ok / all,
-            stands: stands / all,
-            contradicts: contradicts / all,
+            rmse: self.ok.value(),
+            whole_rmse: self.whole.value(),
+            naive: self.naive.value(),
+            lie_s: self.lie_s,
+            ok: self.ok.count / self.all,
+            stands: self.stands / self.all,
+            contradicts: self.contradicts / self.all,
         }
     }
 }
@@ -481,8 +513,8 @@ fn errors_of_poses_that_depend_on_one_another_are_no_slip() {
         let runs: Vec<_> = (0..6)
             .map(|seed| {
                 let drive = Drive {
-                    errors,
                     sigma,
+                    errors,
                     seed,
                     ..Drive::default()
                 };
