@@ -336,7 +336,7 @@ def test_draws_of_a_soil_are_soils_of_their_own() -> None:
     found = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=0.3, draws=draws, threads=2)
     forces = wheel.at_sinkage(SAND, **SIZE, sinkage_m=found.sinkage_m, slip=0.3, draws=draws)
     for i in range(40):
-        soil = soils.Soil(**{key: float(values[i]) for key, values in draws.items()})
+        soil = soils.Soil(name="draw", **{key: float(values[i]) for key, values in draws.items()})
         alone = wheel.under_load(soil, **SIZE, load_n=80.0, slip=0.3)
         assert found.sinkage_m[i] == pytest.approx(alone.sinkage_m, rel=1e-9)
         assert found.drawbar_pull_n[i] == pytest.approx(alone.drawbar_pull_n, abs=1e-7)
