@@ -11,7 +11,7 @@ use grouser_opt::{
     Tape, TapedFunctions, Variable, certify_with,
 };
 
-use crate::design::{Design, SolverProblem, Task};
+use crate::design::{Design, Task};
 use crate::error::{Error, Result};
 use crate::quantity::{
     CONTACT_VARIABLES, Evaluation, Parameter, QUADRATURE_REMAINDER_SHARE, Quantity,
@@ -68,7 +68,7 @@ impl Design {
     }
 
     /// The problem with the entry angle of each loaded wheel as a variable, which must carry the load.
-    pub(crate) fn lifted(&self) -> Result<Option<SolverProblem>> {
+    pub(crate) fn lifted(&self) -> Result<Option<Problem<'static>>> {
         let program = &self.program;
         let n = self.variables.len();
         if !self.has_loaded_wheels() {
@@ -136,7 +136,7 @@ impl Design {
             file: self.file.clone(),
             source,
         })?;
-        Ok(Some(SolverProblem::Plain(problem)))
+        Ok(Some(problem))
     }
 
     /// The ends of the kernel's solves as points of the lifted problem.
@@ -172,7 +172,7 @@ impl Design {
     ///
     /// # Errors
     /// [`Error::NoCertificate`] for a front, for a quantity or a law without bounds over a box (slips below 0, searches
-    /// over slip), and for a measure with helper variables; [`Error::Problem`] for an open box and for settings out of their range.
+    /// over slip), and for a measure other than `worst_case`; [`Error::Problem`] for an open box and for settings out of their range.
     ///
     /// ```
     /// use grouser_files::Document;
@@ -213,10 +213,14 @@ impl Design {
             settings.starts = 0;
             settings.candidates = self.candidates()?;
         }
-        let inner = certified.problem();
-        let mut certificate =
-            certify_with(inner, &self.method(certified), &settings, callback, proof)
-                .map_err(|error| self.certify_error(error))?;
+        let mut certificate = certify_with(
+            certified,
+            &self.method(certified),
+            &settings,
+            callback,
+            proof,
+        )
+        .map_err(|error| self.certify_error(error))?;
         if let (Some(x), true) = (&mut certificate.x, lifted.is_some()) {
             // the level at the point is that of the kernel, not of the rule with its remainders
             x.truncate(self.variables.len());

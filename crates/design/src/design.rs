@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use grouser_opt::{
     Binary, DerivativeCheck, Exact, Functions, Jacobian, LinearConstraint, Measure, Model, Node,
-    ParetoSettings, Problem, ProblemParams, Robust, Settings, Tape, TapedFunctions, Variable,
-    World, check_derivatives, robust,
+    ParetoSettings, Problem, ProblemParams, Settings, Tape, TapedFunctions, Variable, World,
+    check_derivatives, robust,
 };
 use grouser_real::Scalar;
 
@@ -281,35 +281,31 @@ impl Design {
     }
 
     /// The problem that the solver gets.
-    pub(crate) fn problem(&self) -> Result<SolverProblem> {
+    pub(crate) fn problem(&self) -> Result<Problem<'static>> {
         let refuse = |source| Error::Problem {
             file: self.file.clone(),
             source,
         };
         if self.worlds.len() == 1 {
-            return Problem::new(self.params())
-                .map(SolverProblem::Plain)
-                .map_err(refuse);
+            return Problem::new(self.params()).map_err(refuse);
         }
         if !self.has_worst_front() {
-            return self.joint_problem().map(SolverProblem::Robust);
+            return self.joint_problem();
         }
         let joint = self.joint_problem()?;
         let mut params = self.params();
-        params.inequalities = joint.problem().inequalities().to_vec();
-        params.equalities = joint.problem().equalities().to_vec();
+        params.inequalities = joint.inequalities().to_vec();
+        params.equalities = joint.equalities().to_vec();
         params.model = Box::new(WorstObjectives {
             joint,
             objectives: self.objectives.len(),
             absolute: params.absolute,
         });
-        Problem::new(params)
-            .map(SolverProblem::Plain)
-            .map_err(refuse)
+        Problem::new(params).map_err(refuse)
     }
 
     /// The problem of all worlds together, each with objectives of its own where the worst counts.
-    pub(crate) fn joint_problem(&self) -> Result<Robust<'static>> {
+    pub(crate) fn joint_problem(&self) -> Result<Problem<'static>> {
         let worlds = (0..self.worlds.len())
             .map(|w| World::new(self.worlds[w].name.clone(), self.in_world(w)))
             .collect();
@@ -353,37 +349,13 @@ impl Design {
     /// [`Error::Problem`] for a point of the wrong length or not finite.
     pub fn check_derivatives(&self, x: &[f64], tolerance: f64) -> Result<DerivativeCheck> {
         let problem = self.problem()?;
-        let inner = problem.problem();
-        let mut at: Vec<f64> = inner.variables().iter().map(|v| v.start).collect();
+        let mut at: Vec<f64> = problem.variables().iter().map(|v| v.start).collect();
         for (own, given) in at.iter_mut().zip(x) {
             *own = *given;
         }
-        check_derivatives(inner, &at, tolerance).map_err(|source| Error::Problem {
+        check_derivatives(&problem, &at, tolerance).map_err(|source| Error::Problem {
             file: self.file.clone(),
             source,
         })
-    }
-}
-
-/// With or without several worlds.
-pub(crate) enum SolverProblem {
-    Plain(Problem<'static>),
-    Robust(Robust<'static>),
-}
-
-impl SolverProblem {
-    pub(crate) fn problem(&self) -> &Problem<'static> {
-        match self {
-            Self::Plain(problem) => problem,
-            Self::Robust(robust) => robust.problem(),
-        }
-    }
-
-    /// The file's variables out of the solver's.
-    pub(crate) fn own<'x>(&self, x: &'x [f64]) -> &'x [f64] {
-        match self {
-            Self::Plain(_) => x,
-            Self::Robust(robust) => robust.own(x),
-        }
     }
 }

@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 
 use grouser_opt::{
-    CertifyProgress, CertifySettings, CertifyStatus, FrontWatch, Measure, Method, ProofSink,
-    certify_front, solve,
+    CertifyProgress, CertifySettings, CertifyStatus, FrontWatch, Measure, Method, Problem,
+    ProofSink, certify_front, solve,
 };
 
-use crate::design::{Design, SolverProblem, Task};
+use crate::design::{Design, Task};
 use crate::error::{Error, Result};
 use crate::solve::{Compromise, Trade};
 
@@ -58,16 +58,15 @@ impl Design {
         let lifted = self.lifted()?;
         let has_joint = lifted.is_none() && self.worlds.len() > 1;
         let joint = if has_joint {
-            Some(SolverProblem::Robust(self.joint_problem()?))
+            Some(self.joint_problem()?)
         } else {
             None
         };
         let own = self.problem()?;
         let certified = lifted.as_ref().or(joint.as_ref()).unwrap_or(&own);
-        let inner = certified.problem();
-        let copies = inner.objectives().len() / 2;
+        let copies = certified.objectives().len() / 2;
         let order = self.solver_order();
-        let groups: Vec<usize> = (0..inner.objectives().len())
+        let groups: Vec<usize> = (0..certified.objectives().len())
             .map(|i| order[i / copies])
             .collect();
         let mut settings = settings.clone();
@@ -96,7 +95,7 @@ impl Design {
             suggest: &mut suggest,
             proof: if is_logged { Some(&mut forward) } else { None },
         };
-        let found = certify_front(inner, &groups, &settings, watch)
+        let found = certify_front(certified, &groups, &settings, watch)
             .map_err(|error| self.certify_error(error))?;
         let factors = [self.objectives[0].factor(), self.objectives[1].factor()];
         let mut points = Vec::new();
@@ -148,22 +147,21 @@ impl Design {
     /// Solves by the method from the listed point that is best by it.
     fn suggested(
         &self,
-        problem: &SolverProblem,
+        problem: &Problem<'_>,
         method: &Method,
         trade: &Trade,
         liftable: &dyn Fn(&[f64]) -> Option<Vec<f64>>,
     ) -> Vec<Vec<f64>> {
-        let inner = problem.problem();
         let wanted = match method {
             Method::Attain { weights, .. } | Method::Chebyshev { weights, .. } => weights.len(),
             _ => 0,
         };
         let tolerance = self.settings.constraint_tolerance;
         let merit = |x: &[f64]| {
-            let merit = grouser_opt::evaluate(inner, method, x).ok()?;
+            let merit = grouser_opt::evaluate(problem, method, x).ok()?;
             (merit.violation <= tolerance).then_some(merit.utility)
         };
-        if inner.objectives().len() != wanted {
+        if problem.objectives().len() != wanted {
             return Vec::new();
         }
         let start = trade
@@ -172,7 +170,7 @@ impl Design {
             .filter_map(|point| Some((merit(&point.x)?, &point.x)))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let found = start
-            .and_then(|(_, x)| inner.from_start(x).ok())
+            .and_then(|(_, x)| problem.from_start(x).ok())
             .and_then(|problem| solve(&problem, method, &self.settings).ok());
         found
             .and_then(|solution| liftable(&solution.x[..self.variables.len()]))

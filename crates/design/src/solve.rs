@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 
 use grouser_opt::{
-    Callback, Counts, Front, Kkt, Merit, Method, MultiStart, Solution, Status, multi_start_with,
-    pareto_with, solve_with,
+    Callback, Counts, Front, Kkt, Merit, Method, MultiStart, Problem, Solution, Status,
+    multi_start_with, pareto_with, solve_with,
 };
 
-use crate::design::{Design, Objective, Slot, SolverProblem, Task};
+use crate::design::{Design, Objective, Slot, Task};
 use crate::error::{Error, Result};
 
 /// Objectives whose scaled values differ by less than this · (1 + |value|) decide together.
@@ -115,10 +115,10 @@ impl Design {
     }
 
     /// The method for the solver's objectives.
-    pub(crate) fn method(&self, problem: &SolverProblem) -> Method {
+    pub(crate) fn method(&self, problem: &Problem<'_>) -> Method {
         // Under several worlds an objective may occur once per world.
         let order = self.solver_order();
-        let copies = (problem.problem().objectives().len() / order.len()).max(1);
+        let copies = (problem.objectives().len() / order.len()).max(1);
         let spread = |f: &dyn Fn(usize) -> f64| -> Vec<f64> {
             order
                 .iter()
@@ -150,8 +150,7 @@ impl Design {
     /// What a solve would minimise at `x` (the variables of the file), and the worst violation there.
     ///
     /// # Errors
-    /// [`Error::Problem`] for a point of the wrong length; a measure over worlds that has helper variables of
-    /// its own has no merit at a point.
+    /// [`Error::Problem`] for a point of the wrong length.
     ///
     /// ```
     /// use grouser_design::{Design, State};
@@ -169,7 +168,7 @@ impl Design {
     pub fn merit(&self, x: &[f64]) -> Result<Merit> {
         let problem = self.problem()?;
         let method = self.method(&problem);
-        grouser_opt::evaluate(problem.problem(), &method, x).map_err(|e| self.refuse(e))
+        grouser_opt::evaluate(&problem, &method, x).map_err(|e| self.refuse(e))
     }
 
     /// Solves it; `callback` is called on this thread once an iteration of each solve and once a generation, and may
@@ -181,19 +180,18 @@ impl Design {
     pub fn solve_with(&self, callback: &mut Callback<'_>) -> Result<Answer> {
         let problem = self.problem()?;
         if self.task == Task::Pareto {
-            let front = pareto_with(problem.problem(), &self.pareto, callback)
-                .map_err(|e| self.refuse(e))?;
+            let front =
+                pareto_with(&problem, &self.pareto, callback).map_err(|e| self.refuse(e))?;
             return Ok(Answer::Trade(Box::new(self.trade(&problem, front))));
         }
         let method = self.method(&problem);
         let optimum = if self.starts > 1 {
             let starts = (self.starts, self.seed);
-            let inner = problem.problem();
-            let found = multi_start_with(inner, &method, &self.settings, starts, callback)
+            let found = multi_start_with(&problem, &method, &self.settings, starts, callback)
                 .map_err(|e| self.refuse(e))?;
             self.optimum_of_many(&problem, &found)
         } else {
-            let solution = solve_with(problem.problem(), &method, &self.settings, callback)
+            let solution = solve_with(&problem, &method, &self.settings, callback)
                 .map_err(|e| self.refuse(e))?;
             let start = self.start(&problem, &solution);
             self.optimum(&problem, &solution, vec![start])
@@ -202,19 +200,19 @@ impl Design {
     }
 
     /// What the solver's objective `index` is of the file's: its scale, negative where it is maximised.
-    fn scale_of(&self, problem: &SolverProblem, index: usize) -> f64 {
+    fn scale_of(&self, problem: &Problem<'_>, index: usize) -> f64 {
         self.objectives[self.file_place(problem, index)].factor()
     }
 
     /// Which objective of the file the solver's objective `index` is.
-    fn file_place(&self, problem: &SolverProblem, index: usize) -> usize {
+    fn file_place(&self, problem: &Problem<'_>, index: usize) -> usize {
         let order = self.solver_order();
-        let copies = (problem.problem().objectives().len() / order.len()).max(1);
+        let copies = (problem.objectives().len() / order.len()).max(1);
         order[(index / copies).min(order.len() - 1)]
     }
 
     /// The solver's objectives without scaling.
-    fn unscaled(&self, problem: &SolverProblem, values: &[f64]) -> Vec<f64> {
+    fn unscaled(&self, problem: &Problem<'_>, values: &[f64]) -> Vec<f64> {
         values
             .iter()
             .enumerate()
@@ -223,7 +221,7 @@ impl Design {
     }
 
     /// Which of the solver's objectives decides, and its value.
-    fn maximum(&self, problem: &SolverProblem, unscaled: &[f64]) -> (usize, f64) {
+    fn maximum(&self, problem: &Problem<'_>, unscaled: &[f64]) -> (usize, f64) {
         let values = unscaled.iter().enumerate();
         self.worst(values.map(|(i, f)| (&self.objectives[self.file_place(problem, i)], *f)))
     }
@@ -261,9 +259,9 @@ impl Design {
         (place, if all { -value } else { value })
     }
 
-    fn start(&self, problem: &SolverProblem, solution: &Solution) -> Start {
+    fn start(&self, problem: &Problem<'_>, solution: &Solution) -> Start {
         Start {
-            x: problem.own(&solution.x).to_vec(),
+            x: solution.x.clone(),
             maximum: self
                 .maximum(problem, &self.unscaled(problem, &solution.objectives))
                 .1,
@@ -272,7 +270,7 @@ impl Design {
         }
     }
 
-    fn optimum_of_many(&self, problem: &SolverProblem, found: &MultiStart) -> Optimum {
+    fn optimum_of_many(&self, problem: &Problem<'_>, found: &MultiStart) -> Optimum {
         let starts = found
             .runs
             .iter()
@@ -290,8 +288,8 @@ impl Design {
         }
     }
 
-    fn optimum(&self, problem: &SolverProblem, solution: &Solution, starts: Vec<Start>) -> Optimum {
-        let names = problem.problem().objectives();
+    fn optimum(&self, problem: &Problem<'_>, solution: &Solution, starts: Vec<Start>) -> Optimum {
+        let names = problem.objectives();
         let values = self.unscaled(problem, &solution.objectives);
         let parts = &solution.multipliers;
         // The order of the file: by its objectives, and within one by world.
@@ -312,12 +310,12 @@ impl Design {
             .filter(|i| hard(i))
             .map(|&i| (names[i].clone(), parts.hard_goals[i]))
             .collect();
-        constraint_multipliers.extend(self.priced(problem, solution));
+        constraint_multipliers.extend(self.priced(solution));
         let n = self.variables.len();
         let (deciding, maximum) = self.maximum(problem, &values);
         Optimum {
             status: solution.status.clone(),
-            x: problem.own(&solution.x).to_vec(),
+            x: solution.x.clone(),
             maximum,
             deciding: names[deciding].clone(),
             utility: solution.utility,
@@ -331,7 +329,7 @@ impl Design {
                 .copied()
                 .zip(parts.upper[..n].iter().copied())
                 .collect(),
-            active: self.active(problem, solution),
+            active: solution.active.clone(),
             kkt: solution.kkt,
             counts: solution.counts,
             optima: if solution.status.is_solved() {
@@ -345,13 +343,9 @@ impl Design {
     }
 
     /// Every constraint of the file with its multiplier; nonlinear ones once per world.
-    fn priced(&self, problem: &SolverProblem, solution: &Solution) -> Vec<(String, f64)> {
+    fn priced(&self, solution: &Solution) -> Vec<(String, f64)> {
         let parts = &solution.multipliers;
         let worlds = self.worlds.len();
-        let inner = problem.problem();
-        // Helpers of a measure come before the file's own inequalities.
-        let own = self.constraints.iter().filter(|c| !c.equal).count() * worlds;
-        let first = inner.inequalities().len() - own;
         let mut list = Vec::new();
         for (name, slot) in &self.slots {
             let (prices, from) = match *slot {
@@ -359,7 +353,7 @@ impl Design {
                     list.push((name.clone(), parts.linear[l]));
                     continue;
                 }
-                Slot::Inequality(j) => (&parts.inequalities, first + j * worlds),
+                Slot::Inequality(j) => (&parts.inequalities, j * worlds),
                 Slot::Equality(k) => (&parts.equalities, k * worlds),
             };
             for (world, price) in self.worlds.iter().zip(&prices[from..from + worlds]) {
@@ -374,29 +368,12 @@ impl Design {
         list
     }
 
-    /// What holds the point, without the helpers of a measure.
-    fn active(&self, problem: &SolverProblem, solution: &Solution) -> Vec<String> {
-        let inner = problem.problem();
-        let own = self.constraints.iter().filter(|c| !c.equal).count() * self.worlds.len();
-        let helpers = &inner.inequalities()[..inner.inequalities().len() - own];
-        let extra = &inner.variables()[self.variables.len()..];
-        solution
-            .active
-            .iter()
-            .filter(|name| {
-                !helpers.contains(name) && !extra.iter().any(|v| is_bound_of(name, &v.name))
-            })
-            .cloned()
-            .collect()
-    }
-
     /// The objectives of a front's problem at a point, in the order of the file, without scaling. The front has magnitudes;
     /// the file's objectives keep their signs.
-    pub(crate) fn objectives_at(&self, problem: &SolverProblem, x: &[f64]) -> Vec<f64> {
-        let inner = problem.problem();
-        let mut values = vec![f64::NAN; inner.function_count()];
-        inner.model().values(x, &mut values);
-        let values = self.unscaled(problem, &values[..inner.objectives().len()]);
+    pub(crate) fn objectives_at(&self, problem: &Problem<'_>, x: &[f64]) -> Vec<f64> {
+        let mut values = vec![f64::NAN; problem.function_count()];
+        problem.model().values(x, &mut values);
+        let values = self.unscaled(problem, &values[..problem.objectives().len()]);
         let mut out = vec![f64::NAN; values.len()];
         for (value, place) in values.iter().zip(self.solver_order()) {
             out[place] = *value;
@@ -404,7 +381,7 @@ impl Design {
         out
     }
 
-    fn trade(&self, problem: &SolverProblem, front: Front) -> Trade {
+    fn trade(&self, problem: &Problem<'_>, front: Front) -> Trade {
         let order = self.solver_order();
         let points = front
             .points
@@ -420,7 +397,7 @@ impl Design {
                 Compromise {
                     objectives: self.objectives_at(problem, &point.x),
                     multipliers: point.multipliers.map(|m| in_file(&m.objectives)),
-                    x: problem.own(&point.x).to_vec(),
+                    x: point.x.clone(),
                 }
             })
             .collect();
@@ -431,10 +408,4 @@ impl Design {
             counts: front.counts,
         }
     }
-}
-
-fn is_bound_of(active: &str, variable: &str) -> bool {
-    active
-        .strip_prefix(variable)
-        .is_some_and(|rest| rest == " >= lower" || rest == " <= upper")
 }

@@ -1,10 +1,10 @@
 //! Objectives over several worlds, each on its worst.
 
-use grouser_opt::{Jacobian, Model, Robust};
+use grouser_opt::{Jacobian, Model, Problem};
 
 /// Objectives that are the worst over several worlds; constraints hold in every one.
 pub(crate) struct WorstObjectives {
-    pub(crate) joint: Robust<'static>,
+    pub(crate) joint: Problem<'static>,
     pub(crate) objectives: usize,
     /// How many of them count by their magnitude; they come first.
     pub(crate) absolute: usize,
@@ -13,7 +13,7 @@ pub(crate) struct WorstObjectives {
 impl WorstObjectives {
     /// For each of its functions the place of that function among the joint ones.
     fn places(&self, values: &[f64]) -> Vec<usize> {
-        let count = self.joint.problem().objectives().len();
+        let count = self.joint.objectives().len();
         let worlds = count / self.objectives;
         let size = |function: usize, place: usize| {
             if function < self.absolute {
@@ -38,11 +38,11 @@ impl WorstObjectives {
 
 impl Model for WorstObjectives {
     fn failure(&self, x: &[f64]) -> Option<String> {
-        self.joint.problem().model().failure(x)
+        self.joint.model().failure(x)
     }
 
     fn values(&self, x: &[f64], values: &mut [f64]) {
-        let inner = self.joint.problem();
+        let inner = &self.joint;
         let mut all = vec![f64::NAN; inner.function_count()];
         inner.model().values(x, &mut all);
         for (value, place) in values.iter_mut().zip(self.places(&all)) {
@@ -51,7 +51,7 @@ impl Model for WorstObjectives {
     }
 
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
-        let inner = self.joint.problem();
+        let inner = &self.joint;
         let mut all = vec![f64::NAN; inner.function_count()];
         let mut rows = Jacobian::zeros(inner.function_count(), x.len());
         inner.model().derivatives(x, &mut all, &mut rows);

@@ -51,7 +51,7 @@ pub use pareto::{
     knee, pareto, pareto_with,
 };
 pub use problem::{LinearConstraint, Problem, ProblemParams, Relation, Variable};
-pub use robust::{Measure, Robust, Uncertainty, World, robust, sample};
+pub use robust::{Measure, Uncertainty, World, robust, sample};
 pub use settings::Settings;
 pub use sobol::Sobol;
 pub use solution::{Counts, Kkt, Multipliers, Solution};

@@ -2,8 +2,8 @@
 
 use grouser_opt::{
     Binary, CertifySettings, Differences, Error, Exact, Functions, Measure, Method, Problem,
-    ProblemParams, Robust, Settings, Sobol, Solution, Tape, TapedFunctions, Uncertainty, Variable,
-    World, certify, check_derivatives, evaluate, robust, sample, solve,
+    ProblemParams, Settings, Sobol, Solution, Tape, TapedFunctions, Uncertainty, Variable, World,
+    certify, check_derivatives, evaluate, robust, sample, solve,
 };
 use grouser_real::Scalar;
 
@@ -35,18 +35,13 @@ fn best(places: &[f64], measure: Measure) -> (f64, Solution) {
         }),
     );
     let joint = robust(params, worlds, measure).unwrap();
-    let mut at: Vec<f64> = joint
-        .problem()
-        .variables()
-        .iter()
-        .map(|v| v.start)
-        .collect();
+    let mut at: Vec<f64> = joint.variables().iter().map(|v| v.start).collect();
     at[0] = 0.7;
-    let check = check_derivatives(joint.problem(), &at, 1e-6).unwrap();
+    let check = check_derivatives(&joint, &at, 1e-6).unwrap();
     assert_eq!(check.wrong, []);
-    let solution = solve(joint.problem(), &Method::Minimax, &Settings::default()).unwrap();
+    let solution = solve(&joint, &Method::Minimax, &Settings::default()).unwrap();
     assert!(solution.status.is_solved(), "{:?}", solution.status);
-    (joint.own(&solution.x)[0], solution)
+    (solution.x[0], solution)
 }
 
 fn near(a: f64, b: f64) {
@@ -89,12 +84,12 @@ fn a_weighted_sum_counts_each_objective_in_its_worst_world() {
         let joint = robust(params, worlds.into(), Measure::WorstCase).unwrap();
         let weights = vec![w, w, 1.0, 1.0];
         let method = Method::Weighted { weights };
-        let solution = solve(joint.problem(), &method, &Settings::default()).unwrap();
+        let solution = solve(&joint, &method, &Settings::default()).unwrap();
         assert!(solution.status.is_solved(), "{:?}", solution.status);
         near(solution.x[0], place);
         let least = w * place * place + (place - 6.0_f64).powi(2);
         near(solution.utility, least);
-        let merit = evaluate(joint.problem(), &method, &solution.x).unwrap();
+        let merit = evaluate(&joint, &method, &solution.x).unwrap();
         near(merit.utility, least);
         // where one world is the worst it has the whole price
         let prices = &solution.multipliers.objectives;
@@ -104,7 +99,7 @@ fn a_weighted_sum_counts_each_objective_in_its_worst_world() {
         if place > 0.5 {
             near(prices[1], 0.0);
         }
-        let proved = certify(joint.problem(), &method, &CertifySettings::default()).unwrap();
+        let proved = certify(&joint, &method, &CertifySettings::default()).unwrap();
         assert!(proved.status.is_proved());
         assert!(
             proved.lower <= least + 1e-9 && least <= proved.upper + 1e-6,
@@ -196,7 +191,7 @@ fn places(count: usize) -> Vec<(f64, f64)> {
 }
 
 /// The problem of [`Pair`] in many worlds.
-fn pairs(places: &[(f64, f64)], alpha: f64) -> Robust<'static> {
+fn pairs(places: &[(f64, f64)], alpha: f64) -> Problem<'static> {
     let variables = [("x", 5.0), ("y", 2.0)]
         .map(|(name, size): (&str, f64)| Variable::bounded(name, 0.3 * size, -size, size));
     let params = ProblemParams::new(&[0.0, 0.0], 2, Exact(Pair(0.0, 0.0))).variables(variables);
@@ -234,7 +229,7 @@ fn conditional_values_at_risk_have_the_optimum_of_their_epigraph() {
         let places = places(count);
         let joint = pairs(&places, alpha);
         let share = 1.0 / ((1.0 - alpha) * count as f64);
-        let mut variables = joint.problem().variables().to_vec();
+        let mut variables = joint.variables().to_vec();
         for i in 0..2 {
             variables.push(Variable::free(format!("eta {i}"), 100.0));
             let excess = |k| Variable::bounded(format!("s {i} {k}"), 0.0, 0.0, f64::INFINITY);
@@ -252,7 +247,7 @@ fn conditional_values_at_risk_have_the_optimum_of_their_epigraph() {
         let epigraph = Problem::new(params).unwrap();
         for method in &methods {
             let mut settings = Settings::default();
-            let solution = solve(joint.problem(), method, &settings).unwrap();
+            let solution = solve(&joint, method, &settings).unwrap();
             assert!(solution.status.is_solved(), "{method:?} {solution:?}");
             // (its probes move one variable without the helpers)
             settings.probes = 0;
@@ -289,13 +284,13 @@ fn thousands_of_worlds_are_solved_in_few_iterations() {
             weights: vec![1.0, 0.4],
         },
     ] {
-        let solution = solve(joint.problem(), &method, &Settings::default()).unwrap();
+        let solution = solve(&joint, &method, &Settings::default()).unwrap();
         assert!(solution.status.is_solved(), "{solution:?}");
         assert!(solution.counts.iterations < 40, "{:?}", solution.counts);
         for (dx, dy) in [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, -1.0)] {
             for size in [1e-3, -1e-3] {
                 let beside = [solution.x[0] + size * dx, solution.x[1] + size * dy];
-                let merit = evaluate(joint.problem(), &method, &beside).unwrap();
+                let merit = evaluate(&joint, &method, &beside).unwrap();
                 let worse = merit.utility >= solution.utility - 1e-9;
                 assert!(worse || merit.violation > 0.0, "{beside:?} {solution:?}");
             }
@@ -327,8 +322,8 @@ fn constraints_hold_in_every_world() {
             )
         });
         let joint = robust(params, worlds.into(), measure).unwrap();
-        let solution = solve(joint.problem(), &Method::Minimax, &Settings::default()).unwrap();
-        near(joint.own(&solution.x)[0], 1.2);
+        let solution = solve(&joint, &Method::Minimax, &Settings::default()).unwrap();
+        near(solution.x[0], 1.2);
         assert!(
             solution.active.iter().any(|name| name == "limit @ 1.2"),
             "{:?}",

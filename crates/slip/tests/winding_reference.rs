@@ -186,7 +186,7 @@ impl Drive<'_> {
                 let way = core::array::from_fn(|i| {
                     (angles[i] / TAU * self.ticks_per_turn).floor() * TAU / self.ticks_per_turn
                 });
-                let [x, y] = reference.read(self, [true_pose, [yaw, 0.0]], way, &mut noise);
+                let [x, y] = reference.read(self, (true_pose, yaw), way, &mut noise);
                 queue.push(match self.by {
                     By::Pose => Measurement::Pose { x, y, yaw: yaw + c },
                     By::Position => Measurement::Position { x, y },
@@ -320,7 +320,7 @@ impl Reference {
     fn read(
         &mut self,
         drive: &Drive<'_>,
-        [place, [yaw, _]]: [[f64; 2]; 2],
+        (place, yaw): ([f64; 2], f64),
         angles: [f64; 4],
         noise: &mut Noise,
     ) -> [f64; 2] {

@@ -38,26 +38,6 @@ impl<'a> World<'a> {
     }
 }
 
-/// A problem under many worlds.
-pub struct Robust<'a> {
-    problem: Problem<'a>,
-    variables: usize,
-}
-
-impl<'a> Robust<'a> {
-    /// The problem to solve.
-    #[must_use]
-    pub fn problem(&self) -> &Problem<'a> {
-        &self.problem
-    }
-
-    /// The problem's own variables out of a point of [`Robust::problem`].
-    #[must_use]
-    pub fn own<'x>(&self, x: &'x [f64]) -> &'x [f64] {
-        &x[..self.variables.min(x.len())]
-    }
-}
-
 /// Joins `worlds` into one problem. `params` describes it; its own model is one world more only if it is
 /// among them, and is not used otherwise.
 ///
@@ -72,8 +52,8 @@ impl<'a> Robust<'a> {
 /// let params = ProblemParams::new(&[0.5], 1, at(0.0));
 /// let worlds = [0.0, 1.0, 4.0].map(|a| World::new(a.to_string(), at(a)));
 /// let joint = robust(params, worlds.into(), Measure::WorstCase)?;
-/// let solution = solve(joint.problem(), &Method::Minimax, &Settings::default())?;
-/// assert!((joint.own(&solution.x)[0] - 2.0).abs() < 1e-6);
+/// let solution = solve(&joint, &Method::Minimax, &Settings::default())?;
+/// assert!((solution.x[0] - 2.0).abs() < 1e-6);
 /// assert!((solution.multipliers.objectives[0] - 0.5).abs() < 1e-6);
 /// # Ok::<(), grouser_opt::Error>(())
 /// ```
@@ -81,25 +61,23 @@ pub fn robust<'a>(
     params: ProblemParams<'a>,
     worlds: Vec<World<'a>>,
     measure: Measure,
-) -> Result<Robust<'a>> {
+) -> Result<Problem<'a>> {
     if worlds.is_empty() {
         return Err(Error::Empty { what: "worlds" });
     }
     measure.check()?;
-    let variables = params.variables.len();
     let worlds = Worlds {
-        n: variables,
+        n: params.variables.len(),
         m: params.objectives.len(),
         functions: params.objectives.len() + params.inequalities.len() + params.equalities.len(),
         absolute: params.absolute,
         list: worlds,
     };
-    let problem = match measure {
-        Measure::WorstCase => worst_case::problem(params, worlds)?,
-        Measure::MeanPlusDeviations { kappa } => spread::problem(params, worlds, kappa)?,
-        Measure::ConditionalValueAtRisk { alpha } => cvar::problem(params, worlds, alpha)?,
-    };
-    Ok(Robust { problem, variables })
+    match measure {
+        Measure::WorstCase => worst_case::problem(params, worlds),
+        Measure::MeanPlusDeviations { kappa } => spread::problem(params, worlds, kappa),
+        Measure::ConditionalValueAtRisk { alpha } => cvar::problem(params, worlds, alpha),
+    }
 }
 
 /// K models with the same functions over the same variables.
@@ -180,13 +158,5 @@ impl Worlds<'_> {
                 worlds.map(move |world| format!("{name} @ {}", world.name))
             })
             .collect()
-    }
-}
-
-/// Copies a gradient over the problem's own variables into a row that may be longer.
-fn set_row(row: &mut [f64], gradient: &[f64]) {
-    row.fill(0.0);
-    for (out, g) in row.iter_mut().zip(gradient) {
-        *out = *g;
     }
 }

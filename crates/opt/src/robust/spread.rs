@@ -1,7 +1,7 @@
 //! Mean plus κ standard deviations: `F = μ + κ σ`, `μ = Σ f_k / K`, `σ² = Σ (f_k − μ)² / K`,
 //! with `∇σ = Σ (f_k − μ) ∇f_k / (K σ)`.
 
-use super::{Worlds, set_row};
+use super::Worlds;
 use crate::error::Result;
 use crate::jacobian::Jacobian;
 use crate::model::Model;
@@ -85,7 +85,7 @@ impl Model for Spread<'_> {
         for function in m..self.worlds.functions {
             for world in &worlds {
                 values[row] = world.0[function];
-                set_row(jacobian.row_mut(row), world.1.row(function));
+                jacobian.row_mut(row).copy_from_slice(world.1.row(function));
                 row += 1;
             }
         }

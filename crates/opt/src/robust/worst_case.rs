@@ -1,6 +1,6 @@
 //! Every objective in every world as a partial function of its own.
 
-use super::{Worlds, set_row};
+use super::Worlds;
 use crate::error::Result;
 use crate::jacobian::Jacobian;
 use crate::model::Model;
@@ -25,7 +25,9 @@ impl Model for WorstCase<'_> {
         let worlds = self.0.derivatives(x);
         for (row, (function, world)) in order(&self.0).enumerate() {
             values[row] = worlds[world].0[function];
-            set_row(jacobian.row_mut(row), worlds[world].1.row(function));
+            jacobian
+                .row_mut(row)
+                .copy_from_slice(worlds[world].1.row(function));
         }
     }
 

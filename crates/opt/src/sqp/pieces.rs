@@ -1,8 +1,8 @@
 //! Subproblems of functions that are the greatest of many combinations of parts.
 //!
 //! The parts are linearised, and a function is the greatest of all combinations of them: of very many rows, of which few matter.
-//! They are found one by one: the subproblem is solved with the rows so far, at its step each function is asked for its
-//! combination, and what is greater than the rows so far becomes a row, until there is none. Afterwards each function
+//! They are found one by one: the subproblem is solved with the rows so far, the combination of each function is computed at
+//! its step, and one that is greater than the rows so far becomes a row, until there is none. Afterwards each function
 //! has one row again, the blend of its rows by their multipliers.
 //!
 //! Source: Kelley 1960, J. SIAM 8 (cutting planes), here within a subproblem.

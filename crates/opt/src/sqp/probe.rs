@@ -15,12 +15,12 @@ use crate::solution::Counts;
 
 /// Length of a probe, as a share of a variable's range; without finite bounds of 1 + |x|.
 const PROBE_LENGTH: f64 = 1e-4;
-/// So many times longer is each second random probe, and one more along each variable: over 1 % of the range a curvature
-/// shows itself that is 1e-8 over 1e-4 of it.
-const FAR: f64 = 100.0;
-/// So many times longer are pairs of probes along each variable that refute a point only together, as a maximum: a tenth of the
-/// range. One of them alone may find another valley, which is none of a local search's business.
-const WIDE: f64 = 1000.0;
+/// Length of a far probe (each second random one, and two along each variable) over that of a near one: 1 % of the range, where
+/// a curvature lowers the level by 1e-4 that lowers it by 1e-8 over 1e-4 of the range.
+const FAR_PROBE_FACTOR: f64 = 100.0;
+/// Length of the probes of a pair along a variable over that of a near one: 10 % of the range. Both must be lower, as around a
+/// maximum; one alone may lie in another valley, which a local search does not look for.
+const PAIR_PROBE_FACTOR: f64 = 1000.0;
 /// A decrease of the level beyond this · (1 + |level|) refutes a point. The optimality conditions themselves
 /// leave 1e-8 of the level open (`Settings::optimality_tolerance`).
 const REFUTING_DECREASE: f64 = 1e-7;
@@ -59,7 +59,8 @@ pub(super) fn improvement(
         if stop() {
             return None;
         }
-        let both = [WIDE, -WIDE].map(|sign| probe(evaluator, point, &along(&lengths, i, sign)));
+        let both = [PAIR_PROBE_FACTOR, -PAIR_PROBE_FACTOR]
+            .map(|sign| probe(evaluator, point, &along(&lengths, i, sign)));
         if let [Some(up), Some(down)] = both
             && up.0.max(down.0) < enough
         {
@@ -136,7 +137,7 @@ fn lengths(program: &Program<'_>, point: &Point) -> Vec<f64> {
         .collect()
 }
 
-/// A step along variable `i`, so many of its lengths long.
+/// A step along variable `i` of `times` its length.
 fn along(lengths: &[f64], i: usize, times: f64) -> Vec<f64> {
     let mut direction = vec![0.0; lengths.len()];
     direction[i] = times * lengths[i];
@@ -153,7 +154,9 @@ fn directions(
     let n = point.x.len();
     let mut list = Vec::new();
     for i in 0..n {
-        list.extend([1.0, -1.0, FAR, -FAR].map(|times| along(lengths, i, times)));
+        list.extend(
+            [1.0, -1.0, FAR_PROBE_FACTOR, -FAR_PROBE_FACTOR].map(|times| along(lengths, i, times)),
+        );
     }
     let counts = evaluator.counts;
     let (jacobian, _) = evaluator.derivatives(&mut point.clone());
@@ -186,7 +189,7 @@ fn directions(
     list.push(sum.iter().zip(lengths).map(|(d, l)| d * l).collect());
     let mut stream = Random::new(1);
     for pair in 0..random {
-        let times = if pair % 2 == 0 { 1.0 } else { FAR };
+        let times = if pair % 2 == 0 { 1.0 } else { FAR_PROBE_FACTOR };
         let lengths = lengths.iter().map(|l| times * l);
         let direction: Vec<f64> = lengths
             .map(|l| l * (2.0 * stream.uniform() - 1.0))

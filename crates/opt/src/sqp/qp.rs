@@ -48,7 +48,7 @@ pub(super) struct Rows {
     /// Row-major, one gradient per row.
     pub(super) gradients: Vec<f64>,
     pub(super) offsets: Vec<f64>,
-    /// What the functions are made of, as the offsets are meant: the rows of objectives follow from them.
+    /// Values of the parts that the functions are combinations of, at the point of the offsets.
     pub(super) parts: Vec<f64>,
 }
 
@@ -69,26 +69,26 @@ pub(super) struct QpSolution {
     pub(super) multipliers: Vec<f64>,
     /// Do all rows hold, and every multiplier its sign?
     pub(super) exact: bool,
-    /// Did the caller stop the search?
+    /// Did the callback stop the search?
     pub(super) stopped: bool,
     /// The rows that functions of parts have in it.
     pub(super) blends: Vec<Blend>,
 }
 
-/// The caller may stop a search after about this many products, a tenth of a second: subproblems of thousands of rows take minutes.
+/// The callback is called after about this many products, a tenth of a second: subproblems of thousands of rows take minutes.
 const PRODUCTS_PER_CALL: usize = 100_000_000;
 /// Residuals below this times the size of their terms are rounding.
 const ROUNDING_SHARE: f64 = 1e-12;
 
-/// When the caller is asked whether to stop.
+/// Calls `stop` at most once per [`PRODUCTS_PER_CALL`].
 struct Pace<'a> {
-    /// Products since it was asked last.
+    /// Products since the last call.
     products: usize,
     stop: &'a mut dyn FnMut() -> bool,
 }
 
 impl Pace<'_> {
-    /// Does the caller stop the search, before a round of so many products?
+    /// Did `stop` end the search before a round of `products`?
     fn is_stopped(&mut self, products: usize) -> bool {
         self.products += products;
         if self.products <= PRODUCTS_PER_CALL {

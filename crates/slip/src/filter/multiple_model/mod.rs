@@ -7,6 +7,7 @@
 //! positions, never as differences, and their noise is learnt. Outliers are part of the likelihood: there is no gate that
 //! could refuse a steady reference for ever.
 
+mod course;
 mod group;
 mod model;
 mod position_noise;
@@ -14,8 +15,9 @@ pub(super) mod reference_noise;
 
 use grouser_real::{Real, wrap_angle};
 
+use course::Course;
 use group::Group;
-use model::{Course, DRIFT, HEADING, Model, SLIP, STATES, Since, Step, TURN_ERROR, X, Y};
+use model::{DRIFT, HEADING, Model, SLIP, STATES, Since, Step, TURN_ERROR, X, Y};
 pub(super) use model::{MIN_RIM_SHARE, Rim, TurnError};
 use position_noise::PositionNoise;
 use reference_noise::Errors;

@@ -4,9 +4,9 @@ use grouser_real::Real;
 
 use super::reference_noise::{Errors, MEDIAN_OF_NORMAL, Noise, SECOND_DIFFERENCE, Scale};
 
-/// Second differences are taken over one reading, two, and this many.
-const WIDE: usize = 4;
-const KEPT: usize = 2 * WIDE + 1;
+/// Second differences are taken over one reading, two, and this many: 0.4 s at 10 Hz, in which slip changes little.
+const WIDE_READINGS: usize = 4;
+const KEPT_POSITIONS: usize = 2 * WIDE_READINGS + 1;
 /// Weight of a new square in the means, and that of the first ones: 1 in so many. A wander that is none costs more than a short memory
 /// gains.
 const SQUARE_WEIGHT: f64 = 0.004;
@@ -32,7 +32,7 @@ const MIN_OWN_SHARE: f64 = 0.2;
 #[derive(Clone, Debug)]
 pub(crate) struct PositionNoise {
     /// Positions less the way of the wheels, the newest first, m.
-    last: [[f64; 2]; KEPT],
+    last: [[f64; 2]; KEPT_POSITIONS],
     seen: usize,
     has_moved: bool,
     /// Of second differences on either axis.
@@ -46,7 +46,7 @@ pub(crate) struct PositionNoise {
 impl PositionNoise {
     pub(crate) const fn new() -> Self {
         Self {
-            last: [[0.0; 2]; KEPT],
+            last: [[0.0; 2]; KEPT_POSITIONS],
             seen: 0,
             has_moved: false,
             scale: Scale::NEW,
@@ -78,7 +78,7 @@ impl PositionNoise {
             return;
         }
         self.has_moved = true;
-        let wide = [2, WIDE].map(|over| self.second_difference(over, course));
+        let wide = [2, WIDE_READINGS].map(|over| self.second_difference(over, course));
         if let ([Some(two), Some(four)], Some(deviation)) = (wide, self.scale.deviation()) {
             self.add_squares([one, two, four], deviation * deviation);
         }
