@@ -133,7 +133,7 @@ impl Parts {
             .map(|(k, name)| World::new(name, self.callable(Some(k), failure)))
             .collect();
         let joint = robust(params, worlds, self.measure()?);
-        raised(joint.and_then(|joint| job(joint.problem())))
+        raised(joint.and_then(|joint| job(&joint)))
     }
 }
 
