@@ -6,7 +6,7 @@
 )]
 
 use grouser_slip::filter::{FilterSettings, SlipFilter};
-use grouser_slip::{Measurement, Robot, Sample, Wheel};
+use grouser_slip::{Degraded, Health, Measurement, Robot, Sample, Wheel};
 
 use crate::noise::Noise;
 
@@ -417,4 +417,69 @@ fn a_car_that_dug_in_backs_out_in_the_same_bend() {
             }
         }
     }
+}
+
+/// Share of the rows that are `Ok`, and of those that are `ReferenceReadmitted`, of a drive of 60 s whose poses are missing for 1.5 s
+/// in every 6 s; in each gap their frame jumps aside by `jump` (m).
+fn shares_beside_gaps(jump: f64) -> [f64; 2] {
+    let robot = Robot::new("four".into(), crate::four_wheels::four_wheels(1000)).unwrap();
+    let settings = FilterSettings {
+        position_sigma: 0.01,
+        ..FilterSettings::any_ground()
+    };
+    let mut filter = SlipFilter::new(&robot, settings).unwrap();
+    let mut noise = Noise::new(3);
+    let (mut counts, mut rows) = ([0.0; 2], 0.0);
+    for step in 0..6000_i64 {
+        let time_s = step as f64 * STEP_S;
+        let mut send = |measurement| {
+            let time_ns = step * 10_000_000;
+            let sample = Sample {
+                time_ns,
+                measurement,
+            };
+            filter.update(sample).map(|_| ()).unwrap();
+        };
+        let speed = 0.5;
+        let way = speed * (time_s - 1.0).max(0.0);
+        if step % 2 == 0 {
+            for wheel in 0..4 {
+                let turns = way / 0.8 / RADIUS_M / core::f64::consts::TAU;
+                let raw = (turns * 1000.0).floor() as u64;
+                send(Measurement::WheelCount { wheel, raw });
+            }
+            send(Measurement::YawRate {
+                rate: 0.002 * noise.normal(),
+            });
+        }
+        let in_period = step % 600;
+        if step % 10 == 0 && in_period >= 150 {
+            let x = way + 0.01 * noise.normal();
+            let y = jump * (step / 600) as f64 + 0.01 * noise.normal();
+            let yaw = 0.01 * noise.normal();
+            send(Measurement::Pose { x, y, yaw });
+        }
+        if time_s > 12.0 {
+            let health = filter.latest().wheels[0].health;
+            let readmitted = Health::Degraded(Degraded::ReferenceReadmitted);
+            for (count, state) in counts.iter_mut().zip([Health::Ok, readmitted]) {
+                *count += f64::from(u8::from(health == state));
+            }
+            rows += 1.0;
+        }
+    }
+    counts.map(|count| count / rows)
+}
+
+/// A reference that returns with what the models had predicted is as good as before; one that returns elsewhere has to show itself
+/// again, for 5 s. After every silence of more than a second it had to, and poses that were missing for a second now and then left
+/// hardly a row `Ok`.
+#[test]
+fn a_reference_that_returns_as_predicted_is_not_readmitted() {
+    let [ok, readmitted] = shares_beside_gaps(0.0);
+    println!("as predicted: {ok:.2} are Ok, {readmitted:.2} readmitted");
+    assert!(ok > 0.75 && readmitted < 0.01, "{ok} {readmitted}");
+    let [ok, readmitted] = shares_beside_gaps(2.0);
+    println!("elsewhere: {ok:.2} are Ok, {readmitted:.2} readmitted");
+    assert!(ok < 0.1 && readmitted > 0.7, "{ok} {readmitted}");
 }

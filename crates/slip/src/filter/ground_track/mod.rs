@@ -6,6 +6,7 @@ mod place;
 mod place_frame;
 mod refused_series;
 mod restart;
+mod slide;
 mod speed;
 
 use alloc::boxed::Box;
@@ -16,9 +17,7 @@ use super::MAX_FILTER_WHEELS;
 use super::force_integral::ForceIntegral;
 use super::mean_rims::{RimStep, TURNING_SPEED_M_PER_S, mean_rims};
 use super::multiple_model::reference_noise::{Errors, ReferenceNoise};
-use super::multiple_model::{
-    ModelMotion, MultipleModel, Rim, STANDING_RIM_M_PER_S, TurnError, WheelStep,
-};
+use super::multiple_model::{ModelMotion, MultipleModel, Rim, TurnError, WheelStep};
 use super::output::RimPath;
 use super::reference_sensor::ReferenceMotion;
 use super::settings::FilterSettings;
@@ -28,7 +27,7 @@ use crate::history::{History, seconds_between};
 use crate::sample::Measurement;
 
 use place_frame::PlaceFrame;
-use refused_series::RefusedSeries;
+use refused_series::{MAX_OUTLIER_PROBABILITY, RefusedSeries};
 
 /// The models are predicted this often, s: rims and slips change slowly against it.
 const STEP_S: f64 = 0.005;
@@ -42,9 +41,6 @@ const READMITTED_S: f64 = 5.0;
 const STARTED_S: f64 = 2.0;
 /// A reference is silent after this many of its periods.
 const SILENT_PERIODS: f64 = 2.5;
-/// A slide ends this many periods of the reference after the last reading that showed it: a restart shows it, the models accept a
-/// few readings after that, and six refused ones show it again.
-const SLIDING_PERIODS: f64 = 15.0;
 /// Standard deviation of a heading, rad: measured, where its own readings do not show a larger one, and summed from
 /// displacements.
 const MEASURED_HEADING_SIGMA_RAD: f64 = 0.01;
@@ -112,7 +108,7 @@ pub(super) struct GroundTrack {
     /// Sum of displacements: place and heading.
     summed: [f64; 3],
     position: [f64; 2],
-    /// The first position of those that are refused, and the rims' way until then, m.
+    /// The first position of those that are refused, and the rims' way until then, m; or the last position that showed a slide.
     refused_position: [f64; 2],
     refused_way: f64,
     refused_ns: i64,
@@ -161,7 +157,7 @@ impl GroundTrack {
             position: [0.0; 2],
             refused_position: [0.0; 2],
             refused_way: 0.0,
-            refused_ns: 0,
+            refused_ns: i64::MIN,
             refused_speeds: RefusedSeries::default(),
             slide: None,
             heading_offset: 0.0,
@@ -193,6 +189,7 @@ impl GroundTrack {
         self.accepted_ns = None;
         self.started_ns = None;
         self.readmitted_ns = None;
+        self.refused_ns = i64::MIN;
         self.refused.end();
         self.awaiting = [None; MAX_AWAITING];
         self.awaited_speed = None;
@@ -238,17 +235,6 @@ impl GroundTrack {
             (motion.speed, motion.slip) = (speed, -1.0);
         }
         Some((motion, self.direction, self.rim_speed))
-    }
-
-    /// The robot's speed where it slides or is carried while its rims stand, m/s.
-    pub(super) fn slide(&self, now_ns: i64) -> Option<f64> {
-        let (speed, shown_ns) = self.slide?;
-        let lasts = seconds_between(shown_ns, now_ns) <= SLIDING_PERIODS * self.period_s.max(0.1);
-        (lasts && self.rims_stand()).then_some(speed)
-    }
-
-    fn rims_stand(&self) -> bool {
-        self.rim_speed.abs() <= STANDING_RIM_M_PER_S
     }
 
     /// Has the last heading shown that the turn rate is wrong?
@@ -422,8 +408,7 @@ impl GroundTrack {
         self.used_ns = Some(taken_ns);
         let silent = self.period_s > 0.0 && passed > SILENT_PERIODS * self.period_s;
         if silent && passed > settings.dropout + settings.failure {
-            self.models.inflate_position(passed * self.rim_speed.abs());
-            self.readmitted_ns = Some(now_ns);
+            self.end_outage((passed, now_ns), place, since, settings);
         } else if self.period_s > 0.0 {
             self.period_s += 0.2 * (passed - self.period_s);
         } else {
@@ -452,9 +437,12 @@ impl GroundTrack {
                 self.readmitted_ns = Some(now_ns);
             }
             self.accepted_ns = Some(now_ns);
+            if self.slide(now_ns).is_some() {
+                self.show_slide(place, (taken_ns, now_ns), settings);
+            }
             return Outcome::Accepted;
         }
-        if refused == 0 {
+        if refused == 0 && !self.may_slide_on(taken_ns) {
             self.refused_position = place;
             self.refused_way = now[3];
             self.refused_ns = taken_ns;
@@ -468,6 +456,26 @@ impl GroundTrack {
             self.restart_along_course((taken_ns, now_ns), place, yaw, settings);
         }
         Outcome::Refused
+    }
+
+    /// The reference returns with a place after `passed` seconds. Where the models had predicted it, nothing is in doubt; where not,
+    /// robot or frame may have moved by any part of the rims' way.
+    fn end_outage(
+        &mut self,
+        (passed, now_ns): (f64, i64),
+        place: [f64; 2],
+        since: [f64; 4],
+        settings: &FilterSettings,
+    ) {
+        let sigma = self.models.position_sigma();
+        let sigma = sigma.unwrap_or(settings.position_sigma);
+        let inlier = self.models.position_agreement(place, since, sigma);
+        if passed <= MAX_PREDICTION_S && 1.0 - inlier <= MAX_OUTLIER_PROBABILITY {
+            self.models.inflate_position(0.0);
+            return;
+        }
+        self.models.inflate_position(passed * self.rim_speed.abs());
+        self.readmitted_ns = Some(now_ns);
     }
 }
 

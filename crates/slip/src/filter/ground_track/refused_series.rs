@@ -1,7 +1,7 @@
 //! Readings of a reference that contradict the models one after the other.
 
 /// A reading with a larger probability of being an outlier is refused.
-const MAX_OUTLIER_PROBABILITY: f64 = 0.5;
+pub(super) const MAX_OUTLIER_PROBABILITY: f64 = 0.5;
 /// This many refused readings in a row are a steady reference, which is right: at 10 Hz outliers of satellite and visual positions
 /// last for less.
 const MAX_REFUSED: u32 = 6;

@@ -1,17 +1,16 @@
 //! How the models start, and how they restart where a steady series of positions contradicts them.
 
-use grouser_real::Real;
+use grouser_real::{Real, wrap_angle};
 
 use super::{GroundTrack, MAX_HEADING_SIGMA_RAD, MEASURED_HEADING_SIGMA_RAD};
 use crate::filter::settings::FilterSettings;
-use crate::history::seconds_between;
 
 /// Standard deviation of the slip by way or speed of a refused series over that of the rims. The reference is not yet settled then.
 pub(super) const SHOWN_SLIP_SIGMA: f64 = 0.1;
-/// A course of this many standard deviations is a motion: 4 σ are one in 16 000 by chance.
-const SLIDING_SIGMAS: f64 = 4.0;
 /// A shorter course may be a step back or a rocking: it overrules no measured heading, m.
 const MIN_COURSE_M: f64 = 0.3;
+/// Within this many of its standard deviations a course says nothing against a measured heading.
+const COURSE_SIGMAS: f64 = 3.0;
 /// One longer than this multiple of the rims' way is no course but a position that jumped; braking wheels run slower than the robot.
 const MAX_COURSE_PER_WAY: f64 = 1.5;
 
@@ -55,16 +54,19 @@ impl GroundTrack {
         self.restarts += 1;
         self.readmitted_ns = Some(now_ns);
         let rim_way = self.models.totals()[3] - self.refused_way;
-        let passed = seconds_between(self.refused_ns, taken_ns);
         self.models.restart();
         let uncertain = core::f64::consts::SQRT_2 * sigma / course.max(sigma);
         // a position that jumps is no course
         let is_driven = course < MAX_COURSE_PER_WAY * rim_way.abs();
         let overrules = is_driven && (!self.has_heading || course > MIN_COURSE_M);
+        let back = if self.rim_speed < 0.0 { -1.0 } else { 1.0 };
+        let by_course = Real::atan2(back * dy, back * dx) - self.direction;
+        let contradicts = |yaw: f64| {
+            !self.has_heading || wrap_angle(by_course - yaw).abs() > COURSE_SIGMAS * uncertain
+        };
+        let overrules = overrules && yaw.is_none_or(contradicts);
         let (heading, heading_sigma) = if overrules && uncertain < 0.2 {
-            let back = if self.rim_speed < 0.0 { -1.0 } else { 1.0 };
-            let heading = Real::atan2(back * dy, back * dx) - self.direction;
-            (heading, uncertain.max(MEASURED_HEADING_SIGMA_RAD))
+            (by_course, uncertain.max(MEASURED_HEADING_SIGMA_RAD))
         } else {
             match (yaw, known) {
                 (Some(yaw), _) => (yaw, MEASURED_HEADING_SIGMA_RAD),
@@ -74,9 +76,6 @@ impl GroundTrack {
         self.heading_offset += heading - yaw.unwrap_or(heading);
         let along =
             dx * Real::cos(heading + self.direction) + dy * Real::sin(heading + self.direction);
-        if self.rims_stand() && course > SLIDING_SIGMAS * core::f64::consts::SQRT_2 * sigma {
-            self.slide = Some((along / passed, now_ns));
-        }
         // the rims' way beside that course shows the slip
         let prior = [settings.slip.mean, settings.slip.sigma];
         let shown = slip_between(along, rim_way).filter(|_| uncertain < 0.2);
@@ -84,6 +83,7 @@ impl GroundTrack {
             .set_slip_prior(shown.map_or(prior, |slip| [slip, SHOWN_SLIP_SIGMA.min(prior[1])]));
         self.models.start(place, heading, sigma, heading_sigma);
         self.models.set_slip_prior(prior);
+        self.show_slide(place, (taken_ns, now_ns), settings);
     }
 }
 

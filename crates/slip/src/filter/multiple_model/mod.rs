@@ -340,6 +340,16 @@ impl MultipleModel {
         self.reweigh();
     }
 
+    /// The probability that a position of standard deviation `sigma` (m) is no outlier.
+    pub(crate) fn position_agreement(&self, place: [f64; 2], since: [f64; 4], sigma: f64) -> f64 {
+        let course = Course {
+            sin: 0.0,
+            cos: 1.0,
+            variances: [sigma * sigma; 2],
+        };
+        self.agreement(place, since, &course).inlier
+    }
+
     /// A heading in the reference's frame (rad), `turned` (rad) ago.
     pub(crate) fn update_heading(&mut self, heading: f64, turned: f64, sigma: f64) {
         let variance = sigma.max(MIN_HEADING_SIGMA_RAD) * sigma.max(MIN_HEADING_SIGMA_RAD);

@@ -7,7 +7,7 @@ use super::reference_noise::{Errors, MEDIAN_OF_NORMAL, Noise, SECOND_DIFFERENCE,
 /// Second differences are taken over one reading, two, and this many: 0.4 s at 10 Hz, in which slip changes little.
 const WIDE_READINGS: usize = 4;
 const KEPT_POSITIONS: usize = 2 * WIDE_READINGS + 1;
-/// Weight of a new square in the means, and that of the first ones: 1 in so many. A wander that is none costs more than a short memory
+/// Weight of a new square in the means, and of how many the first ones are the mean. A wander that is none costs more than a short memory
 /// gains.
 const SQUARE_WEIGHT: f64 = 0.004;
 const FIRST_SQUARES: u32 = 10;
@@ -84,7 +84,7 @@ impl PositionNoise {
         }
     }
 
-    /// The second difference over so many readings, along a course (sine and cosine) and across.
+    /// The second difference over a number of readings, along a course (sine and cosine) and across.
     fn second_difference(&self, over: usize, (sin, cos): (f64, f64)) -> Option<[f64; 2]> {
         let [x, y] = core::array::from_fn(|axis| {
             let [end, middle, begin] = [0, over, 2 * over].map(|i| self.last[i][axis]);
