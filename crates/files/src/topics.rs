@@ -11,7 +11,9 @@
 //! imu_forward = "x"                     # its axis that points forwards
 //! # imu_roll_deg, imu_pitch_deg, imu_yaw_deg: instead of the axes, its turn in the robot's frame, as in a URDF
 //! pose = "/vicon/pose"                  # where the robot is: nav_msgs/Odometry; geometry_msgs/PoseStamped,
-//!                                       # PoseWithCovarianceStamped, TransformStamped, PointStamped
+//!                                       # PoseWithCovarianceStamped, TransformStamped, PointStamped; tf2_msgs/TFMessage
+//! # pose_frame = "map"                  # of transforms: the fixed frame
+//! # pose_child_frame = "base_link"      # and the robot's
 //! speed = "/gps/velocity"               # speed over ground: nav_msgs/Odometry; geometry_msgs/TwistStamped,
 //!                                       # TwistWithCovarianceStamped
 //! fix = "/gps/fix"                      # sensor_msgs/NavSatFix
@@ -101,6 +103,10 @@ pub struct Topics {
     pub imu_mounting: Option<[f64; 3]>,
     /// The topic of the robot's pose.
     pub pose: Option<String>,
+    /// Of a pose by transforms: the fixed frame.
+    pub pose_frame: Option<String>,
+    /// Of a pose by transforms: the robot's frame.
+    pub pose_child_frame: Option<String>,
     /// The topic of its speed over ground.
     pub speed: Option<String>,
     /// The topic of a satellite receiver's fixes.
@@ -191,6 +197,7 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
             section.optional_choice("imu_up", &AXES)?,
         ],
     };
+    let [pose_frame, pose_child_frame] = read_pose_frames(section)?;
     let clocks = [("header", false), ("log", true)];
     let ignore = section.texts("ignore")?;
     let topics = Topics {
@@ -201,6 +208,8 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
         imu_forward,
         imu_mounting,
         pose: text("pose")?,
+        pose_frame,
+        pose_child_frame,
         speed: text("speed")?,
         fix: text("fix")?,
         antenna: [
@@ -245,6 +254,20 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
         });
     }
     Ok(topics)
+}
+
+/// The frames of a pose by transforms, which `pose` names.
+fn read_pose_frames(section: &Section<'_>) -> Result<[Option<String>; 2]> {
+    let keys = ["pose_frame", "pose_child_frame"];
+    let key = keys.into_iter().find(|key| section.has(key));
+    if let Some(key) = key.filter(|_| !section.has("pose")) {
+        return Err(Error::Contradiction {
+            at: section.place_of(key),
+            message: format!("`{key}` belongs to a topic of transforms that `pose` names"),
+        });
+    }
+    let [fixed, base] = keys.map(|key| section.optional_text(key));
+    Ok([fixed?.map(str::to_owned), base?.map(str::to_owned)])
 }
 
 pub(crate) const MOUNTING_KEYS: [&str; 3] = ["imu_roll_deg", "imu_pitch_deg", "imu_yaw_deg"];

@@ -96,6 +96,26 @@ fn mistakes_are_reported_with_their_place_and_what_was_meant() {
 }
 
 #[test]
+fn a_pose_by_transforms_has_frames() {
+    let topics =
+        "[topics]\npose = \"/tf\"\npose_frame = \"map\"\npose_child_frame = \"r1/base_link\"\n";
+    let file = read(topics).unwrap();
+    assert_eq!(file.topics.pose_frame.as_deref(), Some("map"));
+    assert_eq!(
+        file.topics.pose_child_frame.as_deref(),
+        Some("r1/base_link")
+    );
+    let again = Document::from_text("again.toml", robot::to_toml(&file)).unwrap();
+    assert_eq!(robot::parse(&again).unwrap(), file);
+    let (message, _) = mistake("[topics]\npose_child_frame = \"base\"\n");
+    assert!(
+        message.contains("robot.toml:4")
+            && message.contains("`pose_child_frame` belongs to a topic"),
+        "{message}"
+    );
+}
+
+#[test]
 fn a_column_map_may_stand_in_the_robot_file() {
     let table = "[[table]]\ntime = { column = \"t\", unit = \"s\" }\n\
                  columns = [{ column = \"g\", meaning = \"yaw_rate\", unit = \"rad/s\" }]\n";

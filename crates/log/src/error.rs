@@ -6,10 +6,6 @@ use std::io;
 /// The result of reading a log.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What to do about a pose that transforms hold.
-pub(crate) const POSE_OF_TRANSFORMS: &str =
-    "publish it as geometry_msgs/PoseStamped or nav_msgs/Odometry, and record that topic";
-
 /// A place in a table, counted from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cell {
@@ -252,6 +248,18 @@ pub enum Error {
         /// The joints that it has.
         joints: String,
     },
+    /// The robot file names a topic of transforms as the pose, and they lead to none, or to several.
+    #[error(
+        "{file}: the transforms of topic `{topic}`, which the robot file names as `pose`, hold {poses}"
+    )]
+    NoFramePose {
+        /// The files.
+        file: String,
+        /// The topic.
+        topic: String,
+        /// The poses that they hold, in words.
+        poses: String,
+    },
     /// A database as ROS 2 recorded before MCAP.
     #[error("{file}: is a SQLite database, as rosbag2 wrote them, which is not read")]
     Database {
@@ -303,9 +311,9 @@ impl Error {
             Self::NoNamedTopic { .. } | Self::NoTopic { .. } => {
                 Some("`grouser log info` lists the topics of a file".into())
             }
-            Self::UnfitTopic { type_name, .. } if type_name.ends_with("TFMessage") => {
-                Some(POSE_OF_TRANSFORMS.into())
-            }
+            Self::NoFramePose { .. } => Some(
+                "`pose_frame` and `pose_child_frame` in `[topics]` name the fixed frame and the robot's".into(),
+            ),
             Self::UnfitTopic { .. } => {
                 Some("any number of a message can be named under `[[topics.field]]`".into())
             }

@@ -60,6 +60,24 @@ pub fn suggest_for_survey(survey: &Survey) -> String {
             name(topic)
         );
     }
+    for topic in &survey.topics {
+        if let Some((base, fixed)) = &topic.moves {
+            let says = match topic.use_for {
+                Some(Use::Transforms) => {
+                    "used without this line where nothing else measures where the robot is"
+                }
+                _ => {
+                    "if it measures the ground; not if it was made of the wheels, as most odometry is"
+                }
+            };
+            let [base, fixed] = [base, fixed].map(|frame| TomlText::quoted(frame));
+            let _ = writeln!(
+                topics,
+                "# pose = {}  # {base} in {fixed}: {says}",
+                name(topic)
+            );
+        }
+    }
     let mut wheels = joints.map_or_else(Vec::new, |topic| wheel_joints(&topic.joints));
     let mut counter = String::new();
     if joints.is_some_and(|topic| topic.channel.type_name.ends_with("/WheelTicks")) {

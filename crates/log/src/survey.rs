@@ -10,7 +10,9 @@ use crate::error::Result;
 use crate::message::known::TRUTH;
 use crate::message::{Decoders, Elements, SharedDecoder, Spare, Value, View, decode};
 use crate::messages::stamp_of;
-use crate::recording::{is_asked_for, is_command, is_over_ground};
+use crate::recording::{
+    FirstTransforms, is_asked_for, is_command, is_over_ground, is_static, poses,
+};
 
 /// Intervals are counted in bins, this many to a doubling.
 const BINS_PER_DOUBLING: f64 = 8.0;
@@ -47,7 +49,7 @@ pub enum Use {
     Position,
     /// How sensors are mounted.
     Mounting,
-    /// The same, and poses of frames, which are not read.
+    /// The same, and where the robot is.
     Transforms,
 }
 
@@ -63,7 +65,7 @@ impl Use {
             Self::Command => "commanded speed",
             Self::Position => "position on Earth",
             Self::Mounting => "mounting of sensors",
-            Self::Transforms => "mounting of sensors (a pose in it is not read)",
+            Self::Transforms => "pose and mounting of sensors",
         }
     }
 }
@@ -101,6 +103,8 @@ pub struct Topic {
     pub use_for: Option<Use>,
     /// The joints that it names.
     pub joints: Vec<String>,
+    /// Of transforms that move a robot: its frame, and the frame in which it moves.
+    pub moves: Option<(String, String)>,
 }
 
 /// What a log holds.
@@ -147,7 +151,7 @@ impl Survey {
     /// # Errors
     /// As [`Survey::read`]; [`Error::Empty`](crate::Error::Empty) without a file.
     pub fn read_run(paths: &[PathBuf], mut progress: impl FnMut(u64)) -> Result<Self> {
-        let mut tallies = Vec::new();
+        let (mut tallies, mut transforms) = (Vec::new(), FirstTransforms::default());
         let mut survey = None;
         let mut bytes_before = 0;
         for path in paths {
@@ -161,7 +165,7 @@ impl Survey {
                 damage_count: 0,
                 bytes_lost: 0,
             });
-            survey.read_file(&mut container, &mut tallies, |offset| {
+            survey.read_file(&mut container, (&mut tallies, &mut transforms), |offset| {
                 progress(bytes_before + offset);
                 bytes_before
             });
@@ -172,6 +176,7 @@ impl Survey {
             what: "no file",
         })?;
         survey.topics = tallies.into_iter().map(Tally::finish).collect();
+        survey.find_poses(&transforms);
         Ok(survey)
     }
 
@@ -179,7 +184,7 @@ impl Survey {
     fn read_file(
         &mut self,
         container: &mut Container,
-        tallies: &mut Vec<Tally>,
+        (tallies, transforms): (&mut Vec<Tally>, &mut FirstTransforms),
         mut progress: impl FnMut(u64) -> u64,
     ) {
         // Two channels of one file may share a topic; those of another file are the same channels again.
@@ -225,7 +230,43 @@ impl Survey {
                     let place = enter(tallies, index, message.of);
                     let mut value = spare.take(index);
                     tallies[place].take(time, message.data, &mut value);
+                    if tallies[place].topic.use_for == Some(Use::Mounting)
+                        && let Some(View::Transforms(all)) =
+                            View::new(&message.of.type_name, &value)
+                    {
+                        let is_static = is_static(&message.of.topic);
+                        let all = all.iter();
+                        all.for_each(|one| transforms.enter(place, &one, is_static));
+                    }
                     spare.keep(index, message.data.len(), value);
+                }
+            }
+        }
+    }
+
+    /// Which topics of transforms move a robot, with all that never change.
+    fn find_poses(&mut self, transforms: &FirstTransforms) {
+        let are_static: Vec<bool> = self
+            .topics
+            .iter()
+            .map(|topic| is_static(&topic.channel.topic))
+            .collect();
+        for (place, topic) in self
+            .topics
+            .iter_mut()
+            .enumerate()
+            .filter(|(place, _)| !are_static[*place])
+        {
+            if topic.use_for == Some(Use::Mounting) {
+                let found = poses(
+                    &transforms.tree(|other| other == place || are_static[other]),
+                    None,
+                    None,
+                );
+                let best = found.iter().find(|pair| pair.is_absolute).or(found.first());
+                topic.moves = best.map(|pair| (pair.base.clone(), pair.fixed.clone()));
+                if best.is_some_and(|pair| pair.is_absolute) {
+                    topic.use_for = Some(Use::Transforms);
                 }
             }
         }
@@ -265,6 +306,7 @@ impl Tally {
                 problem: None,
                 use_for: None,
                 joints: Vec::new(),
+                moves: None,
             },
             bins: Vec::new(),
             last_seen: None,
@@ -283,7 +325,12 @@ impl Tally {
         topic.first_ns = topic.first_ns.min(time);
         topic.last_ns = topic.last_ns.max(time);
         let decoded = decode(&self.decoder, data, value);
-        let stamp = decoded.as_ref().ok().and_then(|()| stamp_of(value));
+        // transforms of several senders, some ahead of their time, share a topic
+        let is_tree = ["TFMessage", "tfMessage"]
+            .iter()
+            .any(|kind| topic.channel.type_name.ends_with(kind));
+        let stamp = decoded.as_ref().ok().filter(|()| !is_tree);
+        let stamp = stamp.and_then(|()| stamp_of(value));
         let stamp = stamp.map(i64::cast_unsigned);
         if topic.messages == 1 {
             topic.stamped = stamp.is_some();
@@ -388,7 +435,6 @@ fn use_of(view: &View<'_>, topic: &str) -> Option<Use> {
         View::Twist { .. } if is_command(topic) => Use::Command,
         View::Twist { .. } => return None,
         View::NavSatFix(_) => Use::Position,
-        View::Transforms(_) if topic.ends_with("static") => Use::Mounting,
-        View::Transforms(_) => Use::Transforms,
+        View::Transforms(_) => Use::Mounting,
     })
 }

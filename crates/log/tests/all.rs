@@ -39,6 +39,7 @@ mod streams;
 mod suggestions;
 mod surveys;
 mod table_rows;
+mod transform_poses;
 mod truncated_files;
 mod unpacking_limits;
 mod writers;

@@ -608,44 +608,6 @@ fn topics_of_another_robot_are_not_taken() {
 }
 
 #[test]
-fn a_pose_of_transforms_is_named() {
-    let level = [0.0, 0.0, 0.0, 1.0];
-    let wheels = joints("/joint_states", &["left", "right"]);
-    let moving = |parent: &str, child: &str| {
-        let (_, kind, time, value) = transform(parent, child, level);
-        ("/tf", kind, time, value)
-    };
-    let chain = [
-        wheels.clone(),
-        moving("odom", "r1/base_link"),
-        moving("map", "odom"),
-    ];
-    let notes = log(&chain, "").notes().join("\n");
-    assert!(
-        notes.contains("from `map` to `r1/base_link`")
-            && notes.contains("geometry_msgs/PoseStamped"),
-        "{notes}"
-    );
-    let error = over(file(&chain), "pose = \"/tf\"\n").unwrap_err();
-    assert!(
-        error.hint().unwrap().contains("geometry_msgs/PoseStamped"),
-        "{error}"
-    );
-    // where a pose is measured there is nothing to say, nor of an odometry of the wheels
-    for messages in [
-        vec![
-            wheels.clone(),
-            moving("map", "base_link"),
-            pose("/slam/pose"),
-        ],
-        vec![wheels.clone(), moving("odom", "base_link")],
-    ] {
-        let notes = log(&messages, "").notes().join("\n");
-        assert!(!notes.contains("transforms hold"), "{notes}");
-    }
-}
-
-#[test]
 fn accelerations_need_their_axes() {
     let max = f64::MAX;
     let wanted = "imu_up = \"z\"\nimu_forward = \"x\"";

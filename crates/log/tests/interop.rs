@@ -8,9 +8,11 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use grouser_log::Log;
 use grouser_log::container::{Container, Event, Format};
 use grouser_log::message::{Decoder, Value, build, known};
 use grouser_log::write::{McapWriter, copy, verify};
+use grouser_slip::Measurement;
 
 use crate::scratch::Folder;
 
@@ -411,5 +413,53 @@ fn the_shipped_example_is_read_by_others() {
     for who in ["mcap-ros2-support", "rosbags"] {
         // Messages of equal time may come in any order.
         assert_eq!(sorted(&reported(&example, who)), sorted(&of(&theirs, who)));
+    }
+}
+
+#[test]
+fn poses_by_transforms_that_others_write_are_theirs() {
+    let folder = Folder::new("others-frames");
+    if !exchange("frames", &[&folder.0]) {
+        return;
+    }
+    let text = fs::read_to_string(folder.0.join("poses.tsv")).unwrap();
+    let numbers = |line: &str| -> Vec<f64> {
+        line.split('\t')
+            .skip(1)
+            .map(|n| n.parse().unwrap())
+            .collect()
+    };
+    let expected: Vec<(i64, Vec<f64>)> = text
+        .lines()
+        .map(|line| {
+            (
+                line.split('\t').next().unwrap().parse().unwrap(),
+                numbers(line),
+            )
+        })
+        .collect();
+    assert_eq!(expected.len(), 4);
+    for name in ["frames.bag", "frames.mcap"] {
+        let log =
+            Log::find_any(&[folder.0.join(name)], None, &crate::choosing::topics("")).unwrap();
+        let samples = log.samples(&[]).unwrap().map(Result::unwrap);
+        let found: Vec<(i64, [f64; 3])> = samples
+            .filter_map(|sample| match sample.measurement {
+                Measurement::Pose { x, y, yaw } => Some((sample.time_ns, [x, y, yaw])),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(found.len(), expected.len(), "{name}: {found:?}");
+        for (found, expected) in found.iter().zip(&expected) {
+            let is_close = found
+                .1
+                .iter()
+                .zip(&expected.1)
+                .all(|(a, b)| (a - b).abs() < 1e-12);
+            assert!(
+                found.0 == expected.0 && is_close,
+                "{name}: {found:?} and {expected:?}"
+            );
+        }
     }
 }

@@ -123,6 +123,8 @@ fn write_topics(out: &mut TomlText, topics: &Topics) {
         ("contact", &topics.contact),
         ("yaw_rate", &topics.yaw_rate),
         ("pose", &topics.pose),
+        ("pose_frame", &topics.pose_frame),
+        ("pose_child_frame", &topics.pose_child_frame),
         ("speed", &topics.speed),
         ("fix", &topics.fix),
         ("command", &topics.command),

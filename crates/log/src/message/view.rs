@@ -142,6 +142,8 @@ pub struct Odometry<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Transform<'a> {
+    /// When it was taken, ns; `None` of a stamp of 0.
+    pub stamp_ns: Option<i64>,
     /// The parent.
     pub frame: &'a str,
     /// The child.
@@ -184,7 +186,9 @@ fn text<'a>(value: &'a Value, path: &str) -> &'a str {
 }
 
 fn transform(value: &Value) -> Option<Transform<'_>> {
+    let stamp_ns = value.at("header.stamp").and_then(Value::time_ns);
     Some(Transform {
+        stamp_ns: stamp_ns.filter(|stamp| *stamp > 0),
         frame: text(value, "header.frame_id"),
         child_frame: text(value, "child_frame_id"),
         translation: vector(value, "transform.translation")?,

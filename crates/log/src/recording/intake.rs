@@ -8,6 +8,7 @@ use grouser_slip::{Measurement, Sample};
 
 use super::UsedTopic;
 use super::choose::Choice;
+use super::frames::{FramePose, is_static};
 use super::job::Job;
 use super::navigation::Track;
 use crate::container::Channel;
@@ -63,6 +64,7 @@ pub struct Intake {
     /// The track of an antenna or a prism, where places without a heading are used.
     track: Track,
     has_places: bool,
+    frame_pose: Option<FramePose>,
     channels: Vec<Known>,
     decoders: Decoders,
     ordered: Ordered<Sample>,
@@ -94,6 +96,7 @@ impl Intake {
                 let mut jobs = topic.jobs.iter();
                 jobs.any(|job| matches!(job, Job::Fix(_)) || job.gives_places())
             }),
+            frame_pose: choice.frame_pose.clone(),
             choice,
             shifts_ns,
             channels: Vec::new(),
@@ -177,13 +180,37 @@ impl Intake {
             self.left_out.problem.get_or_insert(problem);
             return;
         }
-        let stamp = match self.choice.clock {
-            Clock::Header => stamp_of(&known.value),
-            Clock::Recorder => None,
+        let is_stamped = self.choice.clock == Clock::Header;
+        let recorded = i64::try_from(log_time_ns).unwrap_or(i64::MAX);
+        let shift_ns = self.shifts_ns.get(known.topic).copied().unwrap_or(0);
+        let time = |stamp: Option<i64>| {
+            let stamp = stamp.filter(|_| is_stamped);
+            stamp.unwrap_or(recorded).saturating_add(shift_ns)
         };
-        let time_ns = stamp
-            .unwrap_or_else(|| i64::try_from(log_time_ns).unwrap_or(i64::MAX))
-            .saturating_add(self.shifts_ns.get(known.topic).copied().unwrap_or(0));
+        let view = View::new(&known.type_name, &known.value);
+        let chosen = &self.choice.topics[known.topic];
+        let gives_frames = (chosen.jobs.iter()).any(|job| matches!(job, Job::Transforms));
+        let frame_pose = self.frame_pose.as_mut().filter(|_| gives_frames);
+        if let (Some(View::Transforms(all)), Some(pose)) = (&view, frame_pose) {
+            // each has its own time, and what never changes that of long ago
+            for (stamp, measurement) in pose.follow(all, is_static(&chosen.topic)) {
+                let time_ns = time(stamp);
+                let far_back = self.is_live.then_some(&mut self.far_back);
+                if begin_row(&mut self.ordered, time_ns, far_back) {
+                    self.ordered.push(Sample {
+                        time_ns,
+                        measurement,
+                    });
+                } else {
+                    self.left_out.late += 1;
+                }
+            }
+            if !is_spare(index, bytes.len()) {
+                known.value = Value::Null;
+            }
+            return;
+        }
+        let time_ns = time(stamp_of(&known.value));
         if !begin_row(
             &mut self.ordered,
             time_ns,
@@ -192,8 +219,7 @@ impl Intake {
             self.left_out.late += 1;
             return;
         }
-        let view = View::new(&known.type_name, &known.value);
-        for job in &self.choice.topics[known.topic].jobs {
+        for job in &chosen.jobs {
             if let (Job::Fix(limit), Some(View::NavSatFix(fix))) = (job, &view) {
                 match fix.fault(*limit) {
                     Some(fault) => self.left_out.exclude(fault),

@@ -22,6 +22,8 @@ pub(crate) enum Job {
     Acceleration([[f64; 3]; 2]),
     /// A pose.
     Pose,
+    /// Transforms, by which [`Intake`](super::Intake) follows the robot's pose.
+    Transforms,
     /// A speed over ground, in the robot's frame.
     Speed,
     /// A speed over ground to the east and north, whose size is the robot's speed.

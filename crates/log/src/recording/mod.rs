@@ -1,6 +1,7 @@
 //! Bags and MCAP files as a part of a log: their topics as samples.
 
 mod choose;
+mod frames;
 mod intake;
 mod job;
 mod mounting;
@@ -18,6 +19,7 @@ use crate::messages::LeftOut;
 use crate::source::Source;
 use choose::Choice;
 pub(crate) use choose::{is_asked_for, is_command, is_over_ground};
+pub(crate) use frames::{FirstTransforms, is_static, poses};
 pub use intake::Intake;
 pub use preview::Preview;
 pub(crate) use reader::RecordingReader;

@@ -4,11 +4,9 @@
 //! IMU's frame, or from gravity, which an accelerometer at rest measures upwards. The forward axis follows from
 //! transforms, or from the robot file.
 
-use std::collections::BTreeMap;
-
 use grouser_real::Real;
 
-use crate::message::Transform;
+use super::frames::{MAX_CHAIN, Tree, is_base, plain};
 
 /// Standard gravity, m/s².
 const GRAVITY_M_PER_S2: f64 = 9.806_65;
@@ -20,53 +18,9 @@ const SQUARE_COS: f64 = 0.94;
 const AGREE_COS: f64 = 0.866;
 /// A forward axis that rises by more than this (sine) is not level.
 const MAX_LEVEL_SIN: f64 = 0.17;
-/// A longer chain of transforms is a circle.
-const MAX_CHAIN: usize = 64;
-
-/// The transforms of a tree of frames, by child: its parent and its rotation there.
-pub(super) type Tree = BTreeMap<String, (String, [f64; 4])>;
-
-/// Enters a transform if its child is new.
-pub(super) fn enter(tree: &mut Tree, transform: &Transform) {
-    if tree.len() < 4096 {
-        let frame = plain(transform.frame).to_owned();
-        tree.entry(plain(transform.child_frame).to_owned())
-            .or_insert((frame, transform.rotation));
-    }
-}
-
-/// ROS 1 writes frames with a slash in front.
-fn plain(frame: &str) -> &str {
-    frame.trim_start_matches('/')
-}
-
 /// Is a frame the child of a transform, or the robot's base?
 pub(super) fn has_frame(tree: &Tree, frame: &str) -> bool {
     tree.contains_key(plain(frame)) || is_base(plain(frame))
-}
-
-fn is_base(frame: &str) -> bool {
-    ["base_link", "base_footprint", "base"]
-        .iter()
-        .any(|base| frame == *base || frame.ends_with(&format!("/{base}")))
-}
-
-/// The frames of a map and of the robot's base, where transforms lead from one to the other.
-pub(super) fn pose_by_transforms(tree: &Tree) -> Option<(&str, &str)> {
-    let mut bases = tree.keys().filter(|child| is_base(child));
-    bases.find_map(|base| {
-        let mut frame = base.as_str();
-        for _ in 0..MAX_CHAIN {
-            match tree.get(frame) {
-                Some((parent, _)) => frame = parent,
-                None => break,
-            }
-        }
-        let name = frame.rsplit('/').next()?;
-        ["map", "world"]
-            .contains(&name)
-            .then_some((frame, base.as_str()))
-    })
 }
 
 /// The directions in `frame` that point forwards, to the left and up by the transforms; `None` where they do not
@@ -75,12 +29,12 @@ pub(super) fn axes_by_transforms(tree: &Tree, frame: &str) -> Option<[[f64; 3]; 
     let mut frame = plain(frame);
     let mut rotations = Vec::new();
     while !is_base(frame) {
-        let (parent, rotation) = tree.get(frame)?;
-        rotations.push(*rotation);
+        let link = tree.get(frame)?;
+        rotations.push(link.rotation);
         if rotations.len() > MAX_CHAIN {
             return None;
         }
-        frame = parent;
+        frame = &link.parent;
     }
     let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for rotation in rotations.into_iter().rev() {
@@ -158,11 +112,16 @@ pub(super) fn yaw([x, y, z, w]: [f64; 4]) -> Option<f64> {
 
 /// A vector of the parent in the child's frame: q* v q.
 fn turned_back([x, y, z, w]: [f64; 4], v: [f64; 3]) -> Option<[f64; 3]> {
+    turned([-x, -y, -z, w], v)
+}
+
+/// A vector of the child in the parent's frame: q v q*. `None` of what is no rotation.
+pub(super) fn turned([x, y, z, w]: [f64; 4], v: [f64; 3]) -> Option<[f64; 3]> {
     let size = x * x + y * y + z * z + w * w;
     if !(size > 1e-6 && size.is_finite()) {
         return None;
     }
-    let q = [-x, -y, -z];
+    let q = [x, y, z];
     let twice = cross(q, v).map(|c| 2.0 * c / size);
     let again = cross(q, twice);
     Some(std::array::from_fn(|i| v[i] + w * twice[i] + again[i]))

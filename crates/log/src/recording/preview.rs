@@ -6,8 +6,9 @@ use std::path::Path;
 use grouser_files::topics::Topics;
 
 use super::choose::{Choice, choose};
+use super::frames::{FirstTransforms, is_static};
 use super::intake::Intake;
-use super::mounting::{Accelerations, Tree, enter};
+use super::mounting::Accelerations;
 use super::navigation::{ACCURATE_SIGMA_M, MAX_SIGMA_M};
 use crate::container::{Channel, Container, Event};
 use crate::error::Result;
@@ -61,7 +62,7 @@ pub struct Preview {
     files: Vec<String>,
     /// Topics in the order in which they are met.
     pub(super) topics: Vec<TopicPreview>,
-    pub(super) transforms: Tree,
+    pub(super) transforms: FirstTransforms,
     channels: Vec<Known>,
     decoders: Decoders,
     /// The first and the last time of the recorder, ns.
@@ -130,7 +131,7 @@ impl Preview {
             wanted: wanted.clone(),
             files: Vec::new(),
             topics: Vec::new(),
-            transforms: Tree::new(),
+            transforms: FirstTransforms::default(),
             channels: Vec::new(),
             decoders: Decoders::default(),
             span_ns: None,
@@ -230,8 +231,15 @@ impl Preview {
             seen.stamp_ahead = ahead.map(|ns| ns as f64 * 1e-9);
         }
         let view = View::new(&known.channel.type_name, &value);
-        if let Some(view) = &view {
-            seen.take(view, &mut self.transforms);
+        match &view {
+            Some(View::Transforms(all)) => {
+                let is_static = is_static(&known.channel.topic);
+                for one in all.iter() {
+                    self.transforms.enter(known.topic, &one, is_static);
+                }
+            }
+            Some(view) => seen.take(view),
+            None => {}
         }
         if seen.sample.is_none() || (view.is_some() && seen.view().is_none()) {
             seen.sample = Some(value);
@@ -308,7 +316,7 @@ impl TopicPreview {
         View::new(&self.channel.type_name, self.sample.as_ref()?)
     }
 
-    fn take(&mut self, view: &View, transforms: &mut Tree) {
+    fn take(&mut self, view: &View) {
         match view {
             View::JointState(joints) => {
                 for (index, name) in joints.names.iter().enumerate() {
@@ -346,7 +354,6 @@ impl TopicPreview {
                 }
             }
             View::NavSatFix(fix) => self.fixes.add(fix),
-            View::Transforms(all) => all.iter().for_each(|one| enter(transforms, &one)),
             _ => {}
         }
     }
@@ -382,10 +389,10 @@ mod tests {
         let mut preview = Preview::new(&Topics::default());
         let topic = preview.enter(&channel);
         let seen = &mut preview.topics[topic];
-        let mut take = |seen: &mut TopicPreview, names: &[&str], parts: [&[f64]; 3]| {
+        let take = |seen: &mut TopicPreview, names: &[&str], parts: [&[f64]; 3]| {
             let value = build::joint_state(build::header(5, ""), names, parts);
             let view = View::new(&channel.type_name, &value).unwrap();
-            seen.take(&view, &mut preview.transforms);
+            seen.take(&view);
         };
         take(seen, &["a", "b", "c"], [&[1.0], &[1.0, 2.0], &[]]);
         let has = |seen: &TopicPreview| ["a", "b", "c"].map(|name| seen.joints[name]);
@@ -409,10 +416,10 @@ mod tests {
         let mut preview = Preview::new(&Topics::default());
         let topic = preview.enter(&channel);
         let seen = &mut preview.topics[topic];
-        let mut take = |seen: &mut TopicPreview, names: &[&str], contacts: &[[Option<f64>; 2]]| {
+        let take = |seen: &mut TopicPreview, names: &[&str], contacts: &[[Option<f64>; 2]]| {
             let value = build::wheel_contacts(build::header(5, ""), names, contacts);
             let view = View::new(&channel.type_name, &value).unwrap();
-            seen.take(&view, &mut preview.transforms);
+            seen.take(&view);
         };
         take(seen, &["a", "b"], &[[Some(0.1), None], [None, Some(0.2)]]);
         take(

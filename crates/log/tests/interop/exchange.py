@@ -2,6 +2,7 @@
 
 exchange.py write DIR      writes logs into DIR, and DIR/expected.tsv: what they hold
 exchange.py read FILE OUT  reads a log with two readers (one for a bag), and writes OUT: what it holds
+exchange.py frames DIR     writes logs with wheels and transforms into DIR, and DIR/poses.tsv: the robot's pose by them
 
 A line of what a log holds: reader or file, topic, time of recording, field, value; numbers with a point as
 the bits of a float64.
@@ -209,6 +210,83 @@ def write(folder):
                     report(out, name, "/probe", time, value)
 
 
+def rotation(q):
+    """The matrix of a quaternion x, y, z, w."""
+    x, y, z, w = q
+    return np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ])
+
+
+def turned(axis, angle):
+    axis = np.array(axis) / np.linalg.norm(axis)
+    return [*(np.sin(angle / 2) * axis), np.cos(angle / 2)]
+
+
+def localised():
+    """A map that is corrected each second, an odometry at 50 Hz, and a base that is fixed to it; the poses of the base."""
+    messages, poses = [], []
+    base = ((-0.3, 0.1, 0.2), turned((1, 2, 9), 0.3))
+    messages.append(("/tf_static", 0, "base_footprint", "base_link", base, -500.0))
+    for k in range(200):
+        time = 0.02 * k
+        if k % 50 == 10:
+            place = (5 + dice.random(), dice.random() - 7, 0.1 * dice.random())
+            at_map = (place, turned((dice.random() - 0.5, dice.random() - 0.5, 4), 6 * dice.random() - 3))
+        odom = ((time, 0.3 * time * time, 0.02 * time), turned((0.1, -0.2, 3), 0.7 * time))
+        if k >= 10 and k % 5 == 0:
+            messages.append(("/tf", k, "map", "odom", at_map, time + 0.5))
+        messages.append(("/tf", k, "odom", "base_footprint", odom, time))
+        if k % 50 == 10:
+            place, turn = np.zeros(3), np.eye(3)
+            for translation, quaternion in (at_map, odom, base):
+                place = place + turn @ np.array(translation)
+                turn = turn @ rotation(quaternion)
+            poses.append((k, place[0], place[1], np.arctan2(turn[1, 0], turn[0, 0])))
+    return messages, poses
+
+
+def frames(folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    messages, poses = localised()
+    kind, joints = "tf2_msgs/msg/TFMessage", "sensor_msgs/msg/JointState"
+
+    def parts(slash, head, parent, child, link, stamp):
+        nanoseconds = START + round(stamp * 1e9)
+        sec, nanosec = divmod(nanoseconds, 1_000_000_000)
+        header = {**head, "stamp": {"sec": sec, "nanosec": nanosec}, "frame_id": slash + parent}
+        (x, y, z), q = link
+        transform = {"translation": {"x": x, "y": y, "z": z}, "rotation": dict(zip("xyzw", map(float, q)))}
+        return {"transforms": [{"header": header, "child_frame_id": slash + child, "transform": transform}]}
+
+    for name, version in [("frames.bag", 1), ("frames.mcap", 2)]:
+        first = version == 1
+        store = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
+        if kind not in store.types:
+            store.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms\n", kind))
+        serialize = store.serialize_ros1 if first else store.serialize_cdr
+        target = folder / (name if first else "frames")
+        writer = Writer1(target) if first else Writer2(target, version=9, storage_plugin=StoragePlugin.MCAP)
+        head, slash = ({"seq": 1}, "/") if first else ({}, "")
+        with writer:
+            add = {topic: writer.add_connection(topic, kind, typestore=store) for topic in ["/tf_static", "/tf"]}
+            wheels = writer.add_connection("/joint_states", joints, typestore=store)
+            sec, nanosec = divmod(START, 1_000_000_000)
+            state = {"header": {**head, "stamp": {"sec": sec, "nanosec": nanosec}, "frame_id": ""}}
+            state |= {"name": ["left", "right"], "position": [], "velocity": [1.0, 1.0], "effort": []}
+            writer.write(wheels, START, serialize(build(store, joints, state), joints))
+            for topic, k, *rest in messages:
+                value = parts(slash, head, *rest)
+                writer.write(add[topic], START + k * 20_000_000, serialize(build(store, kind, value), kind))
+        if not first:
+            shutil.copy(next(iter(target.glob("*.mcap"))), folder / name)
+    with open(folder / "poses.tsv", "w", encoding="utf-8", newline="\n") as out:
+        for k, x, y, yaw in poses:
+            out.write(f"{START + k * 20_000_000}\t{float(x)!r}\t{float(y)!r}\t{float(yaw)!r}\n")
+
+
 def as_rosbag2(file, folder):
     """A folder as `ros2 bag` makes them, with this MCAP file in it."""
     with open(file, "rb") as opened:
@@ -274,5 +352,7 @@ def read(file, out):
 
 if sys.argv[1] == "write":
     write(Path(sys.argv[2]))
+elif sys.argv[1] == "frames":
+    frames(Path(sys.argv[2]))
 else:
     read(Path(sys.argv[2]), Path(sys.argv[3]))

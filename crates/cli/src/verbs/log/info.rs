@@ -163,16 +163,17 @@ fn recording_report(survey: &Survey) -> Report {
 fn lacks(survey: &Survey) -> Vec<&'static str> {
     let needs = [
         (
-            Use::Wheels,
+            &[Use::Wheels][..],
             "wheel angles or rates (sensor_msgs/JointState)",
         ),
-        (Use::YawRate, "a yaw rate (sensor_msgs/Imu)"),
+        (&[Use::YawRate], "a yaw rate (sensor_msgs/Imu)"),
         (
-            Use::Motion,
+            &[Use::Motion, Use::Position, Use::Transforms],
             "a pose, place or speed over ground (nav_msgs/Odometry, geometry_msgs/PoseStamped, PointStamped, …)",
         ),
     ];
-    let missing = needs.into_iter().filter(|(wanted, _)| !survey.has(*wanted));
+    let missing =
+        (needs.into_iter()).filter(|(wanted, _)| !wanted.iter().any(|wanted| survey.has(*wanted)));
     missing.map(|(_, words)| words).collect()
 }
 
@@ -180,7 +181,11 @@ fn topic<'a>() -> Fields<'a, &'a Topic> {
     fn use_for(topic: &Topic) -> String {
         match (&topic.problem, topic.use_for) {
             (Some(problem), _) => format!("{} not decoded: {problem}", topic.undecoded),
-            (None, Some(use_for)) => use_for.words().to_owned(),
+            (None, Some(use_for)) => {
+                let moves = topic.moves.as_ref();
+                let frames = moves.map(|(base, fixed)| format!(" ({base} in {fixed})"));
+                format!("{}{}", use_for.words(), frames.unwrap_or_default())
+            }
             (None, None) => "–".to_owned(),
         }
     }
@@ -199,6 +204,8 @@ fn topic<'a>() -> Fields<'a, &'a Topic> {
         "use" "what Grouser uses it for" = topic.use_for.map(Use::words);
         remark "use" = use_for(topic);
         "joints" "joints that it names" = topic.joints.clone();
+        "moves" "of transforms that move a robot: its frame" = topic.moves.as_ref().map(|(base, _)| base.as_str());
+        "moves_in" "and the frame in which it moves" = topic.moves.as_ref().map(|(_, fixed)| fixed.as_str());
         "topic" "topic" .shown("") = topic.channel.topic.as_str();
     }
 }

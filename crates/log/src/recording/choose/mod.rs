@@ -9,12 +9,14 @@ use grouser_files::columns::Meaning;
 use grouser_files::nearest;
 use grouser_files::topics::Topics;
 
+use super::frames::{FramePose, Tree};
 pub(super) use super::job::Job;
 use super::preview::{Preview, TopicPreview};
 use crate::error::{Error, Result};
 use crate::message::known::{OUTPUT, TRUTH};
 use crate::messages::Clock;
 pub(crate) use names::{is_asked_for, is_command, is_over_ground};
+pub(super) use names::{is_of_wheels, words};
 
 /// One topic that is used.
 #[derive(Clone, Debug)]
@@ -37,6 +39,8 @@ pub(crate) struct Choice {
     pub(crate) position_sigma: Option<f64>,
     /// Position of the satellite receiver's antenna in the robot's frame, m.
     pub(crate) antenna: [f64; 2],
+    /// The pose that transforms hold, where it is used.
+    pub(crate) frame_pose: Option<FramePose>,
     pub(crate) notes: Vec<String>,
 }
 
@@ -49,6 +53,7 @@ pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
         preview,
         topics,
         others: Vec::new(),
+        tree: Tree::new(),
         file: &preview.names(),
         choice: Choice {
             topics: Vec::new(),
@@ -56,17 +61,18 @@ pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
             clock: Clock::Header,
             position_sigma: None,
             antenna: topics.antenna,
+            frame_pose: None,
             notes: Vec::new(),
         },
     };
     choosing.fields()?;
     choosing.wheels()?;
     choosing.contacts()?;
+    choosing.tree = choosing.tree();
     choosing.yaw_rate()?;
     choosing.motion()?;
     choosing.command()?;
     choosing.say_unused();
-    choosing.say_transforms();
     choosing.clock();
     Ok(choosing.choice)
 }
@@ -76,6 +82,8 @@ struct Choosing<'a> {
     topics: &'a Topics,
     /// The namespaces of other robots, with a slash at both ends.
     others: Vec<String>,
+    /// The frames by the topics that are not another robot's.
+    tree: Tree,
     file: &'a str,
     choice: Choice,
 }
@@ -110,12 +118,26 @@ impl<'a> Choosing<'a> {
         let (topics, others) = (self.topics, self.others.clone());
         self.preview.topics.iter().filter(move |seen| {
             let name = &seen.channel.topic;
-            !topics.ignore.contains(name)
-                && !others.iter().any(|other| name.starts_with(other))
-                && !name.starts_with(TRUTH)
-                && !name.contains(OUTPUT)
-                && !topics.named().any(|other| other == name)
+            is_own(name, topics, &others) && !topics.named().any(|other| other == name)
         })
+    }
+
+    fn is_own(&self, topic: &str) -> bool {
+        is_own(topic, self.topics, &self.others)
+    }
+
+    /// The frames by topics that may be used.
+    fn tree(&self) -> Tree {
+        let name = |topic: usize| &self.preview.topics[topic].channel.topic;
+        let transforms = &self.preview.transforms;
+        transforms.tree(|topic| self.is_own(name(topic)))
+    }
+
+    /// The topic by which the wheels are measured.
+    fn wheel_topic(&self) -> Option<&str> {
+        let of_wheel = |chosen: &&Chosen| chosen.measures.iter().any(|(_, wheel)| wheel.is_some());
+        let chosen = self.choice.topics.iter().find(of_wheel)?;
+        Some(&chosen.topic)
     }
 
     fn take(
@@ -172,7 +194,8 @@ impl<'a> Choosing<'a> {
             self.choice.clock = Clock::Recorder;
             return;
         }
-        let used = self.choice.topics.iter();
+        // transforms that never change may be older than the recording, and measure nothing
+        let used = self.choice.topics.iter().filter(|c| !c.measures.is_empty());
         let ahead =
             used.filter_map(|c| Some(self.preview.topic(&c.topic)?.stamp_ahead.unwrap_or(0.0)));
         let (least, most) = ahead.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), s| {
@@ -186,4 +209,12 @@ impl<'a> Choosing<'a> {
             ));
         }
     }
+}
+
+/// Is a topic neither ignored nor another robot's, nor what a simulation or this program says?
+fn is_own(name: &str, topics: &Topics, others: &[String]) -> bool {
+    !topics.ignore.iter().any(|other| other == name)
+        && !others.iter().any(|other| name.starts_with(other))
+        && !name.starts_with(TRUTH)
+        && !name.contains(OUTPUT)
 }

@@ -4,10 +4,9 @@ use grouser_files::columns::Meaning;
 
 use super::names::{is_asked_for, is_command, is_of_wheels, is_over_ground, words};
 use super::{Choosing, Job, TopicPreview};
-use crate::error::POSE_OF_TRANSFORMS;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::message::{View, short};
-use crate::recording::mounting::pose_by_transforms;
+use crate::recording::frames::{FramePair, FramePose, is_static, poses, prefix};
 use crate::recording::navigation::{ACCURATE_SIGMA_M, place_sigma};
 
 /// Words in the name of a topic whose velocity is to the east, north and up, as satellite receivers send it.
@@ -45,11 +44,16 @@ impl Choosing<'_> {
                     self.take(seen, Job::Pose, "pose", POSE);
                 }
                 Some(View::Point(_)) => self.places(seen),
+                Some(View::Transforms(_)) => self.named_transforms(seen)?,
                 _ => {
-                    let wanted = "nav_msgs/Odometry or, of geometry_msgs, PoseStamped, PoseWithCovarianceStamped, \
-                                  TransformStamped or PointStamped";
+                    let wanted = "nav_msgs/Odometry, tf2_msgs/TFMessage or, of geometry_msgs, PoseStamped, \
+                                  PoseWithCovarianceStamped, TransformStamped or PointStamped";
                     return Err(self.unfit("pose", seen, wanted));
                 }
+            }
+            let frames = [&self.topics.pose_frame, &self.topics.pose_child_frame];
+            if frames.into_iter().any(Option::is_some) && self.choice.frame_pose.is_none() {
+                return Err(self.unfit("pose_frame", seen, "tf2_msgs/TFMessage"));
             }
         }
         if let Some(name) = &self.topics.speed {
@@ -121,6 +125,7 @@ impl Choosing<'_> {
                 None => self.fixes(first(|view, _| matches!(view, View::NavSatFix(_)))),
             }
         }
+        self.free_transforms();
         if self.topics.antenna != [0.0; 2]
             && self.choice.position_sigma.is_some()
             && !self.measures(Meaning::YawRate)
@@ -245,21 +250,114 @@ impl Choosing<'_> {
         self.choice.notes.extend(notes);
     }
 
-    /// A pose that is held by transforms alone.
-    pub(super) fn say_transforms(&mut self) {
-        let ways = [
-            Meaning::PoseX,
-            Meaning::DisplacementForward,
-            Meaning::SpeedForward,
-            Meaning::SpeedSize,
-        ];
-        if ways.iter().any(|meaning| self.measures(*meaning)) {
+    /// A topic of transforms that the robot file names.
+    fn named_transforms(&mut self, seen: &TopicPreview) -> Result<()> {
+        let topics = self.topics;
+        let (fixed, base) = (
+            topics.pose_frame.as_deref(),
+            topics.pose_child_frame.as_deref(),
+        );
+        let named = |topic: usize| {
+            let name = &self.preview.topics[topic].channel.topic;
+            *name == seen.channel.topic || (is_static(name) && self.is_own(name))
+        };
+        let tree = self.preview.transforms.tree(named);
+        let found = poses(&tree, fixed, base);
+        let (absolute, others): (Vec<_>, Vec<_>) =
+            found.into_iter().partition(|pair| pair.is_absolute);
+        let found = if absolute.is_empty() {
+            others
+        } else {
+            absolute
+        };
+        let Some(pair) = self.of_this_robot(&found).cloned() else {
+            return Err(Error::NoFramePose {
+                file: self.file.to_owned(),
+                topic: seen.channel.topic.clone(),
+                poses: if found.is_empty() {
+                    "no pose of the robot's frame that moves in the fixed one".to_owned()
+                } else {
+                    format!("several: {}", in_words(&found))
+                },
+            });
+        };
+        self.take_transforms(FramePose::new(tree, pair), &|name| {
+            *name == seen.channel.topic
+        });
+        Ok(())
+    }
+
+    /// Where nothing else measures where the robot is: transforms of a map to the robot.
+    fn free_transforms(&mut self) {
+        let found = poses(&self.tree, None, None);
+        let (absolute, others): (Vec<_>, Vec<_>) =
+            found.into_iter().partition(|pair| pair.is_absolute);
+        let measures = |meaning| self.measures(meaning);
+        if measures(Meaning::PoseX) {
             return;
         }
-        if let Some((frame, base)) = pose_by_transforms(&self.preview.transforms) {
-            self.choice.notes.push(format!(
-                "the transforms hold a pose, from `{frame}` to `{base}`, which is not read: {POSE_OF_TRANSFORMS}"
-            ));
+        let is_placed = measures(Meaning::DisplacementForward);
+        let has_speed = measures(Meaning::SpeedForward) || measures(Meaning::SpeedSize);
+        let own = self.of_this_robot(&absolute);
+        let note = if let Some(pair) = own.filter(|_| !is_placed) {
+            let pose = FramePose::new(self.tree.clone(), pair.clone());
+            return self.take_transforms(pose, &|_| true);
+        } else if is_placed && !absolute.is_empty() {
+            format!(
+                "the transforms hold a pose ({}) that is not used beside other places: `pose` in `[topics]` of the robot file names \
+                 their topic",
+                in_words(&absolute)
+            )
+        } else if !absolute.is_empty() {
+            format!(
+                "the transforms hold several poses ({}): `pose_child_frame` beside `pose` in `[topics]` of the robot file names the \
+                 robot's",
+                in_words(&absolute)
+            )
+        } else if !others.is_empty() && !is_placed && !has_speed {
+            format!(
+                "the transforms hold a pose ({}) that is not used: name their topic in `[topics]` of the robot file as `pose` if it \
+                 measures the ground; most odometry is made of the wheels",
+                in_words(&others)
+            )
+        } else {
+            return;
+        };
+        self.choice.notes.push(note);
+    }
+
+    /// Of poses by transforms the only one, or that of the robot whose wheels are measured.
+    fn of_this_robot<'p>(&self, found: &'p [FramePair]) -> Option<&'p FramePair> {
+        if let [one] = found {
+            return Some(one);
+        }
+        let wheels = prefix(self.wheel_topic()?.trim_start_matches('/'));
+        let mut own = found.iter().filter(|pair| {
+            let prefix = prefix(&pair.base);
+            prefix == wheels || wheels.ends_with(&format!("/{prefix}")) && !prefix.is_empty()
+        });
+        own.next().filter(|_| own.next().is_none())
+    }
+
+    /// Takes the topics of transforms of which the pose is made: those that `moves` takes, and all that never change.
+    fn take_transforms(&mut self, pose: FramePose, moves: &dyn Fn(&String) -> bool) {
+        let words = pose.words();
+        self.choice.frame_pose = Some(pose);
+        for seen in &self.preview.topics {
+            let name = &seen.channel.topic;
+            if !matches!(seen.view(), Some(View::Transforms(_))) || !self.is_own(name) {
+                continue;
+            }
+            if is_static(name) {
+                self.take(seen, Job::Transforms, "frames that do not move", []);
+            } else if moves(name) {
+                self.take(seen, Job::Transforms, words.clone(), POSE);
+            }
         }
     }
+}
+
+fn in_words(poses: &[FramePair]) -> String {
+    let one = |pair: &FramePair| format!("`{}` in `{}`", pair.base, pair.fixed);
+    poses.iter().map(one).collect::<Vec<_>>().join(", ")
 }

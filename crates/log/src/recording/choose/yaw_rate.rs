@@ -56,8 +56,7 @@ impl Choosing<'_> {
     fn acceleration(&mut self, seen: &TopicPreview, imu: &Imu<'_>, up: [f64; 3]) {
         let axes = match self.topics.imu_forward {
             Some(forward) => axes_by_file(forward, up),
-            None => axes_by_transforms(&self.preview.transforms, imu.frame)
-                .filter(|axes| agree(axes[2], up)),
+            None => axes_by_transforms(&self.tree, imu.frame).filter(|axes| agree(axes[2], up)),
         };
         let Some([forward, left, _]) = axes else {
             // Drivers without an accelerometer leave zeros.
@@ -69,7 +68,7 @@ impl Choosing<'_> {
                         "no transforms give its forward axis (`imu_forward` in the robot file does)"
                     }
                 };
-                let tree = &self.preview.transforms;
+                let tree = &self.tree;
                 let lost = match self.topics.imu_forward {
                     None if !tree.is_empty() && !has_frame(tree, imu.frame) => {
                         format!("no transform holds its frame `{}`; ", imu.frame)
@@ -109,7 +108,7 @@ impl Choosing<'_> {
         if let Some(up) = self.topics.imu_up {
             return (up, "by the robot file");
         }
-        let axes = axes_by_transforms(&self.preview.transforms, imu.frame);
+        let axes = axes_by_transforms(&self.tree, imu.frame);
         let by_transforms = axes.map(|[_, _, up]| up);
         match (by_transforms, seen.accelerations.up()) {
             (Some(up), None) => (up, "by its transforms"),

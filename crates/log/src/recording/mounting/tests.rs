@@ -1,7 +1,24 @@
 use super::*;
+use crate::message::Transform;
+use crate::recording::frames::FirstTransforms;
+
+/// Frames as they are entered by one topic.
+#[derive(Default)]
+struct Frames(FirstTransforms);
+
+impl Frames {
+    fn enter(&mut self, transform: &Transform) {
+        self.0.enter(0, transform, true);
+    }
+
+    fn tree(&self) -> Tree {
+        self.0.tree(|_| true)
+    }
+}
 
 fn transform<'a>(frame: &'a str, child: &'a str, rotation: [f64; 4]) -> Transform<'a> {
     Transform {
+        stamp_ns: None,
         frame,
         child_frame: child,
         translation: [0.0; 3],
@@ -12,28 +29,25 @@ fn transform<'a>(frame: &'a str, child: &'a str, rotation: [f64; 4]) -> Transfor
 #[test]
 fn up_goes_through_a_chain_of_frames() {
     let half = 0.5_f64.sqrt();
-    let mut tree = Tree::new();
+    let mut frames = Frames::default();
     // Turned about x by 90 degrees: the child's y axis is the parent's z axis.
-    enter(
-        &mut tree,
-        &transform("/base_link", "mast", [half, 0.0, 0.0, half]),
-    );
-    let [forward, _, up] = axes_by_transforms(&tree, "mast").unwrap();
+    frames.enter(&transform("/base_link", "mast", [half, 0.0, 0.0, half]));
+    let [forward, _, up] = axes_by_transforms(&frames.tree(), "mast").unwrap();
     assert!((forward[0] - 1.0).abs() < 1e-15, "{forward:?}");
     assert!(
         up[0].abs() < 1e-15 && (up[1] - 1.0).abs() < 1e-15 && up[2].abs() < 1e-15,
         "{up:?}"
     );
     // And then about z by 90 degrees: the child's x axis is the mast's y axis.
-    enter(&mut tree, &transform("mast", "imu", [0.0, 0.0, half, half]));
-    let [forward, left, up] = axes_by_transforms(&tree, "/imu").unwrap();
+    frames.enter(&transform("mast", "imu", [0.0, 0.0, half, half]));
+    let [forward, left, up] = axes_by_transforms(&frames.tree(), "/imu").unwrap();
     assert!((up[0] - 1.0).abs() < 1e-15, "{up:?}");
     assert!((forward[1] + 1.0).abs() < 1e-15, "{forward:?}");
     assert!((left[2] + 1.0).abs() < 1e-15, "{left:?}");
-    assert_eq!(axes_by_transforms(&tree, "camera"), None);
-    enter(&mut tree, &transform("b", "a", [0.0, 0.0, 0.0, 1.0]));
-    enter(&mut tree, &transform("a", "b", [0.0, 0.0, 0.0, 1.0]));
-    assert_eq!(axes_by_transforms(&tree, "a"), None);
+    assert_eq!(axes_by_transforms(&frames.tree(), "camera"), None);
+    frames.enter(&transform("b", "a", [0.0, 0.0, 0.0, 1.0]));
+    frames.enter(&transform("a", "b", [0.0, 0.0, 0.0, 1.0]));
+    assert_eq!(axes_by_transforms(&frames.tree(), "a"), None);
 }
 
 #[test]
@@ -80,15 +94,12 @@ fn matrix([x, y, z, w]: [f64; 4]) -> [[f64; 3]; 3] {
 fn axes_are_the_rows_of_the_rotations_matrix() {
     let size = (1.0_f64 + 4.0 + 9.0 + 16.0).sqrt();
     let q = [1.0, -2.0, 3.0, 4.0].map(|part| part / size);
-    let mut tree = Tree::new();
-    enter(&mut tree, &transform("robot/base_link", "imu", q));
+    let mut frames = Frames::default();
+    frames.enter(&transform("robot/base_link", "imu", q));
     // whatever the length of the four
-    enter(
-        &mut tree,
-        &transform("base", "other", q.map(|part| 3.0 * part)),
-    );
+    frames.enter(&transform("base", "other", q.map(|part| 3.0 * part)));
     for frame in ["imu", "/other"] {
-        let found = axes_by_transforms(&tree, frame).unwrap();
+        let found = axes_by_transforms(&frames.tree(), frame).unwrap();
         for (axis, row) in found.iter().zip(matrix(q)) {
             assert!(
                 axis.iter().zip(row).all(|(a, b)| (a - b).abs() < 1e-15),
@@ -97,41 +108,49 @@ fn axes_are_the_rows_of_the_rotations_matrix() {
         }
     }
     // the first of two transforms is kept; none, too short, too long
-    enter(&mut tree, &transform("base", "imu", [0.0, 0.0, 0.0, 1.0]));
-    assert_eq!(tree["imu"].1, q);
+    frames.enter(&transform("base", "imu", [0.0, 0.0, 0.0, 1.0]));
+    assert_eq!(frames.tree()["imu"].rotation, q);
     for (number, part) in [0.0, 9e-4, 1.1e-3, 1e200].into_iter().enumerate() {
         let frame = format!("frame{number}");
-        enter(&mut tree, &transform("base", &frame, [0.0, 0.0, 0.0, part]));
+        frames.enter(&transform("base", &frame, [0.0, 0.0, 0.0, part]));
         assert_eq!(
-            axes_by_transforms(&tree, &frame).is_some(),
+            axes_by_transforms(&frames.tree(), &frame).is_some(),
             number == 2,
             "{part}"
         );
         assert_eq!(yaw([0.0, 0.0, 0.0, part]).is_some(), number == 2, "{part}");
     }
     assert_eq!(
-        axes_by_transforms(&tree, "base_footprint"),
+        axes_by_transforms(&frames.tree(), "base_footprint"),
         Some(matrix([0.0, 0.0, 0.0, 1.0]))
     );
-    assert!(has_frame(&tree, "/imu") && has_frame(&tree, "x/base") && !has_frame(&tree, "xbase"));
+    assert!(
+        has_frame(&frames.tree(), "/imu")
+            && has_frame(&frames.tree(), "x/base")
+            && !has_frame(&frames.tree(), "xbase")
+    );
 }
 
 #[test]
 fn chains_and_trees_end() {
     let none = [0.0, 0.0, 0.0, 1.0];
-    let mut tree = Tree::new();
-    enter(&mut tree, &transform("base", "0", none));
+    let mut frames = Frames::default();
+    frames.enter(&transform("base", "0", none));
     for number in 1..70 {
-        enter(
-            &mut tree,
-            &transform(&(number - 1).to_string(), &number.to_string(), none),
-        );
+        frames.enter(&transform(
+            &(number - 1).to_string(),
+            &number.to_string(),
+            none,
+        ));
     }
-    assert!(axes_by_transforms(&tree, "63").is_some() && axes_by_transforms(&tree, "64").is_none());
+    assert!(
+        axes_by_transforms(&frames.tree(), "63").is_some()
+            && axes_by_transforms(&frames.tree(), "64").is_none()
+    );
     for number in 70..5000 {
-        enter(&mut tree, &transform("base", &number.to_string(), none));
+        frames.enter(&transform("base", &number.to_string(), none));
     }
-    assert_eq!(tree.len(), 4096);
+    assert_eq!(frames.tree().len(), 4096);
 }
 
 #[test]
