@@ -29,6 +29,8 @@ pub enum Quantity {
     Current,
     /// Whole ticks of a counter.
     Ticks,
+    /// A number without a unit.
+    Number,
 }
 
 /// Every unit: its name in files, what it measures, and what one of it is in SI.
@@ -44,6 +46,12 @@ pub const UNITS: &[(&str, Quantity, f64)] = &[
     ("rad", Quantity::Angle, 1.0),
     ("deg", Quantity::Angle, std::f64::consts::PI / 180.0),
     ("turn", Quantity::Angle, std::f64::consts::TAU),
+    // how receivers write latitudes as whole numbers
+    (
+        "1e-7 deg",
+        Quantity::Angle,
+        1e-7 * (std::f64::consts::PI / 180.0),
+    ),
     ("m/s", Quantity::Speed, 1.0),
     ("cm/s", Quantity::Speed, 1e-2),
     ("mm/s", Quantity::Speed, 1e-3),
@@ -58,6 +66,7 @@ pub const UNITS: &[(&str, Quantity, f64)] = &[
     ("A", Quantity::Current, 1.0),
     ("mA", Quantity::Current, 1e-3),
     ("tick", Quantity::Ticks, 1.0),
+    ("1", Quantity::Number, 1.0),
 ];
 
 impl Quantity {

@@ -14,7 +14,7 @@ use crate::find::expand;
 use crate::measures::Measures;
 use crate::merge::{Poses, Samples};
 use crate::messages::LeftOut;
-use crate::recording::navigation::{Track, place_sigma};
+use crate::recording::navigation::{FixColumns, Track, place_sigma};
 use crate::recording::{Recording, RecordingReader, UsedTopic};
 use crate::slots::{Slots, measured};
 use crate::source::Source;
@@ -46,6 +46,8 @@ pub struct Log {
     unused: Vec<PathBuf>,
     /// Which of the files has the places without a heading that are used, and their standard deviation, m.
     places: Option<(usize, f64)>,
+    /// How its fixes are read.
+    fixes: FixColumns,
     /// The position of their antenna in the robot's frame, m.
     antenna: [f64; 2],
     notes: Vec<String>,
@@ -315,12 +317,25 @@ impl Log {
                 || recording.is_some_and(|all| all.choice.measures(*meaning))
         };
         let mut places = None;
+        let mut fixes = FixColumns::new(topics.position_sigma);
         for index in with_places {
-            let name = files[index].0.name();
+            let (source, table) = (&files[index].0, &map.tables[files[index].1]);
+            let name = source.name();
             if places.is_none() && !others.iter().any(measures_motion) {
-                let (sigma, note) = place_sigma(&name, topics);
+                let (sigma, note) = if Slots::new(&table.columns, &wheels).gives_fixes() {
+                    let counts = Counts::default();
+                    let reader = CsvReader::open(&source.as_it_is(), table, (&wheels, 0, &counts));
+                    // what is wrong with the table is said where it is read
+                    let first = reader.map(|reader| reader.first_fixes(fixes.clone()));
+                    let (found, note) = first.unwrap_or_default().choose(&name);
+                    fixes = found.map_or(fixes.clone(), |(_, limit)| fixes.with_limit(limit));
+                    (found.map(|(sigma, _)| sigma), note)
+                } else {
+                    let (sigma, note) = place_sigma(&name, topics);
+                    (Some(sigma), note)
+                };
                 notes.extend(note);
-                places = Some((index, sigma));
+                places = sigma.map(|sigma| (index, sigma));
             } else {
                 notes.push(format!(
                     "`{name}`: its places without a heading are not used, since the log has another reference"
@@ -329,6 +344,7 @@ impl Log {
         }
         Ok(Self {
             places,
+            fixes,
             antenna: topics.antenna,
             notes,
             map,
@@ -427,6 +443,7 @@ impl Log {
     pub fn left_out(&self) -> LeftOut {
         let recording = self.recording.as_ref();
         let mut left_out = recording.map_or_else(LeftOut::default, Recording::left_out);
+        left_out.add(&self.counts.excluded());
         left_out.cut_off.clone_from(&self.counts.cut_off());
         let read = |count: &AtomicU64| count.load(Ordering::Relaxed);
         left_out.zero_poses = read(&self.counts.zero_poses);
@@ -525,7 +542,8 @@ impl Log {
         self.counts.begin();
         for (clock, (file, table)) in self.files.iter().enumerate() {
             let table = &self.map.tables[*table];
-            let poses = if self.places.is_some_and(|(used, _)| used == clock) {
+            let is_used = self.places.is_some_and(|(used, _)| used == clock);
+            let poses = if is_used {
                 Poses::Places
             } else if Slots::new(&table.columns, &self.wheels).gives_places() {
                 Poses::UnusedPlaces
@@ -533,7 +551,8 @@ impl Log {
                 Poses::WithHeading
             };
             let reader =
-                CsvReader::open(file, table, (&self.wheels, self.look_ahead, &self.counts))?;
+                CsvReader::open(file, table, (&self.wheels, self.look_ahead, &self.counts))?
+                    .with_fixes(is_used.then(|| self.fixes.clone()));
             let shift = shift_ns.get(clock).copied().unwrap_or(0);
             samples.add(
                 reader,

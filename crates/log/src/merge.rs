@@ -111,10 +111,12 @@ impl Iterator for Samples {
                 (Measurement::YawRate { rate }, Some((track, _))) => {
                     track.turn(sample.time_ns, rate);
                 }
-                (Measurement::Pose { x, y, .. }, Some((track, sigma)))
+                // the yaw of a fix is its standard deviation
+                (Measurement::Pose { x, y, yaw }, Some((track, sigma)))
                     if poses == Poses::Places =>
                 {
-                    let measurements = track.take(sample.time_ns, [x, y], *sigma);
+                    let sigma = if yaw > 0.0 { yaw } else { *sigma };
+                    let measurements = track.take(sample.time_ns, [x, y], sigma);
                     let mut all = measurements.into_iter().flatten();
                     match all.next() {
                         Some(first) => sample.measurement = first,

@@ -4,6 +4,8 @@ use grouser_files::columns::{Column, Meaning};
 
 use grouser_slip::Measurement;
 
+use crate::message::NavSatFix;
+
 /// The readings that a set of columns gives.
 #[derive(Clone, Debug)]
 pub(crate) struct Slots(Vec<Slot>);
@@ -19,8 +21,17 @@ enum Slot {
     Pose(Part, Part, Part),
     /// A place without a heading.
     Place(Part, Part),
+    /// Latitude, longitude and altitude of a fix, its kind, and its standard deviation.
+    Fix([Part; 2], Option<Part>, Option<FixKind>, Option<Part>),
     Speed(Part, Option<Part>),
     Command(Part, Option<Part>),
+}
+
+/// What says whether a fix has a position.
+#[derive(Clone, Copy, Debug)]
+enum FixKind {
+    Type(Part),
+    Status(Part),
 }
 
 /// One of the columns, and what one of its unit is in SI.
@@ -45,6 +56,8 @@ pub(crate) fn measured(columns: &[Column], column: &Column) -> Meaning {
     match column.meaning {
         Meaning::PoseX if !has_heading() => Meaning::DisplacementForward,
         Meaning::PoseY if !has_heading() => Meaning::DisplacementLeft,
+        Meaning::Latitude => Meaning::DisplacementForward,
+        Meaning::Longitude => Meaning::DisplacementLeft,
         meaning => meaning,
     }
 }
@@ -80,6 +93,15 @@ impl Slots {
                     Some(yaw) => Slot::Pose(own, y, yaw),
                     None => Slot::Place(own, y),
                 }),
+                Meaning::Latitude => part(Meaning::Longitude).map(|longitude| {
+                    let status = part(Meaning::FixStatus).map(FixKind::Status);
+                    Slot::Fix(
+                        [own, longitude],
+                        part(Meaning::Altitude),
+                        part(Meaning::FixType).map(FixKind::Type).or(status),
+                        part(Meaning::FixSigma),
+                    )
+                }),
                 Meaning::SpeedForward => Some(Slot::Speed(own, part(Meaning::SpeedLeft))),
                 Meaning::SpeedSize => Some(Slot::Speed(own, None)),
                 Meaning::CommandForward => Some(Slot::Command(own, part(Meaning::CommandLeft))),
@@ -91,18 +113,24 @@ impl Slots {
         Self(slots)
     }
 
-    /// Are the poses that it gives places without a heading, their yaw a mere 0?
+    /// Are the poses that it gives places without a heading? Their yaw is the standard deviation of a fix, m, or a mere 0.
     pub(crate) fn gives_places(&self) -> bool {
-        self.0.iter().any(|slot| matches!(slot, Slot::Place(..)))
+        let is_place = |slot: &Slot| matches!(slot, Slot::Place(..));
+        self.gives_fixes() || self.0.iter().any(is_place)
+    }
+
+    pub(crate) fn gives_fixes(&self) -> bool {
+        self.0.iter().any(|slot| matches!(slot, Slot::Fix(..)))
     }
 
     /// Gives every reading to `take`; one that lacks a part is left out. `number` gives a column in SI,
-    /// `count` a column as the bits of a counter; `None` stands for no value.
+    /// `count` a column as the bits of a counter; `None` stands for no value. `fix` makes places of fixes.
     pub(crate) fn readings<E>(
         &self,
         number: impl Fn(Part) -> Result<Option<f64>, E>,
         count: impl Fn(Part) -> Result<Option<u64>, E>,
-        mut take: impl FnMut(Measurement),
+        fix: &mut dyn FnMut(NavSatFix) -> Option<Measurement>,
+        take: &mut dyn FnMut(Measurement),
     ) -> Result<(), E> {
         let optional = |part: Option<Part>| part.map_or(Ok(None), &number);
         for slot in &self.0 {
@@ -160,6 +188,33 @@ impl Slots {
                         .zip(number(y)?)
                         .map(|(x, y)| Measurement::Pose { x, y, yaw: 0.0 })
                 }
+                Slot::Fix([latitude, longitude], altitude, kind, sigma) => {
+                    let (altitude, sigma) = (optional(altitude)?, optional(sigma)?);
+                    let (is_fixed, status) = match kind {
+                        Some(FixKind::Type(part)) => (number(part)?.is_none_or(|n| n > 0.0), 0.0),
+                        Some(FixKind::Status(part)) => {
+                            let status = number(part)?.unwrap_or(0.0);
+                            (status >= 0.0, status)
+                        }
+                        None => (true, 0.0),
+                    };
+                    number(latitude)?
+                        .zip(number(longitude)?)
+                        .and_then(|(latitude, longitude)| {
+                            fix(NavSatFix {
+                                latitude_deg: latitude.to_degrees(),
+                                longitude_deg: longitude.to_degrees(),
+                                altitude: altitude.unwrap_or(0.0),
+                                is_fixed,
+                                #[allow(
+                                    clippy::cast_possible_truncation,
+                                    reason = "the cast saturates"
+                                )]
+                                status: status as i8,
+                                variance: sigma.filter(|s| *s > 0.0).map(|s| s * s),
+                            })
+                        })
+                }
                 Slot::Speed(forward, left) => {
                     let left = optional(left)?;
                     number(forward)?.map(|forward| Measurement::Speed { forward, left })
@@ -169,7 +224,7 @@ impl Slots {
                     number(forward)?.map(|forward| Measurement::Command { forward, left })
                 }
             };
-            reading.into_iter().for_each(&mut take);
+            reading.into_iter().for_each(&mut *take);
         }
         Ok(())
     }

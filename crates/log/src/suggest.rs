@@ -164,6 +164,7 @@ pub fn suggest_for_sheets<'a>(sheets: impl IntoIterator<Item = (&'a Sheet, &'a s
         bits = bits.max(counters.filter_map(SheetColumn::wraps_at_bits).max());
         let motion = [
             Meaning::PoseX,
+            Meaning::Latitude,
             Meaning::SpeedForward,
             Meaning::SpeedSize,
             Meaning::DisplacementForward,

@@ -38,6 +38,7 @@ mod sheets;
 mod streams;
 mod suggestions;
 mod surveys;
+mod table_fixes;
 mod table_rows;
 mod transform_poses;
 mod truncated_files;

@@ -83,11 +83,23 @@ pub enum Meaning {
     CommandForward,
     /// Commanded speed to the left.
     CommandLeft,
+    /// Latitude of a satellite receiver's fix, to the north (WGS 84).
+    Latitude,
+    /// Its longitude, to the east.
+    Longitude,
+    /// Its altitude.
+    Altitude,
+    /// The kind of its solution: 0 or less without a position.
+    FixType,
+    /// Its status as in `sensor_msgs/NavSatFix`: below 0 without a position, 1 with augmentation, 2 with a ground station.
+    FixStatus,
+    /// The horizontal standard deviation of its position; 0: not known.
+    FixSigma,
 }
 
 impl Meaning {
     /// Every meaning: its name in files, and what it measures.
-    pub const ALL: [(&'static str, Self, Quantity); 24] = [
+    pub const ALL: [(&'static str, Self, Quantity); 30] = [
         ("wheel_count", Self::WheelCount, Quantity::Ticks),
         ("wheel_angle", Self::WheelAngle, Quantity::Angle),
         ("wheel_rate", Self::WheelRate, Quantity::AngularRate),
@@ -128,6 +140,12 @@ impl Meaning {
         ("speed_size", Self::SpeedSize, Quantity::Speed),
         ("command_forward", Self::CommandForward, Quantity::Speed),
         ("command_left", Self::CommandLeft, Quantity::Speed),
+        ("latitude", Self::Latitude, Quantity::Angle),
+        ("longitude", Self::Longitude, Quantity::Angle),
+        ("altitude", Self::Altitude, Quantity::Length),
+        ("fix_type", Self::FixType, Quantity::Number),
+        ("fix_status", Self::FixStatus, Quantity::Number),
+        ("fix_sigma", Self::FixSigma, Quantity::Length),
     ];
 
     /// Does it belong to one wheel?
@@ -158,6 +176,10 @@ impl Meaning {
             Self::AccelerationLeft => Some(Self::AccelerationForward),
             Self::DisplacementForward => Some(Self::DisplacementLeft),
             Self::PoseX => Some(Self::PoseY),
+            Self::Latitude => Some(Self::Longitude),
+            Self::Longitude | Self::Altitude | Self::FixType | Self::FixStatus | Self::FixSigma => {
+                Some(Self::Latitude)
+            }
             _ => None,
         }
     }
@@ -456,6 +478,14 @@ pub(crate) fn check_together(at: &Place, columns: &[Column]) -> Result<()> {
             return Err(Error::Contradiction {
                 at: at.clone(),
                 message: format!("`{}` is given by two columns", column.meaning.name()),
+            });
+        }
+        let is_there = |meaning| columns.iter().any(|other| other.meaning == meaning);
+        if column.meaning == Meaning::Latitude && is_there(Meaning::PoseX) {
+            return Err(Error::Contradiction {
+                at: at.clone(),
+                message: "`pose_x` and `latitude` are places of one robot: leave one of them out"
+                    .into(),
             });
         }
         if let Some(needed) = column.meaning.needs()

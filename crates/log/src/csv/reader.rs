@@ -12,7 +12,10 @@ use super::lines::Lines;
 use super::number::NotANumber;
 use super::row::{BadField, Plan};
 use crate::error::{Cell, Error, Result};
+use crate::message::NavSatFix;
+use crate::messages::LeftOut;
 use crate::order::Ordered;
+use crate::recording::navigation::{FixColumns, Fixes, MAX_FIXES};
 use crate::source::Source;
 use grouser_real::Real;
 use grouser_slip::{Measurement, Sample};
@@ -37,15 +40,22 @@ pub(crate) struct Counts {
     pub(crate) same_time: Arc<AtomicU64>,
     /// Poses of zeros in rows without a new one.
     pub(crate) zero_poses: Arc<AtomicU64>,
+    excluded: Arc<Mutex<LeftOut>>,
 }
 
 impl Counts {
     /// A log is read from its beginning.
     pub(crate) fn begin(&self) {
         self.cut_off().clear();
+        *self.excluded() = LeftOut::default();
         for count in [&self.rows, &self.same_time, &self.zero_poses] {
             count.store(0, Relaxed);
         }
+    }
+
+    /// Fixes that are not used.
+    pub(crate) fn excluded(&self) -> MutexGuard<'_, LeftOut> {
+        (self.excluded.lock()).unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The last lines of tables that are cut off.
@@ -72,6 +82,8 @@ pub(crate) struct CsvReader {
     /// How far the last place was from the origin, m.
     last_place: Option<f64>,
     counts: Counts,
+    /// `None`: fixes are not used.
+    fixes: Option<FixColumns>,
     done: bool,
 }
 
@@ -130,8 +142,26 @@ impl CsvReader {
             last_ns: None,
             last_place: None,
             counts: counts.clone(),
+            fixes: None,
             done: false,
         })
+    }
+
+    /// The same, with its fixes as places.
+    pub(crate) fn with_fixes(self, fixes: Option<FixColumns>) -> Self {
+        Self { fixes, ..self }
+    }
+
+    /// The fixes of its first rows.
+    pub(crate) fn first_fixes(self, fixes: FixColumns) -> Fixes {
+        let mut reader = self.with_fixes(Some(fixes));
+        for _ in 0..MAX_FIXES {
+            if !matches!(reader.read_row(), Ok(true)) {
+                break;
+            }
+            reader.ordered.clear();
+        }
+        reader.fixes.map(|fixes| fixes.seen).unwrap_or_default()
     }
 
     /// Reads one row into the ordering; false at the end of the file.
@@ -192,8 +222,16 @@ impl CsvReader {
             })?;
         let (ordered, last_place) = (&mut self.ordered, &mut self.last_place);
         let mut filled = 0;
+        let (fixes, counts) = (&mut self.fixes, &self.counts);
+        let mut fix = |fix: NavSatFix| match fixes.as_mut()?.place(fix) {
+            Ok(place) => Some(place),
+            Err(fault) => {
+                counts.excluded().exclude(fault);
+                None
+            }
+        };
         self.plan
-            .readings(field, |measurement| {
+            .readings(field, &mut fix, &mut |measurement| {
                 if let Measurement::Pose { x, y, yaw } = measurement {
                     let is_zero = [x, y, yaw].iter().all(|part| *part == 0.0);
                     if is_zero && last_place.is_some_and(|far| far > FILLED_FROM_M) {

@@ -3,6 +3,7 @@
 use grouser_files::columns::{Table, TimeUnit};
 
 use super::number::{self, NotANumber};
+use crate::message::NavSatFix;
 use crate::slots::{Part, Slots};
 use grouser_slip::Measurement;
 
@@ -61,11 +62,12 @@ impl Plan {
         Ok(whole.saturating_add(beyond.transpose()?.unwrap_or(0)))
     }
 
-    /// Gives every reading of the row to `take`; one that lacks a part is left out.
+    /// Gives every reading of the row to `take`; one that lacks a part is left out. `fix` makes places of fixes.
     pub(crate) fn readings<'a>(
         &self,
         field: impl Fn(usize) -> &'a str,
-        take: impl FnMut(Measurement),
+        fix: &mut dyn FnMut(NavSatFix) -> Option<Measurement>,
+        take: &mut dyn FnMut(Measurement),
     ) -> Result<(), BadField> {
         // The text of a part with its field; `None` where there is no value.
         let given = |part: Part| {
@@ -97,6 +99,6 @@ impl Plan {
                 .map(|(text, place)| number::count(text).map_err(bad(place)))
                 .transpose()
         };
-        self.slots.readings(number, count, take)
+        self.slots.readings(number, count, fix, take)
     }
 }

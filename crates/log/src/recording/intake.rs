@@ -10,10 +10,10 @@ use super::UsedTopic;
 use super::choose::Choice;
 use super::frames::{FramePose, is_static};
 use super::job::Job;
-use super::navigation::Track;
+use super::navigation::{FixColumns, Track};
 use crate::container::Channel;
 use crate::measures::Measures;
-use crate::message::{Decoders, SharedDecoder, Value, View, decode, is_spare, short};
+use crate::message::{Decoders, NavSatFix, SharedDecoder, Value, View, decode, is_spare, short};
 use crate::messages::{Clock, LOOK_AHEAD, LeftOut, stamp_of};
 use crate::order::{Limit, Ordered};
 use crate::wrapped_angles::Angles;
@@ -64,6 +64,8 @@ pub struct Intake {
     /// The track of an antenna or a prism, where places without a heading are used.
     track: Track,
     has_places: bool,
+    /// Fixes that are numbers of a message.
+    fixes: FixColumns,
     frame_pose: Option<FramePose>,
     channels: Vec<Known>,
     decoders: Decoders,
@@ -96,6 +98,7 @@ impl Intake {
                 let mut jobs = topic.jobs.iter();
                 jobs.any(|job| matches!(job, Job::Fix(_)) || job.gives_places())
             }),
+            fixes: FixColumns::new(choice.stated_sigma),
             frame_pose: choice.frame_pose.clone(),
             choice,
             shifts_ns,
@@ -235,9 +238,16 @@ impl Intake {
             }
             let (track, has_places) = (&mut self.track, self.has_places);
             let (are_places, sigma) = (job.gives_places(), self.choice.position_sigma);
-            job.measurements(view.as_ref(), &known.value, |measurement| {
+            let (fixes, left_out) = (&mut self.fixes, &mut self.left_out);
+            let mut fix = |fix: NavSatFix| {
+                let place = fixes.place(fix);
+                place.map_err(|fault| left_out.exclude(fault)).ok()
+            };
+            job.measurements(view.as_ref(), &known.value, &mut fix, &mut |measurement| {
                 let measurements = match measurement {
-                    Measurement::Pose { x, y, .. } if are_places => {
+                    // the yaw of a fix is its standard deviation
+                    Measurement::Pose { x, y, yaw } if are_places => {
+                        let sigma = Some(yaw).filter(|yaw| *yaw > 0.0).or(sigma);
                         sigma.map_or([None; 2], |sigma| track.take(time_ns, [x, y], sigma))
                     }
                     Measurement::YawRate { rate } if has_places => {

@@ -6,7 +6,7 @@ use grouser_real::Real;
 use grouser_slip::Measurement;
 
 use super::mounting::{dot, yaw};
-use crate::message::{Trust, Value, View};
+use crate::message::{NavSatFix, Trust, Value, View};
 use crate::slots::Slots;
 
 /// What a topic is used for.
@@ -53,13 +53,14 @@ impl Job {
         }
     }
 
-    /// Gives every measurement of a message to `push`.
+    /// Gives every measurement of a message to `push`; `fix` makes places of fixes that are numbers.
     #[allow(clippy::too_many_lines, reason = "one arm a meaning")]
     pub(crate) fn measurements(
         &self,
         view: Option<&View<'_>>,
         value: &Value,
-        mut push: impl FnMut(Measurement),
+        fix: &mut dyn FnMut(NavSatFix) -> Option<Measurement>,
+        push: &mut dyn FnMut(Measurement),
     ) {
         let usable = |trust: &[Trust]| trust.iter().all(|trust| trust.is_usable());
         match (self, view) {
@@ -180,6 +181,7 @@ impl Job {
                             .count_at(path)
                             .or_else(|| whole(value.number_at(path))))
                     },
+                    fix,
                     push,
                 );
                 let Ok(()) = found;
@@ -200,7 +202,7 @@ fn whole(number: Option<f64>) -> Option<u64> {
         .then(|| (number as i64).cast_unsigned())
 }
 
-fn wheel_readings(joints: &[(String, usize)], view: &View<'_>, mut push: impl FnMut(Measurement)) {
+fn wheel_readings(joints: &[(String, usize)], view: &View<'_>, push: &mut dyn FnMut(Measurement)) {
     let names = match view {
         View::JointState(state) => state.names,
         View::WheelTicks { names, .. } => *names,

@@ -35,6 +35,8 @@ const MAX_TURNS: usize = 2048;
 pub(super) const ACCURATE_SIGMA_M: f64 = 0.5;
 /// A fix whose horizontal standard deviation is larger than this is never used, m.
 pub(super) const MAX_SIGMA_M: f64 = 10.0;
+/// The standard deviation of a fix by satellites alone where nothing states it, m.
+pub(super) const UNSTATED_SIGMA_M: f64 = 2.5;
 /// Where the standard deviation changes by more than this factor, the receiver changed its kind of solution, and the
 /// position jumps with it.
 const MAX_SIGMA_RATIO: f64 = 3.0;
@@ -43,6 +45,9 @@ const PLACE_SIGMA_M: f64 = 0.05;
 /// After a longer outage the way between two fixes is no measured motion, s.
 const MAX_OUTAGE_S: f64 = 5.0;
 
+/// Fixes that are looked at before one is used: half an hour at 10 Hz.
+pub(crate) const MAX_FIXES: usize = 20_000;
+
 impl NavSatFix {
     /// Why the fix is not used, if it is not; `limit` is the largest standard deviation that is, m.
     pub(super) fn fault(&self, limit: f64) -> Option<&'static str> {
@@ -50,6 +55,8 @@ impl NavSatFix {
             Some("fixes without a position (status below 0)")
         } else if !(self.latitude_deg.abs() <= 90.0 && self.longitude_deg.abs() <= 180.0) {
             Some("fixes whose latitude or longitude is out of range, or missing")
+        } else if self.latitude_deg == 0.0 && self.longitude_deg == 0.0 {
+            Some("fixes at latitude 0 and longitude 0, which receivers without a position send")
         } else if !(self.sigma() <= MAX_SIGMA_M) {
             Some("fixes with a standard deviation above 10 m")
         } else if self.sigma() > limit {
@@ -66,7 +73,7 @@ impl NavSatFix {
             (Some(variance), _) => variance.sqrt(),
             (None, 2) => 0.02,
             (None, 1) => 1.0,
-            (None, _) => 2.5,
+            (None, _) => UNSTATED_SIGMA_M,
         }
     }
 
@@ -103,6 +110,107 @@ pub(crate) fn place_sigma(name: &str, topics: &Topics) -> (f64, Option<String>) 
     }
 }
 
+/// The fixes of a satellite receiver.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Fixes {
+    /// Standard deviations of those that can be used, m.
+    sigmas: Vec<f64>,
+    /// How many of them state none.
+    unstated: usize,
+    /// Why the first of the others cannot be.
+    fault: Option<&'static str>,
+}
+
+impl Fixes {
+    pub(super) fn add(&mut self, fix: &NavSatFix) {
+        if self.sigmas.len() >= MAX_FIXES {
+            return;
+        }
+        match fix.fault(MAX_SIGMA_M) {
+            None => {
+                self.sigmas.push(fix.sigma());
+                self.unstated += usize::from(fix.variance.is_none());
+            }
+            Some(fault) => {
+                self.fault.get_or_insert(fault);
+            }
+        }
+    }
+
+    /// The median of the standard deviations of the fixes to be used, and the largest that is, m; `None` where no fix can
+    /// be used. A receiver with one accurate fix in ten is used by its accurate ones.
+    fn sigma(&self) -> Option<(f64, f64)> {
+        let mut sorted = self.sigmas.clone();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let accurate = sorted.partition_point(|sigma| *sigma <= ACCURATE_SIGMA_M);
+        let limit = if accurate > 0 && 10 * accurate >= sorted.len() {
+            sorted.truncate(accurate);
+            ACCURATE_SIGMA_M
+        } else {
+            MAX_SIGMA_M
+        };
+        Some((*sorted.get(sorted.len() / 2)?, limit))
+    }
+
+    /// [`Fixes::sigma`] of a topic or a file of that name, with a note about it where there is one.
+    pub(crate) fn choose(&self, name: &str) -> (Option<(f64, f64)>, Option<String>) {
+        let Some((sigma, limit)) = self.sigma() else {
+            let fault = self.fault.unwrap_or("fixes that cannot be decoded");
+            let note = format!("`{name}` is not used: it holds only {fault}");
+            return (None, Some(note));
+        };
+        let note = (sigma > ACCURATE_SIGMA_M).then(|| {
+            let says = if 2 * self.unstated > self.sigmas.len() {
+                "does not say how accurate its fixes are, assumed is a standard deviation of"
+            } else {
+                "has fixes with a standard deviation of"
+            };
+            format!("`{name}` {says} {sigma:.1} m: slips follow slowly, over many metres")
+        });
+        (Some((sigma, limit)), note)
+    }
+}
+
+/// Reads the fixes that columns of numbers hold.
+#[derive(Clone, Debug)]
+pub(crate) struct FixColumns {
+    plane: Plane,
+    /// The largest standard deviation that is used, m.
+    limit: f64,
+    /// What the robot file states of those that state none, m.
+    stated: Option<f64>,
+    /// All of them so far.
+    pub(crate) seen: Fixes,
+}
+
+impl FixColumns {
+    pub(crate) fn new(stated: Option<f64>) -> Self {
+        Self {
+            plane: Plane::default(),
+            limit: MAX_SIGMA_M,
+            stated,
+            seen: Fixes::default(),
+        }
+    }
+
+    /// With the largest standard deviation that is used, m.
+    pub(crate) fn with_limit(self, limit: f64) -> Self {
+        Self { limit, ..self }
+    }
+
+    /// A fix as a place, whose yaw is its standard deviation, m; else why it is not used.
+    pub(crate) fn place(&mut self, mut fix: NavSatFix) -> Result<Measurement, &'static str> {
+        fix.variance = fix.variance.or(self.stated.map(|sigma| sigma * sigma));
+        self.seen.add(&fix);
+        if let Some(fault) = fix.fault(self.limit) {
+            return Err(fault);
+        }
+        let [x, y] = self.plane.place(&fix);
+        let yaw = fix.sigma();
+        Ok(Measurement::Pose { x, y, yaw })
+    }
+}
+
 /// The track of an antenna on the plane that touches the earth at the first fix.
 ///
 /// The gyro turns the heading, courses over ground correct it and the gyro's bias.
@@ -110,7 +218,7 @@ pub(crate) fn place_sigma(name: &str, topics: &Topics) -> (f64, Option<String>) 
 pub(crate) struct Track {
     /// Position of the antenna in the robot's frame, m.
     antenna: [f64; 2],
-    origin: Option<Origin>,
+    plane: Plane,
     last: Option<Placed>,
     /// Where the course was taken last.
     anchor: Option<Placed>,
@@ -169,6 +277,28 @@ impl Heading {
         self.bias_variance -= by_bias * self.covariance;
         self.covariance *= 1.0 - by_angle;
         self.angle_variance *= 1.0 - by_angle;
+    }
+}
+
+/// The plane that touches the earth at the first fix.
+#[derive(Clone, Debug, Default)]
+struct Plane(Option<Origin>);
+
+impl Plane {
+    /// East and north of the first fix, m.
+    fn place(&mut self, fix: &NavSatFix) -> [f64; 2] {
+        let place = fix.place();
+        let origin = self.0.get_or_insert_with(|| {
+            let (sin, cos) = Real::sin_cos(fix.latitude_deg.to_radians());
+            let (sin_l, cos_l) = Real::sin_cos(fix.longitude_deg.to_radians());
+            Origin {
+                place,
+                east: [-sin_l, cos_l, 0.0],
+                north: [-sin * cos_l, -sin * sin_l, cos],
+            }
+        });
+        let from: [f64; 3] = std::array::from_fn(|i| place[i] - origin.place[i]);
+        [&origin.east, &origin.north].map(|axis| axis.iter().zip(from).map(|(a, d)| a * d).sum())
     }
 }
 
@@ -376,20 +506,8 @@ impl Track {
         heading.correct(innovation, noise);
     }
 
-    /// East and north of the first fix, m.
     fn on_plane(&mut self, fix: &NavSatFix) -> [f64; 2] {
-        let place = fix.place();
-        let origin = self.origin.get_or_insert_with(|| {
-            let (sin, cos) = Real::sin_cos(fix.latitude_deg.to_radians());
-            let (sin_l, cos_l) = Real::sin_cos(fix.longitude_deg.to_radians());
-            Origin {
-                place,
-                east: [-sin_l, cos_l, 0.0],
-                north: [-sin * cos_l, -sin * sin_l, cos],
-            }
-        });
-        let from: [f64; 3] = std::array::from_fn(|i| place[i] - origin.place[i]);
-        [&origin.east, &origin.north].map(|axis| axis.iter().zip(from).map(|(a, d)| a * d).sum())
+        self.plane.place(fix)
     }
 }
 

@@ -9,10 +9,10 @@ use super::choose::{Choice, choose};
 use super::frames::{FirstTransforms, is_static};
 use super::intake::Intake;
 use super::mounting::Accelerations;
-use super::navigation::{ACCURATE_SIGMA_M, MAX_SIGMA_M};
+use super::navigation::{Fixes, MAX_FIXES};
 use crate::container::{Channel, Container, Event};
 use crate::error::Result;
-use crate::message::{Decoders, NavSatFix, SharedDecoder, Value, View};
+use crate::message::{Decoders, SharedDecoder, Value, View};
 use crate::messages::stamp_of;
 use crate::source::Source;
 use crate::wrapped_angles::Angle;
@@ -31,8 +31,6 @@ const MAX_JOINTS: usize = 4096;
 const MAX_ACCELERATIONS: f64 = 500.0;
 /// Messages of an IMU that are looked at for one that measures acceleration.
 const MAX_IMU_MESSAGES: u64 = 20_000;
-/// Fixes of a satellite receiver that are decoded: half an hour at 10 Hz.
-const MAX_FIXES: u64 = 20_000;
 
 /// A topic by its first messages.
 #[derive(Clone, Debug)]
@@ -76,51 +74,6 @@ struct Known {
     channel: Channel,
     topic: usize,
     decoder: Option<SharedDecoder>,
-}
-
-/// The fixes of a satellite receiver.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Fixes {
-    /// Standard deviations of those that can be used, m.
-    sigmas: Vec<f64>,
-    /// How many of them state none.
-    unstated: usize,
-    /// Why the first of the others cannot be.
-    pub(super) fault: Option<&'static str>,
-}
-
-impl Fixes {
-    fn add(&mut self, fix: &NavSatFix) {
-        match fix.fault(MAX_SIGMA_M) {
-            None => {
-                self.sigmas.push(fix.sigma());
-                self.unstated += usize::from(fix.variance.is_none());
-            }
-            Some(fault) => {
-                self.fault.get_or_insert(fault);
-            }
-        }
-    }
-
-    /// The median of the standard deviations of the fixes to be used, and the largest that is, m; `None` where no fix can
-    /// be used. A receiver with one accurate fix in ten is used by its accurate ones.
-    pub(super) fn sigma(&self) -> Option<(f64, f64)> {
-        let mut sorted = self.sigmas.clone();
-        sorted.sort_unstable_by(f64::total_cmp);
-        let accurate = sorted.partition_point(|sigma| *sigma <= ACCURATE_SIGMA_M);
-        let limit = if accurate > 0 && 10 * accurate >= sorted.len() {
-            sorted.truncate(accurate);
-            ACCURATE_SIGMA_M
-        } else {
-            MAX_SIGMA_M
-        };
-        Some((*sorted.get(sorted.len() / 2)?, limit))
-    }
-
-    /// Do most of them state no standard deviation?
-    pub(super) const fn are_unstated(&self) -> bool {
-        2 * self.unstated > self.sigmas.len()
-    }
 }
 
 impl Preview {
@@ -216,7 +169,7 @@ impl Preview {
             Some(View::Transforms(_)) => false,
             Some(View::JointState(_)) => seen.messages > MAX_POSITIONS,
             // A receiver may need minutes for its best solution.
-            Some(View::NavSatFix(_)) => seen.messages > MAX_FIXES,
+            Some(View::NavSatFix(_)) => seen.messages > MAX_FIXES as u64,
             _ => seen.messages > MAX_MESSAGES,
         };
         if is_enough {

@@ -84,6 +84,9 @@ fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -> Option<Gu
             unit,
         })
     };
+    if let Some((meaning, unit)) = of_fix(words) {
+        return of(meaning, unit);
+    }
     let command = is(&["cmd", "command", "commanded", "setpoint", "target", "set"]);
     let other = [
         "covariance",
@@ -156,6 +159,81 @@ fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -> Option<Gu
         of(Meaning::PoseY, "m")
     } else {
         None
+    }
+}
+
+/// What a satellite receiver says of its fix, with the usual unit.
+fn of_fix(words: &[String]) -> Option<(Meaning, &'static str)> {
+    const AROUND: &[&str] = &[
+        "gps",
+        "gnss",
+        "rtk",
+        "ublox",
+        "navsat",
+        "nav",
+        "pvt",
+        "position",
+        "pos",
+        "field",
+        "data",
+        "msg",
+        "raw",
+        "antenna",
+        "wgs84",
+        "dd",
+        "deg",
+        "msl",
+        "ellipsoid",
+        "vehicle",
+    ];
+    let is_receiver = |word: &str| ["gps", "gnss", "navsat", "fix"].contains(&word);
+    let of_receiver = words.iter().any(|word| is_receiver(word));
+    let bare = words.iter().map(String::as_str);
+    let bare =
+        bare.filter(|word| !AROUND.contains(word) && !word.bytes().all(|b| b.is_ascii_digit()));
+    let bare: Vec<&str> = bare.collect();
+    let without_fix: Vec<&str> = bare.iter().copied().filter(|word| *word != "fix").collect();
+    match without_fix.as_slice() {
+        ["lat" | "latitude"] => Some((Meaning::Latitude, "deg")),
+        ["lon" | "lng" | "long" | "longitude"] => Some((Meaning::Longitude, "deg")),
+        ["alt" | "altitude"] => Some((Meaning::Altitude, "m")),
+        ["hacc" | "eph"] | ["h" | "horizontal", "acc" | "accuracy"] => {
+            Some((Meaning::FixSigma, "m"))
+        }
+        ["fixtype" | "type" | "quality" | "mode"] if of_receiver || bare == ["fixtype"] => {
+            Some((Meaning::FixType, "1"))
+        }
+        ["status"] | ["status", "status"] if of_receiver => Some((Meaning::FixStatus, "1")),
+        [] if bare == ["fix"] => Some((Meaning::FixType, "1")),
+        _ => None,
+    }
+}
+
+/// The guess for a column of a fix by its numbers; `None` where they do not fit.
+pub(super) fn of_fix_numbers(column: &SheetColumn, mut guess: Guess) -> Option<Guess> {
+    let size = column.max.max(-column.min);
+    match guess.meaning {
+        Meaning::Latitude | Meaning::Longitude if guess.unit == "deg" && size > 180.0 => {
+            // degrees and minutes in one number are no angle
+            guess.unit = "1e-7 deg";
+            (column.whole && size > 1e6).then_some(guess)
+        }
+        // whole numbers without a unit may be mm
+        Meaning::FixSigma if guess.unit == "m" && column.whole && size > 0.0 => None,
+        Meaning::FixType | Meaning::FixStatus => {
+            // of a status from 0 to 2 it is open whether 0 is a position
+            let kinds = [
+                (column.min < 0.0, Meaning::FixStatus),
+                (column.max > 2.0, Meaning::FixType),
+            ];
+            let by_numbers = kinds
+                .into_iter()
+                .find_map(|(is, meaning)| is.then_some(meaning));
+            let is_type = guess.meaning == Meaning::FixType && column.max > 0.0;
+            guess.meaning = by_numbers.or(is_type.then_some(Meaning::FixType))?;
+            column.whole.then_some(guess)
+        }
+        _ => Some(guess),
     }
 }
 

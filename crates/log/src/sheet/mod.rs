@@ -15,8 +15,10 @@ use grouser_real::Real;
 
 use crate::csv::{Lines, finite, split, time_ns};
 use crate::error::Result;
+use crate::recording::is_of_wheels;
 use crate::source::Source;
 pub use guess::Guess;
+use guess::of_fix_numbers;
 pub(crate) use guess::{guess, open_question, perhaps_of_wheels};
 use layout::Layout;
 use time_column::{seconds_and_nanoseconds, time_rank, time_unit};
@@ -219,6 +221,7 @@ impl Sheet {
         }
         let time = sheet.time.as_ref().map(|time| time.column);
         guess_columns(&mut sheet.columns, time, &layout.units);
+        choose_places(&mut sheet.columns);
         guess_pose(&mut sheet.columns);
         drop_doubles(&mut sheet.columns);
         Ok(sheet)
@@ -280,6 +283,7 @@ fn guess_columns(columns: &mut [SheetColumn], time: Option<usize>, units: &[Stri
         if !is_stated && open_question(column).is_some() || perhaps_of_wheels(column).is_some() {
             column.guess = None;
         }
+        column.guess = (column.guess.take()).and_then(|guess| of_fix_numbers(column, guess));
         // a speed that is negative at times has a sign
         if let Some(guess) = &mut column.guess
             && guess.meaning == Meaning::SpeedSize
@@ -287,6 +291,36 @@ fn guess_columns(columns: &mut [SheetColumn], time: Option<usize>, units: &[Stri
         {
             guess.meaning = Meaning::SpeedForward;
         }
+    }
+}
+
+/// Of a pose and fixes one counts: fixes before a pose that wheels may have a part in.
+fn choose_places(columns: &mut [SheetColumn]) {
+    let of_pose = [Meaning::PoseX, Meaning::PoseY, Meaning::PoseYaw];
+    let of_fixes = [
+        Meaning::Latitude,
+        Meaning::Longitude,
+        Meaning::Altitude,
+        Meaning::FixType,
+        Meaning::FixStatus,
+        Meaning::FixSigma,
+    ];
+    let means = |column: &SheetColumn, meanings: &[Meaning]| {
+        let guess = column.guess.as_ref();
+        guess.is_some_and(|guess| meanings.contains(&guess.meaning))
+    };
+    let [fixes, poses] = [&of_fixes[..2], &of_pose[..1]]
+        .map(|meanings| columns.iter().find(|column| means(column, meanings)));
+    let (Some(_), Some(pose)) = (fixes, poses) else {
+        return;
+    };
+    let others = if is_of_wheels(&pose.name) {
+        &of_pose[..]
+    } else {
+        &of_fixes
+    };
+    for column in columns.iter_mut().filter(|column| means(column, others)) {
+        column.guess = None;
     }
 }
 
@@ -314,6 +348,9 @@ fn guess_pose(columns: &mut [SheetColumn]) {
         let yaw = find(&["theta", "yaw"], None).filter(|_| !has(columns, Meaning::PoseYaw));
         [yaw.map(|yaw| (Meaning::PoseYaw, yaw)), None, None]
     } else {
+        if has(columns, Meaning::Latitude) {
+            return;
+        }
         let places = (find(&["x"], Some("m")), find(&["y"], Some("m")), yaw);
         let (Some(x), Some(y), Some(yaw)) = places else {
             return;

@@ -62,6 +62,8 @@ pub(super) const UNIT_WORDS: &[(&str, &str)] = &[
     ("km", "km"),
     ("ft", "ft"),
     ("m", "m"),
+    ("1e7", "1e-7 deg"),
+    ("e7", "1e-7 deg"),
     ("degrees", "deg"),
     ("deg", "deg"),
     ("rad", "rad"),

@@ -29,6 +29,7 @@ fn lacks(sheet: &Sheet) -> Vec<&'static str> {
     let wheels = [Meaning::WheelCount, Meaning::WheelAngle, Meaning::WheelRate];
     let motion = [
         Meaning::PoseX,
+        Meaning::Latitude,
         Meaning::SpeedForward,
         Meaning::SpeedSize,
         Meaning::DisplacementForward,

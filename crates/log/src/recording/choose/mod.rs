@@ -15,8 +15,8 @@ use super::preview::{Preview, TopicPreview};
 use crate::error::{Error, Result};
 use crate::message::known::{OUTPUT, TRUTH};
 use crate::messages::Clock;
-pub(crate) use names::{is_asked_for, is_command, is_over_ground};
-pub(super) use names::{is_of_wheels, words};
+pub(super) use names::words;
+pub(crate) use names::{is_asked_for, is_command, is_of_wheels, is_over_ground};
 
 /// One topic that is used.
 #[derive(Clone, Debug)]
@@ -37,6 +37,8 @@ pub(crate) struct Choice {
     pub(crate) clock: Clock,
     /// The standard deviation of a place by the reference, m, where its messages state it.
     pub(crate) position_sigma: Option<f64>,
+    /// That which the robot file states, m.
+    pub(crate) stated_sigma: Option<f64>,
     /// Position of the satellite receiver's antenna in the robot's frame, m.
     pub(crate) antenna: [f64; 2],
     /// The pose that transforms hold, where it is used.
@@ -60,6 +62,7 @@ pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
             wheels: topics.joints.iter().map(|j| j.wheel.clone()).collect(),
             clock: Clock::Header,
             position_sigma: None,
+            stated_sigma: topics.position_sigma,
             antenna: topics.antenna,
             frame_pose: None,
             notes: Vec::new(),

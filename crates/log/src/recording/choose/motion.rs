@@ -7,7 +7,7 @@ use super::{Choosing, Job, TopicPreview};
 use crate::error::{Error, Result};
 use crate::message::{View, short};
 use crate::recording::frames::{FramePair, FramePose, is_static, poses, prefix};
-use crate::recording::navigation::{ACCURATE_SIGMA_M, place_sigma};
+use crate::recording::navigation::{FixColumns, UNSTATED_SIGMA_M, place_sigma};
 
 /// Words in the name of a topic whose velocity is to the east, north and up, as satellite receivers send it.
 const ON_EARTH: &[&str] = &["gps", "gnss", "fix", "navsat", "ublox"];
@@ -169,29 +169,29 @@ impl Choosing<'_> {
         self.choice.notes.extend(note);
     }
 
+    /// How accurate the fixes in the numbers of a message are, by the first of them.
+    pub(super) fn field_fixes(&mut self, seen: &TopicPreview, job: &Job) {
+        let mut fixes = FixColumns::new(self.topics.position_sigma);
+        let mut fix = |fix| fixes.place(fix).ok();
+        if let Some(value) = &seen.sample {
+            job.measurements(None, value, &mut fix, &mut |_| ());
+        }
+        let (found, note) = fixes.seen.choose(&seen.channel.topic);
+        let sigma = found.map(|(sigma, _)| sigma).or(self.topics.position_sigma);
+        self.choice.position_sigma = Some(sigma.unwrap_or(UNSTATED_SIGMA_M));
+        self.choice.notes.extend(note.filter(|_| found.is_some()));
+    }
+
     /// Fixes of a satellite receiver, with their accuracy where it is poor.
     fn fixes(&mut self, seen: Option<&TopicPreview>) {
         let Some(seen) = seen else {
             return;
         };
-        let topic = &seen.channel.topic;
-        let Some((sigma, limit)) = seen.fixes.sigma() else {
-            self.choice.notes.push(format!(
-                "`{topic}` is not used: it holds only {}",
-                seen.fixes.fault.unwrap_or("fixes that cannot be decoded")
-            ));
+        let (sigma, note) = seen.fixes.choose(&seen.channel.topic);
+        self.choice.notes.extend(note);
+        let Some((sigma, limit)) = sigma else {
             return;
         };
-        if sigma > ACCURATE_SIGMA_M {
-            let says = if seen.fixes.are_unstated() {
-                "does not say how accurate its fixes are, assumed is a standard deviation of"
-            } else {
-                "has fixes with a standard deviation of"
-            };
-            self.choice.notes.push(format!(
-                "`{topic}` {says} {sigma:.1} m: slips follow slowly, over many metres"
-            ));
-        }
         self.take(seen, Job::Fix(limit), "way between fixes", WAY);
         self.choice.position_sigma = Some(sigma);
     }

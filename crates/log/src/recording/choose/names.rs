@@ -51,7 +51,7 @@ const ASKED_FOR: &[&str] = &[
 const OF_WHEELS: &[&str] = &["odom", "odometry", "ekf", "ukf"];
 
 /// The words of a name: `/vicon/robot_1` is `vicon`, `robot`, `1`.
-pub(super) fn words(name: &str) -> impl Iterator<Item = String> + '_ {
+pub(in crate::recording) fn words(name: &str) -> impl Iterator<Item = String> + '_ {
     name.split(|letter: char| !letter.is_alphanumeric())
         .filter(|word| !word.is_empty())
         .map(str::to_lowercase)
@@ -68,7 +68,7 @@ pub(crate) fn is_asked_for(topic: &str) -> bool {
 }
 
 /// Does a topic's name say that wheels have a part in it?
-pub(super) fn is_of_wheels(topic: &str) -> bool {
+pub(crate) fn is_of_wheels(topic: &str) -> bool {
     !is_over_ground(topic) && words(topic).any(|word| OF_WHEELS.contains(&word.as_str()))
 }
 

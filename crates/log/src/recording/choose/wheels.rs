@@ -43,11 +43,16 @@ impl Choosing<'_> {
                 .map(|field| (measured(&topic.fields, field), wheel_of(&field.wheel)))
                 .collect();
             let slots = Slots::new(&topic.fields, &self.choice.wheels);
-            if slots.gives_places() {
+            let gives_fixes = slots.gives_fixes();
+            if slots.gives_places() && !gives_fixes {
                 self.place_sigma(&topic.topic);
             }
             let paths = topic.fields.iter().map(|f| f.column.clone()).collect();
-            self.take(seen, Job::Fields(slots, paths), "fields", measures);
+            let job = Job::Fields(slots, paths);
+            if gives_fixes {
+                self.field_fixes(seen, &job);
+            }
+            self.take(seen, job, "fields", measures);
         }
         Ok(())
     }
