@@ -9,6 +9,7 @@ use grouser_files::columns::Meaning;
 use grouser_files::{PLACEHOLDER, TomlText};
 
 use crate::message::short;
+use crate::recording::speed_of_number;
 use crate::sheet::{Guess, Sheet, SheetColumn, guess, open_question, perhaps_of_wheels};
 use crate::survey::{Survey, Topic, Use};
 
@@ -108,7 +109,26 @@ pub fn suggest_for_survey(survey: &Survey) -> String {
             wheels.push((wheel, None));
         }
     }
+    topics.push_str(&speed_fields(survey));
     robot(&topics, "", &wheels, true, &counter)
+}
+
+/// Topics of a number that may be the speed over ground, as comments.
+fn speed_fields(survey: &Survey) -> String {
+    let mut fields = String::new();
+    for topic in &survey.topics {
+        let name = &topic.channel.topic;
+        if let Some(meaning) = speed_of_number(name, &topic.channel.type_name) {
+            let _ = write!(
+                fields,
+                "\n# [[topics.field]]  # if it is the speed over ground, in m/s; not if it was made of the wheels\n# topic = \
+                 {}\n# field = \"data\"\n# meaning = \"{}\"\n# unit = \"m/s\"\n",
+                TomlText::quoted(name),
+                meaning.name()
+            );
+        }
+    }
+    fields
 }
 
 /// Topics of one number each that their names call the sensor of a wheel, one of each wheel.

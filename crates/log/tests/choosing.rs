@@ -608,6 +608,110 @@ fn topics_of_another_robot_are_not_taken() {
 }
 
 #[test]
+fn of_several_inertial_units_that_of_the_robot_counts() {
+    let wheels = ["left", "right"];
+    let still = |name| imu(name, FLAT, [0.0; 3]);
+    let of = |messages: &[Message], wanted: &str| {
+        let found = log(messages, wanted);
+        let topic = found
+            .topics()
+            .find(|topic| topic.used_for.contains("yaw rate"));
+        (topic.unwrap().topic, found.notes().join("\n"))
+    };
+    // in the namespace of the wheels, though another comes first
+    let robots = [
+        joints("/r1/joint_states", &wheels),
+        still("/r0/imu/data"),
+        still("/r1/imu/data_raw"),
+        still("/r1/imu/data"),
+    ];
+    let (topic, notes) = of(&robots, "");
+    assert_eq!(topic, "/r1/imu/data");
+    assert!(
+        notes.contains("is that of `/r1/imu/data`, not of `/r0/imu/data`: `yaw_rate`"),
+        "{notes}"
+    );
+    let (topic, notes) = of(&robots, "yaw_rate = \"/r0/imu/data\"\n");
+    assert!(
+        topic == "/r0/imu/data" && !notes.contains("not of"),
+        "{notes}"
+    );
+    // no namespace says which: the first, with a note
+    let (topic, notes) = of(
+        &[
+            joints("/joint_states", &wheels),
+            still("/camera/imu"),
+            still("/imu"),
+        ],
+        "",
+    );
+    assert_eq!(topic, "/camera/imu");
+    assert!(notes.contains("not of `/imu`"), "{notes}");
+    // before and after a filter it is one sensor
+    let (topic, notes) = of(
+        &[
+            joints("/joint_states", &wheels),
+            still("/imu/data_raw"),
+            still("/imu/data"),
+        ],
+        "",
+    );
+    assert!(topic == "/imu/data" && !notes.contains("not of"), "{notes}");
+}
+
+/// Messages of JSON, one of each topic.
+fn json_topics(topics: &[(&str, &str, &str)]) -> Vec<u8> {
+    let mut file = mcap::MAGIC.to_vec();
+    for (id, (topic, type_name, text)) in (1..).zip(topics) {
+        mcap::schema(&mut file, id, type_name.as_bytes(), b"");
+        mcap::channel(&mut file, id, id, topic.as_bytes(), b"json");
+        mcap::message(&mut file, id, u64::from(id), text.as_bytes());
+    }
+    file
+}
+
+#[test]
+fn a_speed_that_is_a_number_is_named_with_what_reads_it() {
+    let wheels = (
+        "/joint_states",
+        "sensor_msgs/JointState",
+        "{\"name\":[\"left\",\"right\"],\"position\":[],\"velocity\":[0.5,0.5]}",
+    );
+    let number = |topic| (topic, "std_msgs/Float32", "{\"data\":0.25}");
+    let all = json_topics(&[wheels, number("/ground_speed"), number("/fan_speed")]);
+    let notes = over(all.clone(), "").unwrap().notes().join("\n");
+    assert!(
+        notes.contains("`/ground_speed` is not used") && !notes.contains("fan"),
+        "{notes}"
+    );
+    // the keys that it names read it
+    let keys: Vec<&str> = notes
+        .split('`')
+        .filter(|part| part.contains(" = "))
+        .collect();
+    let wanted = format!("[[topics.field]]\n{}\n", keys.join("\n"));
+    let read = over(all, &wanted).unwrap();
+    let speed = M::Speed {
+        forward: 0.25,
+        left: None,
+    };
+    assert!(readings(&read).contains(&speed));
+    assert!(!read.notes().join("\n").contains("ground_speed"));
+    // where a speed is measured there is nothing to say
+    let twist =
+        "{\"twist\":{\"linear\":{\"x\":1,\"y\":0,\"z\":0},\"angular\":{\"x\":0,\"y\":0,\"z\":0}}}";
+    let measured = ("/vo/twist", "geometry_msgs/TwistStamped", twist);
+    let both = over(
+        json_topics(&[wheels, number("/ground_speed"), measured]),
+        "",
+    )
+    .unwrap();
+    assert!(
+        both.measures(Meaning::SpeedForward) && !both.notes().join("\n").contains("ground_speed")
+    );
+}
+
+#[test]
 fn accelerations_need_their_axes() {
     let max = f64::MAX;
     let wanted = "imu_up = \"z\"\nimu_forward = \"x\"";

@@ -274,6 +274,15 @@ fn numbers_of_wheels_are_fields() {
     // one that the robot's computer sends is no sensor
     let (_, text) = proposed(&[("/left_wheel/cmd_vel", "std_msgs/Float64")]);
     assert!(!text.contains("[[topics.field]]"), "{text}");
+    // a speed is a comment, which is a field without its marks
+    let (file, text) = proposed(&[("/ground_speed", "std_msgs/Float32")]);
+    assert_eq!(file.topics.fields.len(), 0);
+    let field = "# [[topics.field]]  # if it is the speed over ground, in m/s; not if it was made of the wheels\n\
+                 # topic = \"/ground_speed\"\n# field = \"data\"\n# meaning = \"speed_forward\"\n# unit = \"m/s\"\n";
+    assert!(text.contains(field), "{text}");
+    let file =
+        read(&text.replace(field, &field.replace("\n# ", "\n").replacen("# ", "", 1))).unwrap();
+    assert_eq!(file.topics.fields[0].topic, "/ground_speed");
 }
 
 #[test]

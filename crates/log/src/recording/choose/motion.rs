@@ -2,7 +2,9 @@
 
 use grouser_files::columns::Meaning;
 
-use super::names::{is_asked_for, is_command, is_of_wheels, is_over_ground, words};
+use super::names::{
+    is_asked_for, is_command, is_of_wheels, is_over_ground, speed_of_number, words,
+};
 use super::{Choosing, Job, TopicPreview};
 use crate::error::{Error, Result};
 use crate::message::{View, short};
@@ -224,9 +226,19 @@ impl Choosing<'_> {
         let unused = self
             .free()
             .filter(|seen| !used.iter().any(|chosen| chosen.topic == seen.channel.topic));
+        let has_speed = [Meaning::SpeedForward, Meaning::SpeedSize]
+            .iter()
+            .any(|meaning| self.measures(*meaning));
         let notes: Vec<String> = unused
             .filter_map(|seen| {
                 let topic = &seen.channel.topic;
+                if let Some(meaning) = speed_of_number(topic, &seen.channel.type_name).filter(|_| !has_speed) {
+                    return Some(format!(
+                        "`{topic}` is not used: if it is the speed over ground, `[[topics.field]]` with `topic = \"{topic}\"`, \
+                         `field = \"data\"`, `meaning = \"{}\"` and `unit = \"m/s\"` reads it",
+                        meaning.name()
+                    ));
+                }
                 let keys = match seen.view()? {
                     View::Odometry(_) => {
                         "`pose` or `speed` if it measures the ground, as `wheel_odometry` if it was made of the wheels"

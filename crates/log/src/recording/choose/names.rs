@@ -1,5 +1,9 @@
 //! What the names of topics and joints say.
 
+use grouser_files::columns::Meaning;
+
+use crate::message::short;
+
 /// Words in a topic's name that say that it measures the ground, not the wheels.
 const OVER_GROUND: &[&str] = &[
     "vio",
@@ -77,6 +81,29 @@ pub(crate) fn is_command(topic: &str) -> bool {
     !is_over_ground(topic) && words(topic).any(|word| word == "cmd" || word == "command")
 }
 
+/// The meaning of a topic of one number whose name says that it is the robot's speed.
+pub(crate) fn speed_of_number(topic: &str, type_name: &str) -> Option<Meaning> {
+    const AROUND: &[&str] = &[
+        "ground", "over", "forward", "robot", "vehicle", "linear", "measured", "data",
+    ];
+    const ON_EARTH: &[&str] = &["gps", "gnss", "sog"];
+    let is_number = ["std_msgs/Float32", "std_msgs/Float64"].contains(&&*short(type_name));
+    let is = |word: &String, all: &[&str]| all.contains(&word.as_str());
+    let own = words(topic).filter(|word| !is(word, AROUND));
+    let own: Vec<String> = own.collect();
+    let (on_earth, rest): (Vec<_>, Vec<_>) = own.iter().partition(|word| is(word, ON_EARTH));
+    let is_speed = match rest.as_slice() {
+        [] => on_earth.iter().any(|word| *word == "sog"),
+        [word] => is(word, &["speed", "velocity", "vel"]),
+        _ => false,
+    };
+    (is_number && is_speed).then_some(if on_earth.is_empty() {
+        Meaning::SpeedForward
+    } else {
+        Meaning::SpeedSize
+    })
+}
+
 /// The joint whose name is the wheel's, the words `joint`, `wheel` and `link` aside: `front_left` is
 /// `front_left_wheel_joint`. Two such joints are none.
 pub(super) fn joint_by_name<'a>(
@@ -118,6 +145,34 @@ mod tests {
         assert_eq!(found("wheel"), None);
         let twice = ["left_joint", "left_wheel"].map(String::from);
         assert_eq!(joint_by_name("left", twice.iter()), None);
+    }
+
+    #[test]
+    fn numbers_are_speeds_by_their_names() {
+        let of = |topic| speed_of_number(topic, "std_msgs/msg/Float32");
+        for topic in [
+            "/ground_speed",
+            "/speed",
+            "/robot/vel",
+            "/speed_over_ground/data",
+        ] {
+            assert_eq!(of(topic), Some(Meaning::SpeedForward), "{topic}");
+        }
+        for topic in ["/gps/speed", "/sog"] {
+            assert_eq!(of(topic), Some(Meaning::SpeedSize), "{topic}");
+        }
+        for topic in [
+            "/cmd_vel",
+            "/left/speed",
+            "/fan_speed",
+            "/ground",
+            "/gps",
+            "/target_speed",
+            "/odom/vel",
+        ] {
+            assert_eq!(of(topic), None, "{topic}");
+        }
+        assert_eq!(speed_of_number("/speed", "std_msgs/msg/Int32"), None);
     }
 
     #[test]

@@ -19,12 +19,11 @@ impl Choosing<'_> {
         } else if self.measures(Meaning::YawRate) {
             None
         } else {
-            // Filtered data before raw, the first of these.
             let imus = self.free().filter(|seen| match seen.view() {
                 Some(View::Imu(imu)) => imu.angular_rate.is_some(),
                 _ => false,
             });
-            imus.min_by_key(|seen| words(&seen.channel.topic).any(|word| word == "raw"))
+            self.of_several_imus(&imus.collect::<Vec<_>>())
         };
         let Some((seen, Some(View::Imu(imu)))) = seen.map(|seen| (seen, seen.view())) else {
             return Ok(());
@@ -49,6 +48,37 @@ impl Choosing<'_> {
         chosen.align = align;
         self.acceleration(seen, &imu, up);
         Ok(())
+    }
+
+    /// The one in the namespace of the wheels, filtered data before raw, the first of these; others are noted.
+    fn of_several_imus<'t>(&mut self, imus: &[&'t TopicPreview]) -> Option<&'t TopicPreview> {
+        let wheels = self.wheel_topic().unwrap_or_default();
+        let is_raw = |topic: &str| words(topic).any(|word| word == "raw");
+        let apart = |seen: &&&TopicPreview| {
+            let topic = &seen.channel.topic;
+            (
+                std::cmp::Reverse(shared_namespace(wheels, topic)),
+                is_raw(topic),
+            )
+        };
+        let own = *imus.iter().min_by_key(apart)?;
+        // the same sensor before and after a filter
+        let sensor = |topic: &str| {
+            let words =
+                words(topic).filter(|word| !["raw", "data", "filtered"].contains(&word.as_str()));
+            words.collect::<Vec<_>>()
+        };
+        let own_topic = &own.channel.topic;
+        let others = imus.iter().map(|seen| &seen.channel.topic);
+        let others = others.filter(|topic| sensor(topic) != sensor(own_topic));
+        let others: Vec<String> = others.map(|topic| format!("`{topic}`")).collect();
+        if !others.is_empty() {
+            self.choice.notes.push(format!(
+                "the yaw rate is that of `{own_topic}`, not of {}: `yaw_rate` in `[topics]` of the robot file decides",
+                others.join(", ")
+            ));
+        }
+        Some(own)
     }
 
     /// The acceleration, where the robot file or transforms give the forward axis and neither gravity nor covariances
@@ -135,6 +165,18 @@ impl Choosing<'_> {
             }
         }
     }
+}
+
+/// In how many parts the namespaces of two topics agree, from the first on.
+fn shared_namespace(a: &str, b: &str) -> usize {
+    let parts = |topic: &str| -> Vec<String> {
+        let namespace = topic.trim_start_matches('/').rsplit_once('/');
+        namespace.map_or(Vec::new(), |(namespace, _)| {
+            namespace.split('/').map(str::to_owned).collect()
+        })
+    };
+    let (a, b) = (parts(a), parts(b));
+    a.iter().zip(&b).take_while(|(a, b)| a == b).count()
 }
 
 /// A direction in words: an axis, or its three parts.
