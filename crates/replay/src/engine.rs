@@ -4,15 +4,16 @@ use grouser_files::robot::{Corrections, RobotFile};
 use grouser_slip::filter::Learnt;
 use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::window::{WindowBody, WindowEstimator, WindowMeans, WindowSettings};
-use grouser_slip::{Measurement, Motion, Reference, Robot, Sample, Slip, WheelRole};
+use grouser_slip::{
+    Health, Invalid, Measurement, Motion, Reference, Robot, Sample, Slip, WheelRole,
+};
 
 use crate::axes::AxisWatch;
-use crate::checks::Doubt;
 use crate::choice::Inputs;
 use crate::encoder_signs::EncoderSigns;
 use crate::error::{Error, Result};
 use crate::exchange_watch::ExchangeWatch;
-use crate::fusion::{FusedSummary, Fusion};
+use crate::fusion::Fusion;
 use crate::ground_watch::GroundWatch;
 use crate::method::Method;
 use crate::moment::{Moment, Travel, side_slip_angle};
@@ -26,7 +27,7 @@ use crate::sink::{Row, Sink, Step};
 use crate::speed_sign::SignWatch;
 use crate::steering::WheelSteering;
 use crate::steering_watch::SteeringWatch;
-use crate::summary::{Spread, Status, Summary};
+use crate::summary::{Status, Summary};
 use crate::tally::Tally;
 use crate::turn_watch::TurnWatch;
 use crate::ways::Ways;
@@ -115,6 +116,14 @@ enum Slips {
 }
 
 impl Slips {
+    /// Was nothing of an absolute reference used so far?
+    fn is_reference_unused(&self) -> bool {
+        match self {
+            Self::Filter(fusion, _) => fusion.is_reference_unused(),
+            Self::Window(_) => false,
+        }
+    }
+
     /// What is learnt of the soil so far.
     fn soil(&self) -> Option<SoilEstimate> {
         match self {
@@ -432,7 +441,12 @@ impl Engine {
         let now = moment.time_ns;
         let (time_s, is_wanted) = self.when(now);
         let robot = self.robot.wheels();
+        let is_unused = self.slips.is_reference_unused();
         for (wheel, described) in moment.wheels.iter_mut().zip(robot) {
+            if is_unused && wheel.slip.is_some() {
+                (wheel.slip, wheel.sigma) = (None, None);
+                wheel.health = Health::Invalid(Invalid::NoReference);
+            }
             let factor = self.corrections.interval_factor;
             wheel.sigma = wheel.sigma.map(|sigma| factor * sigma);
             // against itself a reference does not slip
@@ -443,7 +457,8 @@ impl Engine {
                 }
             }
         }
-        let (motion, low_speed) = (moment.motion.as_ref(), self.settings.low_speed);
+        let motion = moment.motion.as_ref().filter(|_| !is_unused);
+        let low_speed = self.settings.low_speed;
         for (index, tally) in self.tallies.iter_mut().enumerate() {
             if moment.read >> index & 1 == 0 {
                 continue;
@@ -503,13 +518,8 @@ impl Engine {
             // The difference is wiring: no wheel slips by it.
             turns.wheel = None;
         }
-        // Where nothing of an absolute reference was used, there is no way and no absolute slip.
-        let is_unused = fused.as_ref().is_some_and(|fused: &FusedSummary| {
-            fused
-                .doubts
-                .iter()
-                .any(|doubt| matches!(doubt, Doubt::ReferenceUnused))
-        });
+        // Where nothing of an absolute reference was used, there is no way.
+        let is_unused = self.slips.is_reference_unused();
         Summary {
             status: if self.tallies.iter().any(Tally::has_slip) {
                 Status::Done
@@ -528,11 +538,7 @@ impl Engine {
             wheels: wheels
                 .map(|(wheel, tally)| {
                     let is_free = wheel.role == WheelRole::Free;
-                    let mut of = tally.summary(wheel, is_free && reference == Reference::FreeWheel);
-                    if is_unused {
-                        of.slip = Spread::default();
-                    }
-                    of
+                    tally.summary(wheel, is_free && reference == Reference::FreeWheel)
                 })
                 .collect(),
             along: self.ways.along(reference != Reference::Grip && !is_unused),

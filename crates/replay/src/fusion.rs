@@ -227,20 +227,29 @@ impl Fusion {
         body.forward.value * body.yaw_rate.value
     }
 
-    pub(crate) fn summary(&self, ways: WayCheck) -> FusedSummary {
+    /// How much of the reference was used so far; `None` before its first reading.
+    fn reference_use(&self) -> Option<ReferenceUse> {
         let known = self.filter.latest();
-        let reference = (known.reference_readings > 0).then(|| ReferenceUse {
-            readings: known.reference_readings,
-            used: known
-                .reference_readings
-                .saturating_sub(known.reference_refused),
-        });
+        let readings = known.reference_readings;
+        (readings > 0).then(|| ReferenceUse {
+            readings,
+            used: readings.saturating_sub(known.reference_refused),
+        })
+    }
+
+    /// Was nothing of an absolute reference used so far? Slips are then what was expected beforehand.
+    pub(crate) fn is_reference_unused(&self) -> bool {
         let is_absolute = matches!(
             self.reference,
             Reference::Displacement | Reference::Pose | Reference::Speed
         );
-        let is_unused = is_absolute && reference.is_none_or(|of| of.used == 0);
-        let unused = is_unused.then_some(Doubt::ReferenceUnused);
+        is_absolute && self.reference_use().is_none_or(|of| of.used == 0)
+    }
+
+    pub(crate) fn summary(&self, ways: WayCheck) -> FusedSummary {
+        let known = self.filter.latest();
+        let reference = self.reference_use();
+        let unused = (self.is_reference_unused()).then_some(Doubt::ReferenceUnused);
         FusedSummary {
             reference,
             ways,

@@ -6,8 +6,8 @@ use std::io;
 
 use grouser_files::Document;
 use grouser_files::robot::{self, RobotFile, WheelSensor};
-use grouser_replay::{Doubt, Engine, Inputs, Options, Row, Sink, Summary};
-use grouser_slip::{Measurement, Reference};
+use grouser_replay::{Doubt, Engine, Inputs, Options, Row, Sink, Status, Summary};
+use grouser_slip::{Health, Measurement, Motion, Reference};
 use grouser_synthetic::{Disturbance, KnownTruth, SlipProfile};
 
 fn file(more: &str) -> RobotFile {
@@ -49,6 +49,44 @@ impl Sink for Errors<'_> {
     }
 }
 
+const DRIVE: KnownTruth = KnownTruth {
+    rim_speed: 2.0,
+    accelerations: false,
+    disturbance: Disturbance::Clean,
+    profile: SlipProfile::Waves,
+    position_sigma: 0.02,
+    duration_s: 60,
+    seed: 7,
+};
+
+const INPUTS: Inputs = Inputs {
+    wheel_sensor: WheelSensor::Count,
+    reference: Reference::Pose,
+    position_sigma: None,
+    is_acceleration_forward_only: false,
+};
+
+/// The drive with poses that are no numbers up to a time, s.
+fn run_to(until_s: f64, smooth: bool, sink: &mut Trusted) -> Summary {
+    let options = Options {
+        smooth,
+        ..Options::default()
+    };
+    let mut engine = Engine::new(&file(""), INPUTS, &options).unwrap();
+    let steps = DRIVE.steps();
+    let start_ns = steps[0].samples[0].time_ns;
+    for mut sample in steps.iter().flat_map(|step| step.samples.clone()) {
+        let time_s = (sample.time_ns - start_ns) as f64 * 1e-9;
+        if let Measurement::Pose { yaw, .. } = &mut sample.measurement
+            && time_s < until_s
+        {
+            *yaw = f64::NAN;
+        }
+        engine.push(sample, sink).unwrap();
+    }
+    engine.finish(sink).unwrap()
+}
+
 /// A drive with its samples changed: the summary and the RMSE of the slips.
 fn run(
     accelerations: bool,
@@ -57,19 +95,12 @@ fn run(
     change: impl Fn(&mut Measurement),
 ) -> (Summary, f64) {
     let drive = KnownTruth {
-        rim_speed: 2.0,
         accelerations,
-        disturbance: Disturbance::Clean,
-        profile: SlipProfile::Waves,
-        position_sigma: 0.02,
-        duration_s: 60,
-        seed: 7,
+        ..DRIVE
     };
     let inputs = Inputs {
-        wheel_sensor: WheelSensor::Count,
-        reference: Reference::Pose,
-        position_sigma: None,
         is_acceleration_forward_only,
+        ..INPUTS
     };
     let steps = drive.steps();
     let truth: Vec<[f64; 4]> = steps.iter().map(|step| step.wheel_slips).collect();
@@ -151,24 +182,44 @@ fn an_acceleration_forwards_alone_is_of_use() {
     assert!(forward.1 < 1.1 * both && forward.1 < 0.7 * without);
 }
 
+/// The rows of a drive whose poses are no numbers before a time, s: times with a slip, and those that are trusted while moving.
+#[derive(Default)]
+struct Trusted(Vec<f64>, Vec<f64>);
+
+impl Sink for Trusted {
+    fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
+        assert_eq!(row.slip.is_some(), row.slip_sigma.is_some());
+        self.0.extend(row.slip.map(|_| row.time_s));
+        let is_moving = row.motion != Some(Motion::Standstill);
+        self.1
+            .extend((is_moving && row.health == Health::Ok).then_some(row.time_s));
+        Ok(())
+    }
+}
+
 /// Poses of which none is a number: no way and no slip, instead of the slip that was expected beforehand.
 #[test]
 fn a_reference_without_a_usable_reading_leaves_no_slip() {
-    let (summary, _) = run(false, false, "", |measurement| {
-        if let Measurement::Pose { yaw, .. } = measurement {
-            *yaw = f64::NAN;
+    for (until_s, smooth) in [(f64::INFINITY, false), (f64::INFINITY, true), (20.0, false)] {
+        let mut rows = Trusted::default();
+        let summary = run_to(until_s, smooth, &mut rows);
+        let [first, trusted] = [&rows.0, &rows.1].map(|times| times.first().copied());
+        if until_s < 60.0 {
+            assert!(
+                first.is_some_and(|time| (20.0..21.0).contains(&time)),
+                "{first:?}"
+            );
+            assert!(trusted.is_some_and(|time| time > 20.0), "{trusted:?}");
+            continue;
         }
-    });
-    assert!(summary.doubts().contains(&Doubt::ReferenceUnused));
-    assert_eq!(
-        (summary.along.overall, summary.along.travel_reference),
-        (None, None)
-    );
-    assert!(
-        summary
-            .wheels
-            .iter()
-            .all(|wheel| wheel.slip.median.is_none())
-    );
-    assert!(summary.odometry.is_none() && summary.rejected.total() > 0);
+        assert_eq!((first, trusted), (None, None));
+        assert!(summary.doubts().contains(&Doubt::ReferenceUnused));
+        assert_eq!(summary.status, Status::NoSlip);
+        assert_eq!(
+            (summary.along.overall, summary.along.travel_reference),
+            (None, None)
+        );
+        assert!((summary.wheels.iter()).all(|wheel| wheel.slip.median.is_none()));
+        assert!(summary.odometry.is_none() && summary.rejected.total() > 0);
+    }
 }

@@ -20,8 +20,8 @@ use grouser_log::container::Container;
 use grouser_log::{Cell, LOOK_AHEAD, LeftOut, Log, UsedTopic};
 use grouser_page::run::LogRecorder;
 use grouser_replay::{
-    Compared, Inputs, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step, Summary,
-    Truth, check_start, run_into, soil_readings, unused_currents,
+    Compared, Doubt, Inputs, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step,
+    Summary, Truth, check_start, run_into, soil_readings, unused_currents,
 };
 use grouser_slip::{Reference, Rejected};
 
@@ -402,11 +402,16 @@ fn start_words(start: &StartOutcome) -> String {
 }
 
 fn failure(summary: &Summary) -> Option<String> {
+    let is_unused = summary.doubts().contains(&Doubt::ReferenceUnused);
     (summary.status == Status::NoSlip).then(|| {
-        format!(
-            "no wheel has a slip: in {:.3} s nothing moved enough for a window of {} s",
-            summary.duration_s, summary.window_s
-        )
+        if is_unused {
+            "no wheel has a slip: no reading of the reference could be used".to_owned()
+        } else {
+            format!(
+                "no wheel has a slip: in {:.3} s nothing moved enough for a window of {} s",
+                summary.duration_s, summary.window_s
+            )
+        }
     })
 }
 
