@@ -327,6 +327,20 @@ fn a_tables_columns_are_reported_with_what_they_probably_mean() {
 }
 
 #[test]
+fn speeds_of_rims_measure_wheels() {
+    let folder = Folder::new("log-rims");
+    let table = folder.0.join("log.csv");
+    let text = "time_s,WheelSpeed_FL [km/h],WheelSpeed_FR [km/h],wz_rad_s,GPS_Speed [km/h]\n0,1,1,0,1\n0.1,1,2,0,1\n";
+    fs::write(&table, text).unwrap();
+    let object = json(&["log", "info", table.to_str().unwrap()], 0);
+    assert_eq!(object["lacks"].as_array().unwrap().len(), 0, "{object}");
+    assert_eq!(
+        object["columns"][1]["probably"],
+        "wheel_speed of fl in km/h"
+    );
+}
+
+#[test]
 fn types_stand_whole_in_their_lines_when_piped() {
     let output = grouser(&["log", "info", MCAP]);
     let printed = String::from_utf8(output.stdout).unwrap();

@@ -128,6 +128,7 @@ fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -> Option<Gu
     if (turns && (is(&["z"]) || is_gyro(words)))
         || (is(&["yaw"]) && is(&["rate", "velocity"]))
         || is(&["yawrate"])
+        || (stated == Some(Quantity::AngularRate) && is(&["wz"]))
     {
         return of(Meaning::YawRate, "rad/s");
     }
@@ -344,7 +345,7 @@ fn wheel(words: &[String]) -> Option<String> {
         "field", "wheel", "tick", "ticks", "count", "counts", "encoder", "enc", "velocity", "vel",
         "speed", "rate", "omega", "rpm", "position", "pos", "angle", "joint", "rad", "deg", "per",
         "s", "data", "msg", "raw", "degrees", "motor", "m", "mps", "torque", "effort", "current",
-        "steering", "steer",
+        "steering", "steer", "state", "states",
     ];
     let kept: Vec<&str> = words
         .iter()
@@ -480,7 +481,14 @@ mod tests {
             ("wheel_rate_fl_deg_s", M::WheelRate, Some("fl"), "deg/s"),
             ("fl_rpm", M::WheelRate, Some("fl"), "rpm"),
             ("rpm_left", M::WheelRate, Some("left"), "rpm"),
+            (
+                "/joint_states/left/velocity_rad_s",
+                M::WheelRate,
+                Some("left"),
+                "rad/s",
+            ),
             ("gyro_z_deg_s", M::YawRate, None, "deg/s"),
+            ("wz_rad_s", M::YawRate, None, "rad/s"),
             ("yaw_rate [deg/s]", M::YawRate, None, "deg/s"),
             ("steering_angle_deg", M::SteeringAngle, None, "deg"),
             ("SteeringAngle [deg]", M::SteeringAngle, None, "deg"),

@@ -26,7 +26,12 @@ pub(super) fn report(sheet: &Sheet) -> Report {
 /// What an estimate of slip needs and no column seems to hold.
 fn lacks(sheet: &Sheet) -> Vec<&'static str> {
     let has = |meanings: &[Meaning]| meanings.iter().any(|meaning| sheet.has(*meaning));
-    let wheels = [Meaning::WheelCount, Meaning::WheelAngle, Meaning::WheelRate];
+    let wheels = [
+        Meaning::WheelCount,
+        Meaning::WheelAngle,
+        Meaning::WheelRate,
+        Meaning::WheelSpeed,
+    ];
     let motion = [
         Meaning::PoseX,
         Meaning::Latitude,
