@@ -4,6 +4,7 @@ use grouser_files::columns::{Column, Meaning};
 
 use grouser_slip::Measurement;
 
+use crate::csv::BadField;
 use crate::message::NavSatFix;
 
 /// The readings that a set of columns gives.
@@ -125,14 +126,14 @@ impl Slots {
 
     /// Gives every reading to `take`; one that lacks a part is left out. `number` gives a column in SI,
     /// `count` a column as the bits of a counter; `None` stands for no value. `fix` makes places of fixes.
-    pub(crate) fn readings<E>(
+    pub(crate) fn readings(
         &self,
-        number: impl Fn(Part) -> Result<Option<f64>, E>,
-        count: impl Fn(Part) -> Result<Option<u64>, E>,
+        number: &dyn Fn(Part) -> Result<Option<f64>, BadField>,
+        count: &dyn Fn(Part) -> Result<Option<u64>, BadField>,
         fix: &mut dyn FnMut(NavSatFix) -> Option<Measurement>,
         take: &mut dyn FnMut(Measurement),
-    ) -> Result<(), E> {
-        let optional = |part: Option<Part>| part.map_or(Ok(None), &number);
+    ) -> Result<(), BadField> {
+        let optional = |part: Option<Part>| part.map_or(Ok(None), number);
         for slot in &self.0 {
             let reading = match *slot {
                 Slot::Wheel(Meaning::WheelCount, wheel, part) => {

@@ -263,7 +263,7 @@ impl Survey {
                     None,
                     None,
                 );
-                let best = found.iter().find(|pair| pair.is_absolute).or(found.first());
+                let best = found.first();
                 topic.moves = best.map(|pair| (pair.base.clone(), pair.fixed.clone()));
                 if best.is_some_and(|pair| pair.is_absolute) {
                     topic.use_for = Some(Use::Transforms);

@@ -302,7 +302,9 @@ fn of_several_robots_that_of_the_wheels_counts() {
     assert!(poses(&unknown).is_empty());
     let notes = unknown.notes().join("\n");
     assert!(
-        notes.contains("several poses (`r1/base_link` in `map`, `r2/base_link` in `map`)"),
+        notes.contains(
+            "a pose (`r1/base_link` in `map`, `r2/base_link` in `map`) that is of several robots"
+        ),
         "{notes}"
     );
     let error = opened(file(&messages, "/joint_states"), "pose = \"/tf\"\n").unwrap_err();

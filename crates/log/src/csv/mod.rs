@@ -16,3 +16,4 @@ pub use lines::{LINE_LIMIT, Lines};
 pub(crate) use number::time_ns;
 pub use number::{NotANumber, finite};
 pub(crate) use reader::{Counts, CsvReader, TABLE_LOOK_AHEAD};
+pub(crate) use row::BadField;

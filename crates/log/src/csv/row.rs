@@ -99,6 +99,6 @@ impl Plan {
                 .map(|(text, place)| number::count(text).map_err(bad(place)))
                 .transpose()
         };
-        self.slots.readings(number, count, fix, take)
+        self.slots.readings(&number, &count, fix, take)
     }
 }

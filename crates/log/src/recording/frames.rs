@@ -4,12 +4,10 @@
 //! the robot: the robot's pose in the map follows from both. Between two corrections by the localisation it moves as the
 //! odometry says, which most drivers make of the wheels: it is a measurement where it was corrected, and nowhere else.
 
-use std::collections::BTreeMap;
-
 use grouser_real::Real;
 use grouser_slip::Measurement;
 
-use super::choose::{is_of_wheels, is_over_ground, words};
+use super::choose::{has_word, is_of_wheels, is_over_ground};
 use super::mounting::turned;
 use crate::message::{Elements, Transform};
 
@@ -23,6 +21,7 @@ const BASES: [&str; 3] = ["base_link", "base_footprint", "base"];
 /// A frame in its parent.
 #[derive(Clone, Debug)]
 pub(crate) struct Link {
+    frame: String,
     pub(super) parent: String,
     translation: [f64; 3],
     pub(super) rotation: [f64; 4],
@@ -33,14 +32,42 @@ pub(crate) struct Link {
     is_on_odometry: bool,
 }
 
-/// The frames of a tree.
-pub(super) type Tree = BTreeMap<String, Link>;
+/// The frames of a tree, by name.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tree(Vec<Link>);
+
+impl Tree {
+    fn find(&self, frame: &str) -> Result<usize, usize> {
+        self.0
+            .binary_search_by(|link| link.frame.as_str().cmp(frame))
+    }
+
+    pub(super) fn get(&self, frame: &str) -> Option<&Link> {
+        Some(&self.0[self.find(frame).ok()?])
+    }
+
+    pub(super) const fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The link of a frame, which `make` makes where the tree has none and fewer than [`MAX_FRAMES`]; `None` where it has not.
+    fn entry(&mut self, frame: &str, make: &dyn Fn() -> Link) -> Option<&mut Link> {
+        let place = self.find(frame);
+        if let Err(place) = place
+            && self.0.len() < MAX_FRAMES
+        {
+            self.0.insert(place, make());
+        }
+        place.ok().map(|place| &mut self.0[place])
+    }
+}
 
 impl Link {
     fn of(transform: &Transform, is_static: bool) -> Self {
         let parent = plain(transform.frame);
         Self {
             is_on_odometry: is_of_wheels(parent),
+            frame: plain(transform.child_frame).to_owned(),
             parent: parent.to_owned(),
             translation: transform.translation,
             rotation: transform.rotation,
@@ -52,24 +79,32 @@ impl Link {
 
 /// The first transform of each frame by each topic.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct FirstTransforms(BTreeMap<(usize, String), Link>);
+pub(crate) struct FirstTransforms {
+    by_topic: Vec<Tree>,
+    count: usize,
+}
 
 impl FirstTransforms {
     /// Enters a transform of a topic, if its frame is new.
     pub(crate) fn enter(&mut self, topic: usize, transform: &Transform, is_static: bool) {
-        if self.0.len() < MAX_FRAMES {
-            let key = (topic, plain(transform.child_frame).to_owned());
-            let link = || Link::of(transform, is_static);
-            self.0.entry(key).or_insert_with(link);
+        if self.by_topic.len() <= topic {
+            self.by_topic.resize_with(topic + 1, Tree::default);
+        }
+        if self.count < MAX_FRAMES {
+            let make = || Link::of(transform, is_static);
+            let known = self.by_topic[topic].entry(plain(transform.child_frame), &make);
+            self.count += usize::from(known.is_none());
         }
     }
 
     /// The tree by the topics that `of` takes.
     pub(crate) fn tree(&self, of: impl Fn(usize) -> bool) -> Tree {
-        let mut tree = Tree::new();
-        for ((topic, frame), link) in &self.0 {
-            if of(*topic) && !tree.contains_key(frame) {
-                tree.insert(frame.clone(), link.clone());
+        let mut tree = Tree::default();
+        for (topic, own) in self.by_topic.iter().enumerate() {
+            if of(topic) {
+                for link in &own.0 {
+                    tree.entry(&link.frame, &|| link.clone());
+                }
             }
         }
         tree
@@ -86,35 +121,33 @@ pub(super) fn plain(frame: &str) -> &str {
     frame.trim_start_matches('/')
 }
 
-/// How good a frame is as the robot's base, 0 the best.
-fn base_rank(frame: &str) -> Option<usize> {
-    let name = frame.rsplit('/').next()?;
-    BASES.iter().position(|base| *base == name)
+fn last_part(frame: &str) -> &str {
+    frame.rsplit('/').next().unwrap_or(frame)
 }
 
 pub(super) fn is_base(frame: &str) -> bool {
-    base_rank(frame).is_some()
+    BASES.contains(&last_part(frame))
 }
 
 /// Is it a frame that is fixed to the ground by its name?
 fn is_map(frame: &str) -> bool {
-    words(frame).any(|word| ["map", "world"].contains(&word.as_str()))
+    has_word(frame, &["map", "world"])
 }
 
-/// The links from a frame upwards, each with the frame that it holds, to `top` or to the root of the tree.
+/// The links from a frame upwards, to `top` or to the root of the tree.
 fn chain<'t>(
     tree: &'t Tree,
     frame: &'t str,
     top: Option<&'t str>,
-) -> impl Iterator<Item = (&'t str, &'t Link)> {
+) -> impl Iterator<Item = &'t Link> {
     let mut frame = frame;
     std::iter::from_fn(move || {
         if Some(frame) == top {
             return None;
         }
-        let (child, link) = tree.get_key_value(frame)?;
+        let link = tree.get(frame)?;
         frame = &link.parent;
-        Some((child.as_str(), link))
+        Some(link)
     })
     .take(MAX_CHAIN)
 }
@@ -128,13 +161,13 @@ pub(crate) struct FramePair {
     pub(crate) is_absolute: bool,
 }
 
-/// The poses that a tree holds: of `base`, else of every robot's base; in `fixed`, else in the nearest map, else in the root of
-/// the tree. Of a tree without a base in a fixed frame: of what a tracker follows.
+/// The poses that a tree holds: of `base`, else of every robot's base, else of what a tracker follows; in `fixed`, else in the
+/// nearest map, and where there is none in the root of the tree.
 pub(crate) fn poses(tree: &Tree, fixed: Option<&str>, base: Option<&str>) -> Vec<FramePair> {
     let fixed = fixed.map(plain);
     let pair = |base: &str| {
         let (mut top, mut moves, mut length) = (base, false, 0);
-        for (_, link) in chain(tree, base, fixed) {
+        for link in chain(tree, base, fixed) {
             (top, moves, length) = (&link.parent, moves || !link.is_static, length + 1);
             if fixed.is_none() && is_map(top) {
                 break;
@@ -150,16 +183,26 @@ pub(crate) fn poses(tree: &Tree, fixed: Option<&str>, base: Option<&str>) -> Vec
     if let Some(base) = base {
         return pair(plain(base)).into_iter().collect();
     }
-    let mut bases: Vec<&String> = tree.keys().filter(|frame| is_base(frame)).collect();
-    bases.sort_by_key(|frame| (prefix(frame), base_rank(frame)));
-    let mut found: Vec<FramePair> = bases.into_iter().filter_map(|base| pair(base)).collect();
-    found.dedup_by(|a, b| prefix(&a.base) == prefix(&b.base));
-    if found.iter().all(|found| !found.is_absolute) {
-        let moving = tree.iter().filter(|(_, link)| !link.is_static);
-        let tracked = moving.filter(|(frame, link)| {
-            is_over_ground(&link.parent) || (is_map(&link.parent) && is_over_ground(frame))
-        });
-        found.extend(tracked.filter_map(|(frame, _)| pair(frame)));
+    let mut found: Vec<FramePair> = Vec::new();
+    for name in BASES {
+        for link in tree.0.iter().filter(|link| last_part(&link.frame) == name) {
+            let mut others = found.iter();
+            if !others.any(|other| prefix(&other.base) == prefix(&link.frame)) {
+                found.extend(pair(&link.frame));
+            }
+        }
+    }
+    let is_absolute = |pair: &FramePair| pair.is_absolute;
+    if !found.iter().any(is_absolute) {
+        for link in tree.0.iter().filter(|link| !link.is_static) {
+            let (body, fixed) = (&link.frame, &link.parent);
+            if is_over_ground(fixed) || (is_map(fixed) && is_over_ground(body)) {
+                found.extend(pair(body));
+            }
+        }
+    }
+    if found.iter().any(is_absolute) {
+        found.retain(is_absolute);
     }
     found
 }
@@ -181,7 +224,7 @@ pub(crate) struct FramePose {
 impl FramePose {
     /// Of a tree, whose links that never change are kept.
     pub(super) fn new(mut tree: Tree, pair: FramePair) -> Self {
-        tree.retain(|_, link| link.is_static);
+        tree.0.retain(|link| link.is_static);
         Self {
             tree,
             pair,
@@ -192,11 +235,8 @@ impl FramePose {
     /// Enters a transform; is it new, or another than before?
     fn put(&mut self, transform: &Transform, is_static: bool) -> bool {
         let child = plain(transform.child_frame);
-        let Some(link) = self.tree.get_mut(child) else {
-            if self.tree.len() < MAX_FRAMES {
-                self.tree
-                    .insert(child.to_owned(), Link::of(transform, is_static));
-            }
+        let make = || Link::of(transform, is_static);
+        let Some(link) = self.tree.entry(child, &make) else {
             return true;
         };
         let parent = plain(transform.frame);
@@ -214,7 +254,7 @@ impl FramePose {
         !is_same
     }
 
-    fn chain(&self) -> impl Iterator<Item = (&str, &Link)> {
+    fn chain(&self) -> impl Iterator<Item = &Link> {
         chain(&self.tree, &self.pair.base, Some(&self.pair.fixed))
     }
 
@@ -232,20 +272,22 @@ impl FramePose {
     /// then on, as they are known last. Below an odometry's frame the pose is given where it was corrected.
     fn take(&mut self, transform: &Transform, is_static: bool) -> Option<Measurement> {
         let is_new = self.put(transform, is_static);
-        let place = self
-            .chain()
-            .position(|(frame, _)| frame == plain(transform.child_frame))?;
-        // a fixed frame that is an odometry's was named
-        let is_odometry = |link: &Link| link.is_on_odometry && link.parent != self.pair.fixed;
-        let odometry = self
-            .chain()
-            .enumerate()
-            .filter(|(_, (_, link))| is_odometry(link));
-        let odometry = odometry.map(|(place, _)| place).last();
-        self.is_corrected |= is_new && odometry.is_some_and(|odometry| place > odometry);
-        let lowest = self.chain().position(|(_, link)| link.has_changed);
-        let lowest = lowest.or_else(|| self.chain().position(|(_, link)| !link.is_static));
-        if lowest != Some(place) || (odometry.is_some() && !self.is_corrected) {
+        let child = plain(transform.child_frame);
+        let (mut place, mut odometry, mut changing, mut moving) = (None, None, None, None);
+        for (index, link) in self.chain().enumerate() {
+            if link.frame == child {
+                place = Some(index);
+            }
+            // a fixed frame that is an odometry's was named
+            if link.is_on_odometry && link.parent != self.pair.fixed {
+                odometry = Some(index);
+            }
+            changing = changing.or(link.has_changed.then_some(index));
+            moving = moving.or((!link.is_static).then_some(index));
+        }
+        self.is_corrected |= is_new && odometry.is_some() && place > odometry;
+        let moves = place.is_some() && place == changing.or(moving);
+        if !moves || (odometry.is_some() && !self.is_corrected) {
             return None;
         }
         let pose = self.pose()?;
@@ -256,7 +298,7 @@ impl FramePose {
     /// The pose by the transforms that are known last; `None` where they do not lead to it.
     fn pose(&self) -> Option<Measurement> {
         let (mut place, mut ahead, mut top) = ([0.0; 3], [1.0, 0.0, 0.0], self.pair.base.as_str());
-        for (_, link) in self.chain() {
+        for link in self.chain() {
             place = turned(link.rotation, place)?;
             for (place, way) in place.iter_mut().zip(link.translation) {
                 *place += way;

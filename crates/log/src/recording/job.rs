@@ -1,7 +1,5 @@
 //! What a topic is used for, and the measurements that its messages hold.
 
-use std::convert::Infallible;
-
 use grouser_real::Real;
 use grouser_slip::Measurement;
 
@@ -170,12 +168,13 @@ impl Job {
                 }
             }
             (Job::Fields(slots, paths), _) => {
-                let found = slots.readings(
-                    |part| {
+                // numbers of a message are never refused
+                let _never = slots.readings(
+                    &|part| {
                         let number = value.number_at(&paths[part.column]);
-                        Ok::<_, Infallible>(number.map(|number| part.si(number)))
+                        Ok(number.map(|number| part.si(number)))
                     },
-                    |part| {
+                    &|part| {
                         let path = &paths[part.column];
                         Ok(value
                             .count_at(path)
@@ -184,7 +183,6 @@ impl Job {
                     fix,
                     push,
                 );
-                let Ok(()) = found;
             }
             _ => {}
         }

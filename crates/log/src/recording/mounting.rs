@@ -20,7 +20,7 @@ const AGREE_COS: f64 = 0.866;
 const MAX_LEVEL_SIN: f64 = 0.17;
 /// Is a frame the child of a transform, or the robot's base?
 pub(super) fn has_frame(tree: &Tree, frame: &str) -> bool {
-    tree.contains_key(plain(frame)) || is_base(plain(frame))
+    tree.get(plain(frame)).is_some() || is_base(plain(frame))
 }
 
 /// The directions in `frame` that point forwards, to the left and up by the transforms; `None` where they do not

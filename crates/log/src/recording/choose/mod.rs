@@ -15,7 +15,7 @@ use super::preview::{Preview, TopicPreview};
 use crate::error::{Error, Result};
 use crate::message::known::{OUTPUT, TRUTH};
 use crate::messages::Clock;
-pub(super) use names::words;
+pub(super) use names::has_word;
 pub(crate) use names::{is_asked_for, is_command, is_of_wheels, is_over_ground, speed_of_number};
 
 /// One topic that is used.
@@ -55,7 +55,7 @@ pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
         preview,
         topics,
         others: Vec::new(),
-        tree: Tree::new(),
+        tree: Tree::default(),
         file: &preview.names(),
         choice: Choice {
             topics: Vec::new(),
@@ -117,16 +117,20 @@ impl<'a> Choosing<'a> {
     }
 
     /// The topics that may be chosen by type and name.
-    fn free(&self) -> impl Iterator<Item = &'a TopicPreview> + use<'a> {
-        let (topics, others) = (self.topics, self.others.clone());
-        self.preview.topics.iter().filter(move |seen| {
+    fn free(&self) -> Vec<&'a TopicPreview> {
+        let all = self.preview.topics.iter().filter(|seen| {
             let name = &seen.channel.topic;
-            is_own(name, topics, &others) && !topics.named().any(|other| other == name)
-        })
+            self.is_own(name) && !self.topics.named().any(|other| other == name)
+        });
+        all.collect()
     }
 
+    /// Is a topic neither ignored nor another robot's, nor what a simulation or this program says?
     fn is_own(&self, topic: &str) -> bool {
-        is_own(topic, self.topics, &self.others)
+        !self.topics.ignore.iter().any(|other| other == topic)
+            && !self.others.iter().any(|other| topic.starts_with(other))
+            && !topic.starts_with(TRUTH)
+            && !topic.contains(OUTPUT)
     }
 
     /// The frames by topics that may be used.
@@ -147,8 +151,8 @@ impl<'a> Choosing<'a> {
         &mut self,
         seen: &TopicPreview,
         job: Job,
-        word: impl Into<String>,
-        measures: impl IntoIterator<Item = (Meaning, Option<usize>)>,
+        word: &str,
+        measures: &[(Meaning, Option<usize>)],
     ) -> &mut Chosen {
         let name = &seen.channel.topic;
         let known = self.choice.topics.iter().position(|c| c.topic == *name);
@@ -165,8 +169,8 @@ impl<'a> Choosing<'a> {
         });
         let chosen = &mut self.choice.topics[index];
         chosen.jobs.push(job);
-        chosen.words.push(word.into());
-        chosen.measures.extend(measures);
+        chosen.words.push(word.to_owned());
+        chosen.measures.extend_from_slice(measures);
         chosen
     }
 
@@ -212,12 +216,4 @@ impl<'a> Choosing<'a> {
             ));
         }
     }
-}
-
-/// Is a topic neither ignored nor another robot's, nor what a simulation or this program says?
-fn is_own(name: &str, topics: &Topics, others: &[String]) -> bool {
-    !topics.ignore.iter().any(|other| other == name)
-        && !others.iter().any(|other| name.starts_with(other))
-        && !name.starts_with(TRUTH)
-        && !name.contains(OUTPUT)
 }

@@ -3,7 +3,7 @@
 use grouser_files::columns::Meaning;
 
 use super::names::{
-    is_asked_for, is_command, is_of_wheels, is_over_ground, speed_of_number, words,
+    has_word, is_asked_for, is_command, is_of_wheels, is_over_ground, speed_of_number,
 };
 use super::{Choosing, Job, TopicPreview};
 use crate::error::{Error, Result};
@@ -43,7 +43,7 @@ impl Choosing<'_> {
             let seen = self.named("pose", name)?;
             match seen.view() {
                 Some(View::Odometry(_) | View::Pose { .. }) => {
-                    self.take(seen, Job::Pose, "pose", POSE);
+                    self.take(seen, Job::Pose, "pose", &POSE);
                 }
                 Some(View::Point(_)) => self.places(seen),
                 Some(View::Transforms(_)) => self.named_transforms(seen)?,
@@ -65,7 +65,7 @@ impl Choosing<'_> {
                     "nav_msgs/Odometry or geometry_msgs/TwistStamped or TwistWithCovarianceStamped";
                 return Err(self.unfit("speed", seen, wanted));
             }
-            self.take(seen, Job::Speed, "speed over ground", SPEED);
+            self.take(seen, Job::Speed, "speed over ground", &SPEED);
         }
         if let Some(name) = &self.topics.fix {
             let seen = self.named("fix", name)?;
@@ -79,7 +79,7 @@ impl Choosing<'_> {
 
     /// What is chosen by type and name.
     fn free_motion(&mut self) {
-        let free: Vec<&TopicPreview> = self.free().collect();
+        let free = self.free();
         let first = |fits: fn(&View, &str) -> bool| {
             let mut all = free.iter();
             all.find(|seen| {
@@ -99,7 +99,7 @@ impl Choosing<'_> {
         if !self.measures(Meaning::DisplacementForward)
             && let Some(seen) = first(|view, _| matches!(view, View::Displacement { .. }))
         {
-            self.take(seen, Job::Displacement, "way since the last message", WAY);
+            self.take(seen, Job::Displacement, "way since the last message", &WAY);
         }
         if !self.measures(Meaning::PoseX)
             && let Some(seen) = free
@@ -119,7 +119,7 @@ impl Choosing<'_> {
                 })
                 .or_else(|| pose_of("geometry_msgs/TransformStamped", is_over_ground))
         {
-            self.take(seen, Job::Pose, "pose", POSE);
+            self.take(seen, Job::Pose, "pose", &POSE);
         }
         if !self.measures(Meaning::DisplacementForward) && !self.measures(Meaning::PoseX) {
             match pose_of("geometry_msgs/PointStamped", is_over_ground) {
@@ -144,16 +144,15 @@ impl Choosing<'_> {
             && let Some(seen) = first(|view, topic| {
                 matches!(view, View::Odometry(_) | View::Twist { .. })
                     && is_over_ground(topic)
-                    && !words(topic).any(|word| word == "cmd")
+                    && !has_word(topic, &["cmd"])
             })
         {
             let is_twist = matches!(seen.view(), Some(View::Twist { .. }));
-            if is_twist && words(&seen.channel.topic).any(|word| ON_EARTH.contains(&word.as_str()))
-            {
+            if is_twist && has_word(&seen.channel.topic, ON_EARTH) {
                 let word = "size of the speed over ground, to the east and north";
-                self.take(seen, Job::SpeedOnEarth, word, [(Meaning::SpeedSize, None)]);
+                self.take(seen, Job::SpeedOnEarth, word, &[(Meaning::SpeedSize, None)]);
             } else {
-                self.take(seen, Job::Speed, "speed over ground", SPEED);
+                self.take(seen, Job::Speed, "speed over ground", &SPEED);
             }
         }
     }
@@ -161,7 +160,7 @@ impl Choosing<'_> {
     /// Places without a heading.
     fn places(&mut self, seen: &TopicPreview) {
         self.place_sigma(&seen.channel.topic);
-        self.take(seen, Job::Place, "way between places", WAY);
+        self.take(seen, Job::Place, "way between places", &WAY);
     }
 
     /// How accurate places without a heading are.
@@ -194,7 +193,7 @@ impl Choosing<'_> {
         let Some((sigma, limit)) = sigma else {
             return;
         };
-        self.take(seen, Job::Fix(limit), "way between fixes", WAY);
+        self.take(seen, Job::Fix(limit), "way between fixes", &WAY);
         self.choice.position_sigma = Some(sigma);
     }
 
@@ -209,12 +208,12 @@ impl Choosing<'_> {
         } else if self.measures(Meaning::CommandForward) {
             None
         } else {
-            self.free().find(|seen| {
+            self.free().into_iter().find(|seen| {
                 matches!(seen.view(), Some(View::Twist { .. })) && is_command(&seen.channel.topic)
             })
         };
         if let Some(seen) = seen {
-            self.take(seen, Job::Command, "commanded speed", COMMAND);
+            self.take(seen, Job::Command, "commanded speed", &COMMAND);
         }
         Ok(())
     }
@@ -225,6 +224,7 @@ impl Choosing<'_> {
         let used = &self.choice.topics;
         let unused = self
             .free()
+            .into_iter()
             .filter(|seen| !used.iter().any(|chosen| chosen.topic == seen.channel.topic));
         let has_speed = [Meaning::SpeedForward, Meaning::SpeedSize]
             .iter()
@@ -275,13 +275,6 @@ impl Choosing<'_> {
         };
         let tree = self.preview.transforms.tree(named);
         let found = poses(&tree, fixed, base);
-        let (absolute, others): (Vec<_>, Vec<_>) =
-            found.into_iter().partition(|pair| pair.is_absolute);
-        let found = if absolute.is_empty() {
-            others
-        } else {
-            absolute
-        };
         let Some(pair) = self.of_this_robot(&found).cloned() else {
             return Err(Error::NoFramePose {
                 file: self.file.to_owned(),
@@ -293,49 +286,43 @@ impl Choosing<'_> {
                 },
             });
         };
-        self.take_transforms(FramePose::new(tree, pair), &|name| {
-            *name == seen.channel.topic
-        });
+        self.take_transforms(FramePose::new(tree, pair), Some(&seen.channel.topic));
         Ok(())
     }
 
     /// Where nothing else measures where the robot is: transforms of a map to the robot.
     fn free_transforms(&mut self) {
         let found = poses(&self.tree, None, None);
-        let (absolute, others): (Vec<_>, Vec<_>) =
-            found.into_iter().partition(|pair| pair.is_absolute);
+        let is_absolute = found.first().is_some_and(|pair| pair.is_absolute);
         let measures = |meaning| self.measures(meaning);
         if measures(Meaning::PoseX) {
             return;
         }
         let is_placed = measures(Meaning::DisplacementForward);
         let has_speed = measures(Meaning::SpeedForward) || measures(Meaning::SpeedSize);
-        let own = self.of_this_robot(&absolute);
-        let note = if let Some(pair) = own.filter(|_| !is_placed) {
+        let own = self.of_this_robot(&found);
+        let (is, hint) = if let Some(pair) = own.filter(|_| is_absolute && !is_placed) {
             let pose = FramePose::new(self.tree.clone(), pair.clone());
-            return self.take_transforms(pose, &|_| true);
-        } else if is_placed && !absolute.is_empty() {
-            format!(
-                "the transforms hold a pose ({}) that is not used beside other places: `pose` in `[topics]` of the robot file names \
-                 their topic",
-                in_words(&absolute)
+            return self.take_transforms(pose, None);
+        } else if is_absolute && is_placed {
+            ("not used beside other places", "name their topic as `pose`")
+        } else if is_absolute {
+            (
+                "of several robots",
+                "name their topic as `pose`, and the robot's as `pose_child_frame`",
             )
-        } else if !absolute.is_empty() {
-            format!(
-                "the transforms hold several poses ({}): `pose_child_frame` beside `pose` in `[topics]` of the robot file names the \
-                 robot's",
-                in_words(&absolute)
-            )
-        } else if !others.is_empty() && !is_placed && !has_speed {
-            format!(
-                "the transforms hold a pose ({}) that is not used: name their topic in `[topics]` of the robot file as `pose` if it \
-                 measures the ground; most odometry is made of the wheels",
-                in_words(&others)
+        } else if !found.is_empty() && !is_placed && !has_speed {
+            (
+                "not used",
+                "name their topic as `pose` if it measures the ground; most odometry is made of the wheels",
             )
         } else {
             return;
         };
-        self.choice.notes.push(note);
+        let frames = in_words(&found);
+        self.choice.notes.push(format!(
+            "the transforms hold a pose ({frames}) that is {is}: {hint} in `[topics]` of the robot file"
+        ));
     }
 
     /// Of poses by transforms the only one, or that of the robot whose wheels are measured.
@@ -351,8 +338,8 @@ impl Choosing<'_> {
         own.next().filter(|_| own.next().is_none())
     }
 
-    /// Takes the topics of transforms of which the pose is made: those that `moves` takes, and all that never change.
-    fn take_transforms(&mut self, pose: FramePose, moves: &dyn Fn(&String) -> bool) {
+    /// Takes the topics of transforms of which the pose is made: the one that is named, else all, and those that never change.
+    fn take_transforms(&mut self, pose: FramePose, named: Option<&String>) {
         let words = pose.words();
         self.choice.frame_pose = Some(pose);
         for seen in &self.preview.topics {
@@ -361,9 +348,9 @@ impl Choosing<'_> {
                 continue;
             }
             if is_static(name) {
-                self.take(seen, Job::Transforms, "frames that do not move", []);
-            } else if moves(name) {
-                self.take(seen, Job::Transforms, words.clone(), POSE);
+                self.take(seen, Job::Transforms, "frames that do not move", &[]);
+            } else if named.is_none_or(|named| named == name) {
+                self.take(seen, Job::Transforms, &words, &POSE);
             }
         }
     }

@@ -55,30 +55,42 @@ const ASKED_FOR: &[&str] = &[
 const OF_WHEELS: &[&str] = &["odom", "odometry", "ekf", "ukf"];
 
 /// The words of a name: `/vicon/robot_1` is `vicon`, `robot`, `1`.
-pub(in crate::recording) fn words(name: &str) -> impl Iterator<Item = String> + '_ {
-    name.split(|letter: char| !letter.is_alphanumeric())
-        .filter(|word| !word.is_empty())
-        .map(str::to_lowercase)
+fn words(name: &str) -> Vec<String> {
+    let words = name.split(|letter: char| !letter.is_alphanumeric());
+    let words = words.filter(|word| !word.is_empty());
+    words.map(str::to_lowercase).collect()
+}
+
+/// Is one of these words in a name?
+pub(in crate::recording) fn has_word(name: &str, wanted: &[&str]) -> bool {
+    let words = words(name);
+    words.iter().any(|word| wanted.contains(&word.as_str()))
+}
+
+/// The words of a name without these.
+pub(super) fn other_words(name: &str, without: &[&str]) -> Vec<String> {
+    let mut words = words(name);
+    words.retain(|word| !without.contains(&word.as_str()));
+    words
 }
 
 pub(crate) fn is_over_ground(topic: &str) -> bool {
-    let mut words = words(topic);
-    words.any(|word| OVER_GROUND.contains(&word.as_str()))
+    has_word(topic, OVER_GROUND)
 }
 
 /// Does a topic's name say that the robot is to go there, or that somebody guesses it to be there?
 pub(crate) fn is_asked_for(topic: &str) -> bool {
-    words(topic).any(|word| ASKED_FOR.contains(&word.as_str()))
+    has_word(topic, ASKED_FOR)
 }
 
 /// Does a topic's name say that wheels have a part in it?
 pub(crate) fn is_of_wheels(topic: &str) -> bool {
-    !is_over_ground(topic) && words(topic).any(|word| OF_WHEELS.contains(&word.as_str()))
+    !is_over_ground(topic) && has_word(topic, OF_WHEELS)
 }
 
 /// Does a topic's name say that it is a commanded speed?
 pub(crate) fn is_command(topic: &str) -> bool {
-    !is_over_ground(topic) && words(topic).any(|word| word == "cmd" || word == "command")
+    !is_over_ground(topic) && has_word(topic, &["cmd", "command"])
 }
 
 /// The meaning of a topic of one number whose name says that it is the robot's speed.
@@ -88,45 +100,35 @@ pub(crate) fn speed_of_number(topic: &str, type_name: &str) -> Option<Meaning> {
     ];
     const ON_EARTH: &[&str] = &["gps", "gnss", "sog"];
     let is_number = ["std_msgs/Float32", "std_msgs/Float64"].contains(&&*short(type_name));
-    let is = |word: &String, all: &[&str]| all.contains(&word.as_str());
-    let own = words(topic).filter(|word| !is(word, AROUND));
-    let own: Vec<String> = own.collect();
-    let (on_earth, rest): (Vec<_>, Vec<_>) = own.iter().partition(|word| is(word, ON_EARTH));
+    let rest = other_words(topic, &[AROUND, ON_EARTH].concat());
     let is_speed = match rest.as_slice() {
-        [] => on_earth.iter().any(|word| *word == "sog"),
-        [word] => is(word, &["speed", "velocity", "vel"]),
+        [] => has_word(topic, &["sog"]),
+        [word] => ["speed", "velocity", "vel"].contains(&word.as_str()),
         _ => false,
     };
-    (is_number && is_speed).then_some(if on_earth.is_empty() {
-        Meaning::SpeedForward
-    } else {
+    (is_number && is_speed).then_some(if has_word(topic, ON_EARTH) {
         Meaning::SpeedSize
+    } else {
+        Meaning::SpeedForward
     })
 }
 
 /// The joint whose name is the wheel's, the words `joint`, `wheel` and `link` aside: `front_left` is
 /// `front_left_wheel_joint`. Two such joints are none.
-pub(super) fn joint_by_name<'a>(
-    wheel: &str,
-    joints: impl Iterator<Item = &'a String>,
-) -> Option<String> {
-    let core = |name: &str| -> Vec<String> {
-        words(name)
-            .filter(|word| !matches!(word.as_str(), "joint" | "wheel" | "link"))
-            .collect()
-    };
+pub(super) fn joint_by_name(wheel: &str, joints: &[&String]) -> Option<String> {
+    let core = |name: &str| other_words(name, &["joint", "wheel", "link"]);
     let own = core(wheel);
     let mut alike = Vec::new();
     for joint in joints {
-        if joint == wheel {
-            return Some(joint.clone());
+        if *joint == wheel {
+            return Some((*joint).clone());
         }
         if !own.is_empty() && core(joint) == own {
             alike.push(joint);
         }
     }
     match alike.as_slice() {
-        [one] => Some((*one).clone()),
+        [one] => Some((**one).clone()),
         _ => None,
     }
 }
@@ -138,13 +140,16 @@ mod tests {
     #[test]
     fn joints_are_found_by_the_wheels_names() {
         let joints = ["front_left_wheel_joint", "front_right_wheel_joint", "arm"].map(String::from);
-        let found = |wheel| joint_by_name(wheel, joints.iter());
+        let found = |wheel| joint_by_name(wheel, &joints.iter().collect::<Vec<_>>());
         assert_eq!(found("front_left").unwrap(), "front_left_wheel_joint");
         assert_eq!(found("arm").unwrap(), "arm");
         assert_eq!(found("left"), None);
         assert_eq!(found("wheel"), None);
         let twice = ["left_joint", "left_wheel"].map(String::from);
-        assert_eq!(joint_by_name("left", twice.iter()), None);
+        assert_eq!(
+            joint_by_name("left", &twice.iter().collect::<Vec<_>>()),
+            None
+        );
     }
 
     #[test]

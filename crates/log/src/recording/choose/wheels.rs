@@ -52,14 +52,15 @@ impl Choosing<'_> {
             if gives_fixes {
                 self.field_fixes(seen, &job);
             }
-            self.take(seen, job, "fields", measures);
+            self.take(seen, job, "fields", &measures);
         }
         Ok(())
     }
 
     pub(super) fn wheels(&mut self) -> Result<()> {
         let topics = self.topics;
-        let joints_of = |seen: &TopicPreview| joints_in(topics, &seen.joints.keys());
+        let joints_of =
+            |seen: &TopicPreview| joints_in(topics, &seen.joints.keys().collect::<Vec<_>>());
         let mut found = Vec::new();
         if let Some(name) = &self.topics.wheels {
             let seen = self.named("wheels", name)?;
@@ -75,7 +76,10 @@ impl Choosing<'_> {
             // Of counters and of joints the one with the most wheels, the first of these: the wheels' sensor
             // is chosen among all that was measured.
             for wanted in [true, false] {
-                let free = self.free().filter(|seen| is_ticks(seen) == wanted);
+                let free = self
+                    .free()
+                    .into_iter()
+                    .filter(|seen| is_ticks(seen) == wanted);
                 let all = free.map(|seen| (joints_of(seen).len(), seen));
                 let best = all
                     .filter(|(count, _)| *count > 0)
@@ -109,7 +113,7 @@ impl Choosing<'_> {
                 ));
             }
             let word = format!("wheels by {} joints", joints.len());
-            self.take(seen, Job::Joints(joints), word, measures);
+            self.take(seen, Job::Joints(joints), &word, &measures);
         }
         if let Some(odometry) = &self.topics.wheel_odometry {
             self.wheel_odometry(odometry)?;
@@ -119,9 +123,10 @@ impl Choosing<'_> {
 
     /// Topics of the same wheels in another namespace are another robot's, and so is all that is in there.
     fn find_other_robots(&mut self, own: &TopicPreview) {
-        let wheels = joints_in(self.topics, &own.joints.keys()).len();
-        let alike = self.free().filter_map(|seen| {
-            let is_alike = joints_in(self.topics, &seen.joints.keys()).len() == wheels;
+        let wheels = joints_in(self.topics, &own.joints.keys().collect::<Vec<_>>()).len();
+        let alike = self.free().into_iter().filter_map(|seen| {
+            let is_alike =
+                joints_in(self.topics, &seen.joints.keys().collect::<Vec<_>>()).len() == wheels;
             let other = other_namespace(&own.channel.topic, &seen.channel.topic);
             Some((seen, other?)).filter(|_| is_alike)
         });
@@ -148,12 +153,13 @@ impl Choosing<'_> {
             }
             Some(seen)
         } else {
-            let has_wheels =
-                |seen: &&TopicPreview| !joints_in(self.topics, &seen.contacts.keys()).is_empty();
-            self.free().find(has_wheels)
+            let has_wheels = |seen: &&TopicPreview| {
+                !joints_in(self.topics, &seen.contacts.keys().collect::<Vec<_>>()).is_empty()
+            };
+            self.free().into_iter().find(has_wheels)
         };
         let Some(seen) = found else { return Ok(()) };
-        let joints = joints_in(self.topics, &seen.contacts.keys());
+        let joints = joints_in(self.topics, &seen.contacts.keys().collect::<Vec<_>>());
         if joints.is_empty() {
             return Err(Error::NoJoints {
                 file: self.file.to_owned(),
@@ -169,7 +175,7 @@ impl Choosing<'_> {
             measures.extend(has.map(|(meaning, _)| (meaning, Some(*wheel))));
         }
         let word = format!("sinkages or entry angles of {} wheels", joints.len());
-        self.take(seen, Job::Contacts(joints), word, measures);
+        self.take(seen, Job::Contacts(joints), &word, &measures);
         Ok(())
     }
 
@@ -195,7 +201,7 @@ impl Choosing<'_> {
             seen,
             Job::WheelOdometry(wheels),
             "rates of the wheels",
-            measures,
+            &measures,
         );
         Ok(())
     }
@@ -221,19 +227,16 @@ fn is_ticks(seen: &TopicPreview) -> bool {
 }
 
 /// The joints of the robot's wheels among these names.
-fn joints_in<'b>(
-    topics: &Topics,
-    names: &(impl Iterator<Item = &'b String> + Clone),
-) -> Vec<(String, usize)> {
+fn joints_in(topics: &Topics, names: &[&String]) -> Vec<(String, usize)> {
     let joints = topics.joints.iter().enumerate();
     let found = joints.filter_map(|(index, wheel)| {
         let name = match &wheel.joint {
             // Logs of our own name the wheels themselves.
             Some(joint) => [joint, &wheel.wheel]
                 .into_iter()
-                .find(|name| names.clone().any(|other| other == *name))
+                .find(|name| names.contains(name))
                 .cloned(),
-            None => joint_by_name(&wheel.wheel, names.clone()),
+            None => joint_by_name(&wheel.wheel, names),
         };
         Some((name?, index))
     });

@@ -2,7 +2,7 @@
 
 use grouser_files::columns::Meaning;
 
-use super::names::words;
+use super::names::{has_word, other_words};
 use super::{Choosing, Job, TopicPreview};
 use crate::error::Result;
 use crate::message::{Imu, Trust, View};
@@ -19,7 +19,7 @@ impl Choosing<'_> {
         } else if self.measures(Meaning::YawRate) {
             None
         } else {
-            let imus = self.free().filter(|seen| match seen.view() {
+            let imus = self.free().into_iter().filter(|seen| match seen.view() {
                 Some(View::Imu(imu)) => imu.angular_rate.is_some(),
                 _ => false,
             });
@@ -44,7 +44,7 @@ impl Choosing<'_> {
         }
         let word = format!("yaw rate about its {} ({by})", direction(up));
         let align = self.topics.align_clock;
-        let chosen = self.take(seen, Job::YawRate(up), word, [(Meaning::YawRate, None)]);
+        let chosen = self.take(seen, Job::YawRate(up), &word, &[(Meaning::YawRate, None)]);
         chosen.align = align;
         self.acceleration(seen, &imu, up);
         Ok(())
@@ -53,7 +53,7 @@ impl Choosing<'_> {
     /// The one in the namespace of the wheels, filtered data before raw, the first of these; others are noted.
     fn of_several_imus<'t>(&mut self, imus: &[&'t TopicPreview]) -> Option<&'t TopicPreview> {
         let wheels = self.wheel_topic().unwrap_or_default();
-        let is_raw = |topic: &str| words(topic).any(|word| word == "raw");
+        let is_raw = |topic: &str| has_word(topic, &["raw"]);
         let apart = |seen: &&&TopicPreview| {
             let topic = &seen.channel.topic;
             (
@@ -63,11 +63,7 @@ impl Choosing<'_> {
         };
         let own = *imus.iter().min_by_key(apart)?;
         // the same sensor before and after a filter
-        let sensor = |topic: &str| {
-            let words =
-                words(topic).filter(|word| !["raw", "data", "filtered"].contains(&word.as_str()));
-            words.collect::<Vec<_>>()
-        };
+        let sensor = |topic: &str| other_words(topic, &["raw", "data", "filtered"]);
         let own_topic = &own.channel.topic;
         let others = imus.iter().map(|seen| &seen.channel.topic);
         let others = others.filter(|topic| sensor(topic) != sensor(own_topic));
@@ -128,7 +124,7 @@ impl Choosing<'_> {
             seen,
             Job::Acceleration([forward, left]),
             "acceleration",
-            measures.map(|meaning| (meaning, None)),
+            &measures.map(|meaning| (meaning, None)),
         );
     }
 

@@ -53,10 +53,7 @@ fn poses_are_those_of_bases_in_the_nearest_map() {
         ("world", "vicon/cart/cart", false),
         ("odom", "base_link", false),
     ];
-    assert_eq!(
-        found(&vicon, None, None),
-        ["base_link in odom?", "vicon/cart/cart in world"]
-    );
+    assert_eq!(found(&vicon, None, None), ["vicon/cart/cart in world"]);
     let own_base = [
         ("map", "odom", false),
         ("odom", "chassis", false),
@@ -71,7 +68,7 @@ fn poses_are_those_of_bases_in_the_nearest_map() {
 fn frames_that_are_kept_are_limited() {
     let mut first = FirstTransforms::default();
     let mut pose = FramePose::new(
-        Tree::new(),
+        Tree::default(),
         FramePair {
             fixed: "map".into(),
             base: "base".into(),
@@ -83,7 +80,10 @@ fn frames_that_are_kept_are_limited() {
         first.enter(number, &transform("map", &frame, 0.0), false);
         assert!(pose.take(&transform("map", &frame, 0.0), false).is_none());
     }
-    assert_eq!((first.0.len(), pose.tree.len()), (MAX_FRAMES, MAX_FRAMES));
+    assert_eq!(
+        (first.tree(|_| true).0.len(), pose.tree.0.len()),
+        (MAX_FRAMES, MAX_FRAMES)
+    );
     // a longer chain is a circle
     let chain: Vec<String> = (0..70).map(|number| number.to_string()).collect();
     let links = |length: usize| {
@@ -104,7 +104,7 @@ fn what_is_sent_again_moves_nothing() {
         base: "base_link".into(),
         is_absolute: true,
     };
-    let mut pose = FramePose::new(Tree::new(), pair);
+    let mut pose = FramePose::new(Tree::default(), pair);
     let mut given = Vec::new();
     for step in 0..4 {
         let x = f64::from(step);

@@ -109,7 +109,7 @@ fn axes_are_the_rows_of_the_rotations_matrix() {
     }
     // the first of two transforms is kept; none, too short, too long
     frames.enter(&transform("base", "imu", [0.0, 0.0, 0.0, 1.0]));
-    assert_eq!(frames.tree()["imu"].rotation, q);
+    assert_eq!(frames.tree().get("imu").unwrap().rotation, q);
     for (number, part) in [0.0, 9e-4, 1.1e-3, 1e200].into_iter().enumerate() {
         let frame = format!("frame{number}");
         frames.enter(&transform("base", &frame, [0.0, 0.0, 0.0, part]));
@@ -150,7 +150,12 @@ fn chains_and_trees_end() {
     for number in 70..5000 {
         frames.enter(&transform("base", &number.to_string(), none));
     }
-    assert_eq!(frames.tree().len(), 4096);
+    assert_eq!(
+        (0..5000)
+            .filter(|n| frames.tree().get(&n.to_string()).is_some())
+            .count(),
+        4096
+    );
 }
 
 #[test]
