@@ -1,6 +1,7 @@
 //! What is to be solved: variables, functions and linear constraints, checked once.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -225,6 +226,8 @@ pub struct Problem<'a> {
     params: ProblemParams<'a>,
     /// The number of leading variables that enter the functions nonlinearly.
     curved: usize,
+    /// Of each variable behind those, the inequalities f − t ≤ 0 that it is the t of: it stands for the greatest f.
+    bounded_by: Vec<Range<usize>>,
 }
 
 impl<'a> Problem<'a> {
@@ -301,13 +304,34 @@ impl<'a> Problem<'a> {
             Error::check_length(what, count, whole)?;
         }
         let curved = params.variables.len();
-        Ok(Self { params, curved })
+        Ok(Self {
+            params,
+            curved,
+            bounded_by: Vec::new(),
+        })
     }
 
-    /// Declares that the functions are linear in every variable after the first `curved` ones.
-    pub(crate) fn linear_after(mut self, curved: usize) -> Self {
-        self.curved = curved.min(self.params.variables.len());
+    /// Declares that each variable after the first `curved` ones stands for the greatest of some functions f: it enters the
+    /// objectives linearly, and those inequalities of `bounded_by` as f − t ≤ 0.
+    pub(crate) fn with_greatest(mut self, curved: usize, bounded_by: Vec<Range<usize>>) -> Self {
+        self.curved = curved;
+        self.bounded_by = bounded_by;
         self
+    }
+
+    /// Puts every variable that stands for the greatest of some functions there; `functions` are the values at `x`. Is there
+    /// such a variable?
+    pub(crate) fn lift(&self, x: &mut [f64], functions: &[f64]) -> bool {
+        let inequalities = &functions[self.objectives().len()..];
+        for (t, rows) in x[self.curved..].iter_mut().zip(&self.bounded_by) {
+            let off = inequalities[rows.clone()].iter().copied();
+            let greatest = off.fold(f64::NEG_INFINITY, f64::max);
+            if greatest.is_finite() {
+                // above its rounding, so that no inequality is violated
+                *t += greatest + 1e-14 * (1.0 + t.abs());
+            }
+        }
+        !self.bounded_by.is_empty()
     }
 
     pub(crate) fn curved(&self) -> usize {
@@ -347,6 +371,7 @@ impl<'a> Problem<'a> {
                 model: Box::new(&self.params.model),
             },
             curved: self.curved,
+            bounded_by: self.bounded_by.clone(),
         })
     }
 

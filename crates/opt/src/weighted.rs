@@ -214,6 +214,13 @@ pub(crate) fn solve(
         }));
     }
     let added = inequalities.len();
+    let mut end = 0;
+    let rows_of = lifted.iter().map(|own| {
+        let first = end;
+        end += own.rows.len();
+        first..end
+    });
+    let bounded_by = rows_of.collect();
     inequalities.extend_from_slice(problem.inequalities());
     let linear = problem
         .linear()
@@ -240,7 +247,7 @@ pub(crate) fn solve(
         worlds: 1,
         model: Box::new(sum),
     })?
-    .linear_after(problem.curved());
+    .with_greatest(n, bounded_by);
     let mut solution = sqp::solve(&inner, &Method::Minimax, settings, callback);
     // Back to the variables and objectives of the original problem.
     solution.x.truncate(n);

@@ -8,8 +8,8 @@ use crate::random_starts::{Stream, starts};
 use std::collections::BTreeMap;
 
 use grouser_opt::{
-    Exact, Functions, LinearConstraint, Method, Problem, ProblemParams, Settings, Status, Variable,
-    evaluate, solve,
+    Exact, Functions, LinearConstraint, Measure, Method, Problem, ProblemParams, Settings, Status,
+    Variable, World, evaluate, robust, solve,
 };
 use grouser_real::Scalar;
 
@@ -151,6 +151,36 @@ impl Functions for Flat {
             _ => x * y,
         };
     }
+}
+
+/// The same maximum as an objective that counts with its absolute value, and as the worst of three worlds: a weighted sum lifts
+/// both by variables of its own.
+#[test]
+fn a_maximum_is_not_called_a_solution_of_a_weighted_sum() {
+    let variables = || ["x", "y"].map(|name| Variable::bounded(name, 0.5, 0.0, 1.0));
+    let method = Method::Weighted { weights: vec![2.0] };
+    let settings = Settings::default();
+    for (case, least) in [(0, 0.75), (1, 999.75)] {
+        let params = ProblemParams::new(&[0.5, 0.5], 1, Exact(Flat(case))).variables(variables());
+        let problem = Problem::new(params.absolute(1)).unwrap();
+        let solution = solve(&problem, &method, &settings).unwrap();
+        assert!(
+            solution.status.is_solved() && (solution.utility - 2.0 * least).abs() < 2e-6,
+            "{case}: {solution:?}"
+        );
+        assert_eq!(solution.x.len(), 2);
+    }
+    let worlds = ["one", "two", "three"].map(|name| World::new(name, Exact(Flat(0))));
+    let params = ProblemParams::new(&[0.5, 0.5], 1, Exact(Flat(0))).variables(variables());
+    let problem = robust(params, worlds.into(), Measure::WorstCase).unwrap();
+    let method = Method::Weighted {
+        weights: vec![2.0; 3],
+    };
+    let solution = solve(&problem, &method, &settings).unwrap();
+    assert!(
+        solution.status.is_solved() && (solution.utility - 1.5).abs() < 2e-6,
+        "{solution:?}"
+    );
 }
 
 #[test]

@@ -96,7 +96,10 @@ fn probe(
     if !linear || x == point.x {
         return None;
     }
-    let probe = evaluator.probe(&x);
+    let mut probe = evaluator.probe(&x);
+    if program.problem.lift(&mut x, &probe.functions) {
+        probe = evaluator.probe(&x);
+    }
     let fits = probe.not_finite(program).is_none()
         && probe.worst_violation(program) <= point.worst_violation(program);
     fits.then(|| (probe.level(program), x))
