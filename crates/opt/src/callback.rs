@@ -60,11 +60,12 @@ pub struct Progress<'a> {
     pub utility: f64,
     /// The greatest violation of a nonlinear constraint; of a generation their sum.
     pub violation: f64,
-    /// ‖∇L‖∞ with the latest multipliers; `None` of a generation, and within a large subproblem, which computes them.
+    /// ‖∇L‖∞ with the latest multipliers; `None` of a generation, within a large subproblem, which computes them, and
+    /// within an evaluation of many worlds.
     pub stationarity: Option<f64>,
 }
 
-/// Called once an iteration or generation, before each probe around a solution, and about ten times a second within a large
-/// subproblem; `Break` ends the search with what it has found so far ([`Status::Stopped`](crate::Status::Stopped),
+/// Called once an iteration or generation, before each probe around a solution, about ten times a second within a large
+/// subproblem, and after every 64 worlds of a robust problem that are evaluated; `Break` ends the search with what it has found so far ([`Status::Stopped`](crate::Status::Stopped),
 /// [`MultiStart::stopped`](crate::MultiStart::stopped), [`Front::stopped`](crate::Front::stopped)).
 pub type Callback<'c> = dyn FnMut(&Progress<'_>) -> ControlFlow<()> + 'c;

@@ -42,6 +42,22 @@ pub trait Model: Sync {
     /// Writes the value and the gradient of every function at `x`.
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian);
 
+    /// As [`values`](Self::values) or, with a Jacobian, [`derivatives`](Self::derivatives). Where that takes long, `stop` is called
+    /// meanwhile; if it returns `true`, what is written is worthless.
+    #[doc(hidden)]
+    fn evaluate(
+        &self,
+        x: &[f64],
+        values: &mut [f64],
+        jacobian: Option<&mut Jacobian>,
+        _stop: &mut dyn FnMut() -> bool,
+    ) {
+        match jacobian {
+            Some(jacobian) => self.derivatives(x, values, jacobian),
+            None => self.values(x, values),
+        }
+    }
+
     /// Why a function has no value at `x`, in words for the user; `None` where every function has one or nothing is
     /// known. Asked for once, where a solve must end for it ([`Status::NotFinite`](crate::Status::NotFinite)).
     fn failure(&self, _x: &[f64]) -> Option<String> {
@@ -110,6 +126,15 @@ impl<M: Model + ?Sized> Model for &M {
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
         (**self).derivatives(x, values, jacobian);
     }
+    fn evaluate(
+        &self,
+        x: &[f64],
+        values: &mut [f64],
+        jacobian: Option<&mut Jacobian>,
+        stop: &mut dyn FnMut() -> bool,
+    ) {
+        (**self).evaluate(x, values, jacobian, stop);
+    }
     fn taped(&self, variables: usize, functions: usize) -> Option<TapedFunctions> {
         (**self).taped(variables, functions)
     }
@@ -127,6 +152,15 @@ impl<M: Model + ?Sized> Model for Box<M> {
     }
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
         (**self).derivatives(x, values, jacobian);
+    }
+    fn evaluate(
+        &self,
+        x: &[f64],
+        values: &mut [f64],
+        jacobian: Option<&mut Jacobian>,
+        stop: &mut dyn FnMut() -> bool,
+    ) {
+        (**self).evaluate(x, values, jacobian, stop);
     }
     fn taped(&self, variables: usize, functions: usize) -> Option<TapedFunctions> {
         (**self).taped(variables, functions)

@@ -9,11 +9,15 @@ pub trait Parts: Sync {
     /// The number of parts.
     fn count(&self) -> usize;
 
-    /// Writes every part at `x`.
-    fn values(&self, x: &[f64], parts: &mut [f64]);
-
-    /// Writes the value and the gradient of every part at `x`.
-    fn derivatives(&self, x: &[f64], parts: &mut [f64], jacobian: &mut Jacobian);
+    /// Writes the value of every part at `x` and, with a Jacobian, its gradient. Where that takes long, `stop` is called
+    /// meanwhile; if it returns `true`, what is written is worthless.
+    fn evaluate(
+        &self,
+        x: &[f64],
+        parts: &mut [f64],
+        jacobian: Option<&mut Jacobian>,
+        stop: &mut dyn FnMut() -> bool,
+    );
 
     /// The combination that is the greatest for these values of the parts; one that has no value is part of it.
     fn combination(&self, function: usize, parts: &[f64]) -> Vec<(usize, f64)>;

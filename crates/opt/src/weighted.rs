@@ -65,21 +65,30 @@ impl Model for Sum<'_> {
     }
 
     fn values(&self, x: &[f64], values: &mut [f64]) {
-        let n = self.problem.variables().len();
-        let mut old = vec![f64::NAN; self.problem.function_count()];
-        self.problem.model().values(&x[..n], &mut old);
-        self.arrange(x, &old, values);
+        Model::evaluate(self, x, values, None, &mut || false);
     }
 
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        Model::evaluate(self, x, values, Some(jacobian), &mut || false);
+    }
+
+    fn evaluate(
+        &self,
+        x: &[f64],
+        values: &mut [f64],
+        jacobian: Option<&mut Jacobian>,
+        stop: &mut dyn FnMut() -> bool,
+    ) {
         let n = self.problem.variables().len();
         let m = self.problem.objectives().len();
         let mut old = vec![f64::NAN; self.problem.function_count()];
-        let mut slopes = Jacobian::zeros(old.len(), n);
-        self.problem
-            .model()
-            .derivatives(&x[..n], &mut old, &mut slopes);
+        let mut slopes = jacobian.is_some().then(|| Jacobian::zeros(old.len(), n));
+        let model = self.problem.model();
+        model.evaluate(&x[..n], &mut old, slopes.as_mut(), stop);
         self.arrange(x, &old, values);
+        let (Some(jacobian), Some(slopes)) = (jacobian, slopes) else {
+            return;
+        };
         let mut row = 0;
         let sum = jacobian.row_mut(row);
         sum.fill(0.0);
@@ -115,15 +124,15 @@ impl Parts for Sum<'_> {
         self.problem.model().parts().map_or(0, Parts::count)
     }
 
-    fn values(&self, x: &[f64], parts: &mut [f64]) {
+    fn evaluate(
+        &self,
+        x: &[f64],
+        parts: &mut [f64],
+        jacobian: Option<&mut Jacobian>,
+        stop: &mut dyn FnMut() -> bool,
+    ) {
         if let Some(own) = self.problem.model().parts() {
-            own.values(x, parts);
-        }
-    }
-
-    fn derivatives(&self, x: &[f64], parts: &mut [f64], jacobian: &mut Jacobian) {
-        if let Some(own) = self.problem.model().parts() {
-            own.derivatives(x, parts, jacobian);
+            own.evaluate(x, parts, jacobian, stop);
         }
     }
 

@@ -1,12 +1,12 @@
 //! Callers hear of every solver's progress and may stop it; models say why they fail.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use grouser_opt::{
-    Differences, Front, Jacobian, Method, Model, MultiStart, ParetoSettings, Problem,
-    ProblemParams, Progress, Settings, Stage, Status, Variable, multi_start, multi_start_with,
-    pareto, pareto_with, solve,
+    Differences, Front, Jacobian, Measure, Method, Model, MultiStart, ParetoSettings, Problem,
+    ProblemParams, Progress, Settings, Stage, Status, Variable, World, multi_start,
+    multi_start_with, pareto, pareto_with, robust, solve, solve_with,
 };
 
 /// Two valleys in each of two variables.
@@ -92,6 +92,56 @@ fn a_stopped_search_has_the_best_so_far() {
     // a first iteration that is stopped leaves its start
     let at_once = many(|_| false);
     assert!(at_once.stopped && at_once.best().utility.is_finite());
+}
+
+/// A thousand worlds, of which each counts when it is evaluated: the callback that stops is the last one, and of the worlds few are
+/// evaluated after it.
+#[test]
+fn a_search_over_many_worlds_is_stopped_within_an_evaluation() {
+    const WORLDS: usize = 1000;
+    for measure in [
+        Measure::WorstCase,
+        Measure::MeanPlusDeviations { kappa: 1.0 },
+        Measure::ConditionalValueAtRisk { alpha: 0.9 },
+    ] {
+        for last in [1, 2, 40, 400] {
+            let evaluated = AtomicUsize::new(0);
+            let world = |k: usize| {
+                let evaluated = &evaluated;
+                let model = Differences::new(move |x: &[f64], f: &mut [f64]| {
+                    evaluated.fetch_add(1, Ordering::Relaxed);
+                    f[0] = (x[0] - k as f64 / WORLDS as f64).powi(4);
+                });
+                World::new(k.to_string(), model)
+            };
+            let params =
+                ProblemParams::new(&[3.0], 1, Differences::new(|_: &[f64], _: &mut [f64]| {}));
+            let joint = robust(params, (0..WORLDS).map(world).collect(), measure).unwrap();
+            let (mut calls, mut before, mut utility) = (0, 0, f64::NAN);
+            let mut stop = |progress: &Progress<'_>| {
+                calls += 1;
+                before = evaluated.load(Ordering::Relaxed);
+                utility = progress.utility;
+                if calls == last {
+                    return ControlFlow::Break(());
+                }
+                ControlFlow::Continue(())
+            };
+            let solution =
+                solve_with(&joint, &Method::Minimax, &Settings::default(), &mut stop).unwrap();
+            let after = evaluated.load(Ordering::Relaxed) - before;
+            assert_eq!(
+                (solution.status, calls),
+                (Status::Stopped, last),
+                "{measure:?}"
+            );
+            // a world of differences takes two or three values
+            assert!(after <= 3 * 64, "{measure:?} {last}: {after}");
+            if utility.is_finite() {
+                assert_eq!(solution.utility, utility, "the point that was reached");
+            }
+        }
+    }
 }
 
 fn front(settings: &ParetoSettings, goes_on: impl FnMut(&Progress<'_>) -> bool) -> Front {

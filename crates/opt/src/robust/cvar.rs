@@ -28,22 +28,23 @@ impl Parts for Cvar<'_> {
         self.worlds.functions * self.worlds.count()
     }
 
-    fn values(&self, x: &[f64], parts: &mut [f64]) {
+    fn evaluate(
+        &self,
+        x: &[f64],
+        parts: &mut [f64],
+        mut jacobian: Option<&mut Jacobian>,
+        stop: &mut dyn FnMut() -> bool,
+    ) {
         let count = self.worlds.count();
-        for (k, world) in self.worlds.values(x).iter().enumerate() {
-            for (function, value) in world.iter().enumerate() {
-                parts[function * count + k] = *value;
-            }
-        }
-    }
-
-    fn derivatives(&self, x: &[f64], parts: &mut [f64], jacobian: &mut Jacobian) {
-        let count = self.worlds.count();
-        for (k, (values, slopes)) in self.worlds.derivatives(x).iter().enumerate() {
+        let worlds = self.worlds.evaluate(x, jacobian.is_some(), stop);
+        for (k, (values, gradients)) in worlds.iter().enumerate() {
             for (function, value) in values.iter().enumerate() {
                 let part = function * count + k;
                 parts[part] = *value;
-                jacobian.row_mut(part).copy_from_slice(slopes.row(function));
+                if let Some(jacobian) = &mut jacobian {
+                    let gradient = gradients.row(function);
+                    jacobian.row_mut(part).copy_from_slice(gradient);
+                }
             }
         }
     }
@@ -93,14 +94,14 @@ impl Model for Cvar<'_> {
 
     fn values(&self, x: &[f64], values: &mut [f64]) {
         let mut parts = vec![f64::NAN; self.count()];
-        Parts::values(self, x, &mut parts);
+        Parts::evaluate(self, x, &mut parts, None, &mut || false);
         functions(self, &parts, values);
     }
 
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
         let mut parts = vec![f64::NAN; self.count()];
         let mut slopes = Jacobian::zeros(parts.len(), self.worlds.n);
-        Parts::derivatives(self, x, &mut parts, &mut slopes);
+        Parts::evaluate(self, x, &mut parts, Some(&mut slopes), &mut || false);
         functions(self, &parts, values);
         gradients(self, (&parts, &slopes), jacobian);
     }

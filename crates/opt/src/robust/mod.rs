@@ -20,6 +20,9 @@ use crate::tape::{Tape, TapedFunctions};
 pub use measure::Measure;
 pub use samples::{Uncertainty, sample};
 
+/// Worlds between two calls of the callback: some milliseconds of a wheel on as many soils.
+const WORLDS_PER_CALL: usize = 64;
+
 /// One possible world.
 pub struct World<'a> {
     /// Its name in reports: `objective @ name`.
@@ -102,28 +105,27 @@ impl Worlds<'_> {
         })
     }
 
-    /// One list of function values per world.
-    fn values(&self, x: &[f64]) -> Vec<Vec<f64>> {
-        self.list
-            .iter()
-            .map(|world| {
+    /// The function values of every world, with their gradients where they are wanted; NaN from where `stop` returns `true`.
+    fn evaluate(
+        &self,
+        x: &[f64],
+        has_gradients: bool,
+        stop: &mut dyn FnMut() -> bool,
+    ) -> Vec<(Vec<f64>, Jacobian)> {
+        let rows = if has_gradients { self.functions } else { 0 };
+        let mut stopped = false;
+        let worlds = self.list.iter().enumerate();
+        worlds
+            .map(|(index, world)| {
                 let mut values = vec![f64::NAN; self.functions];
-                world.model.values(&x[..self.n], &mut values);
-                values
-            })
-            .collect()
-    }
-
-    /// The same with gradients.
-    fn derivatives(&self, x: &[f64]) -> Vec<(Vec<f64>, Jacobian)> {
-        self.list
-            .iter()
-            .map(|world| {
-                let mut values = vec![f64::NAN; self.functions];
-                let mut jacobian = Jacobian::zeros(self.functions, self.n);
-                world
-                    .model
-                    .derivatives(&x[..self.n], &mut values, &mut jacobian);
+                let mut jacobian = Jacobian::zeros(rows, self.n);
+                stopped = stopped || (index % WORLDS_PER_CALL == WORLDS_PER_CALL - 1 && stop());
+                if !stopped {
+                    let jacobian = has_gradients.then_some(&mut jacobian);
+                    world
+                        .model
+                        .evaluate(&x[..self.n], &mut values, jacobian, &mut || false);
+                }
                 (values, jacobian)
             })
             .collect()

@@ -44,27 +44,30 @@ impl Model for Spread<'_> {
     }
 
     fn values(&self, x: &[f64], values: &mut [f64]) {
-        let worlds = self.worlds.values(x);
-        let m = self.worlds.m;
-        for (i, slot) in values[..m].iter_mut().enumerate() {
-            let all: Vec<f64> = worlds.iter().map(|w| w[i]).collect();
-            let (mean, sigma) = self.moments(i, &all);
-            *slot = mean + self.kappa * sigma;
-        }
-        let constraints = (m..self.worlds.functions).flat_map(|f| worlds.iter().map(move |w| w[f]));
-        for (slot, value) in values[m..].iter_mut().zip(constraints) {
-            *slot = value;
-        }
+        self.evaluate(x, values, None, &mut || false);
     }
 
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
-        let worlds = self.worlds.derivatives(x);
+        self.evaluate(x, values, Some(jacobian), &mut || false);
+    }
+
+    fn evaluate(
+        &self,
+        x: &[f64],
+        values: &mut [f64],
+        mut jacobian: Option<&mut Jacobian>,
+        stop: &mut dyn FnMut() -> bool,
+    ) {
+        let worlds = self.worlds.evaluate(x, jacobian.is_some(), stop);
         let m = self.worlds.m;
         let count = worlds.len() as f64;
         for (i, slot) in values[..m].iter_mut().enumerate() {
             let all: Vec<f64> = worlds.iter().map(|w| w.0[i]).collect();
             let (mean, sigma) = self.moments(i, &all);
             *slot = mean + self.kappa * sigma;
+            let Some(jacobian) = &mut jacobian else {
+                continue;
+            };
             let row = jacobian.row_mut(i);
             row.fill(0.0);
             for (f, world) in all.iter().zip(&worlds) {
@@ -85,7 +88,9 @@ impl Model for Spread<'_> {
         for function in m..self.worlds.functions {
             for world in &worlds {
                 values[row] = world.0[function];
-                jacobian.row_mut(row).copy_from_slice(world.1.row(function));
+                if let Some(jacobian) = &mut jacobian {
+                    jacobian.row_mut(row).copy_from_slice(world.1.row(function));
+                }
                 row += 1;
             }
         }

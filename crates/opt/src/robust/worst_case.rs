@@ -15,19 +15,28 @@ impl Model for WorstCase<'_> {
     }
 
     fn values(&self, x: &[f64], values: &mut [f64]) {
-        let worlds = self.0.values(x);
-        for (slot, (function, world)) in values.iter_mut().zip(order(&self.0)) {
-            *slot = worlds[world][function];
-        }
+        self.evaluate(x, values, None, &mut || false);
     }
 
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
-        let worlds = self.0.derivatives(x);
+        self.evaluate(x, values, Some(jacobian), &mut || false);
+    }
+
+    fn evaluate(
+        &self,
+        x: &[f64],
+        values: &mut [f64],
+        mut jacobian: Option<&mut Jacobian>,
+        stop: &mut dyn FnMut() -> bool,
+    ) {
+        let worlds = self.0.evaluate(x, jacobian.is_some(), stop);
         for (row, (function, world)) in order(&self.0).enumerate() {
-            values[row] = worlds[world].0[function];
-            jacobian
-                .row_mut(row)
-                .copy_from_slice(worlds[world].1.row(function));
+            let (own, gradients) = &worlds[world];
+            values[row] = own[function];
+            if let Some(jacobian) = &mut jacobian {
+                let gradient = gradients.row(function);
+                jacobian.row_mut(row).copy_from_slice(gradient);
+            }
         }
     }
 

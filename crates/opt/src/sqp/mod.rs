@@ -23,14 +23,16 @@ mod report;
 mod search;
 mod subspace;
 
-use crate::callback::{Callback, Progress, Stage};
+use core::ops::ControlFlow;
+
+use crate::callback::{Callback, Progress};
 use crate::jacobian::Jacobian;
 use crate::method::Method;
 use crate::parts::add_gradients;
 use crate::problem::Problem;
 use crate::program::{Kind, Program};
 use crate::settings::Settings;
-use crate::solution::{Counts, Solution};
+use crate::solution::Solution;
 use crate::status::{Limit, Status};
 
 pub(crate) use relaxation::{LinearKind, LinearModel};
@@ -63,10 +65,10 @@ const RESTARTS: usize = 20;
 /// A level below this is taken for a fall without limit.
 const UNBOUNDED_LEVEL: f64 = -1e30;
 
-struct Sqp<'a, 'w, 'f> {
-    program: &'a Program<'a>,
-    settings: &'a Settings,
-    evaluator: Evaluator<'a>,
+struct Sqp<'e, 'p, 'w, 'f> {
+    program: &'p Program<'p>,
+    settings: &'e Settings,
+    evaluator: &'e mut Evaluator<'p, 'w, 'f>,
     curvature: Curvature,
     phase: Phase,
     price: f64,
@@ -81,7 +83,6 @@ struct Sqp<'a, 'w, 'f> {
     gradient_floor: f64,
     /// What complementarity is compared with where the level is 0.
     level_floor: f64,
-    callback: &'w mut Callback<'f>,
 }
 
 /// A point with everything that the functions expand to there, to first order.
@@ -100,75 +101,52 @@ pub(crate) fn solve(
     callback: &mut Callback<'_>,
 ) -> Solution {
     let program = Program::new(problem, method);
-    let mut evaluator = Evaluator {
-        program: &program,
-        counts: Counts::default(),
+    let mut evaluator = Evaluator::new(&program, callback);
+    let onto = project::onto_linear(&program, settings, &mut || evaluator.is_stopped());
+    let ended = match &onto {
+        Ok(nearest) if evaluator.stopped => Some((nearest, Status::Stopped)),
+        Ok(_) => None,
+        Err((nearest, violations)) => Some((nearest, Status::NoFeasiblePoint(violations.clone()))),
     };
-    let mut stopped = false;
-    let onto = project::onto_linear(&program, settings, &mut || {
-        let progress = Progress {
-            stage: Stage::Solve,
-            iteration: 0,
-            x: &program.start,
-            utility: f64::INFINITY,
-            violation: f64::INFINITY,
-            stationarity: None,
-        };
-        stopped = callback(&progress).is_break();
-        stopped
-    });
-    let start = match onto {
-        Ok(nearest) if stopped => {
-            let point = evaluator.values(&nearest);
-            let status = Status::Stopped;
-            return report::solution(&program, settings, &evaluator, point, None, &[], status);
-        }
-        Ok(start) => start,
-        Err((nearest, violations)) => {
-            let point = evaluator.values(&nearest);
-            let status = Status::NoFeasiblePoint(violations);
-            return report::solution(&program, settings, &evaluator, point, None, &[], status);
-        }
-    };
+    if let Some((nearest, status)) = ended {
+        evaluator.stopped = false;
+        let point = evaluator.values(nearest);
+        return report::solution(
+            &program,
+            settings,
+            evaluator.counts,
+            point,
+            None,
+            &[],
+            status,
+        );
+    }
+    let (Ok(start) | Err((start, _))) = onto;
     let point = evaluator.values(&start);
-    let mut best = search(&program, settings, callback, evaluator.counts, point);
+    let mut best = search(&mut evaluator, settings, point);
     for _ in 0..RESTARTS {
         if !best.0.status.is_solved() || settings.probes == 0 {
             return best.0;
         }
-        let mut evaluator = Evaluator {
-            program: &program,
-            counts: best.0.counts,
-        };
-        let progress = Progress {
-            stage: Stage::Solve,
-            iteration: best.0.counts.iterations,
-            x: &best.1.x,
-            utility: best.0.utility,
-            violation: best.0.kkt.violation,
-            stationarity: Some(best.0.kkt.stationarity),
-        };
-        let mut stopped = false;
-        let stop = &mut || {
-            stopped = stopped || callback(&progress).is_break();
-            stopped
-        };
-        let improved = probe::improvement(&mut evaluator, settings, &best.1, stop);
-        best.0.counts = evaluator.counts;
-        if stopped {
-            best.0.status = Status::Stopped;
-            return best.0;
+        evaluator.reach(&best.1, Some(best.0.kkt.stationarity));
+        let improved = probe::improvement(&mut evaluator, settings, &best.1);
+        let is_refuted = improved.is_some();
+        if let Some(x) = improved {
+            let point = evaluator.values(&x);
+            let again = search(&mut evaluator, settings, point);
+            if again.0.utility < best.0.utility {
+                best = again;
+            } else if !evaluator.stopped {
+                best.0.counts = evaluator.counts;
+                break;
+            }
         }
-        let Some(x) = improved else {
+        best.0.counts = evaluator.counts;
+        if evaluator.stopped {
+            best.0.status = Status::Stopped;
+        }
+        if evaluator.stopped || !is_refuted {
             return best.0;
-        };
-        let point = evaluator.values(&x);
-        let again = search(&program, settings, callback, evaluator.counts, point);
-        best.0.counts = again.0.counts;
-        if matches!(again.0.status, Status::Stopped) || again.0.utility < best.0.utility {
-            best = again;
-        } else {
-            break;
         }
     }
     // A probe lowers the level, yet no search does.
@@ -181,11 +159,8 @@ pub(crate) fn solve(
 /// The level and the worst violation at a point.
 pub(crate) fn merit(problem: &Problem<'_>, method: &Method, x: &[f64]) -> (f64, f64) {
     let program = Program::new(problem, method);
-    let mut evaluator = Evaluator {
-        program: &program,
-        counts: Counts::default(),
-    };
-    let point = evaluator.values(x);
+    let go_on = &mut |_: &Progress<'_>| ControlFlow::Continue(());
+    let point = Evaluator::new(&program, go_on).values(x);
     let linear = program.linear.iter().map(|row| {
         let off = subspace::dot(&row.coefficients, x) - row.bound;
         if row.equal { off.abs() } else { off }
@@ -199,18 +174,16 @@ pub(crate) fn merit(problem: &Problem<'_>, method: &Method, x: &[f64]) -> (f64, 
 
 /// One search from a point, with the point where it ended.
 fn search(
-    program: &Program<'_>,
+    evaluator: &mut Evaluator<'_, '_, '_>,
     settings: &Settings,
-    callback: &mut Callback<'_>,
-    counts: Counts,
     point: Point,
 ) -> (Solution, Point) {
-    let n = program.dimension();
+    let program = evaluator.program;
     Sqp {
         program,
         settings,
-        curvature: Curvature::new(n, program.problem.curved(), 1.0),
-        evaluator: Evaluator { program, counts },
+        curvature: Curvature::new(program.dimension(), program.problem.curved(), 1.0),
+        evaluator,
         phase: Phase::Optimality,
         price: FIRST_PRICE,
         multipliers: Vec::new(),
@@ -220,12 +193,11 @@ fn search(
         blends: Vec::new(),
         gradient_floor: 1.0,
         level_floor: 1.0,
-        callback,
     }
     .run(point)
 }
 
-impl Sqp<'_, '_, '_> {
+impl Sqp<'_, '_, '_, '_> {
     fn run(mut self, start: Point) -> (Solution, Point) {
         let mut point = start;
         let (jacobian, slopes) = self.evaluator.derivatives(&mut point);
@@ -246,7 +218,7 @@ impl Sqp<'_, '_, '_> {
         let mut solution = report::solution(
             self.program,
             self.settings,
-            &self.evaluator,
+            self.evaluator.counts,
             model.point.clone(),
             Some(&model.jacobian),
             &self.multipliers,
@@ -264,9 +236,13 @@ impl Sqp<'_, '_, '_> {
         let mut returns = 0;
         self.scale_curvature(model);
         loop {
+            if self.evaluator.stopped {
+                return Status::Stopped;
+            }
             if let Some(status) = self.not_finite(model) {
                 return status;
             }
+            self.evaluator.reach(&model.point, None);
             let (mut rows, mut solution) = self.priced_step(model);
             self.blends = std::mem::take(&mut solution.blends);
             for blend in &self.blends {
@@ -276,8 +252,8 @@ impl Sqp<'_, '_, '_> {
             self.multipliers.clone_from(&solution.multipliers);
             let stationarity = self.stationarity(&rows);
             let violation = model.point.worst_violation(self.program);
-            let progress = self.progress(model, Some(stationarity));
-            if solution.stopped || (self.callback)(&progress).is_break() {
+            self.evaluator.reach(&model.point, Some(stationarity));
+            if self.evaluator.is_stopped() {
                 return Status::Stopped;
             }
             let feasible = violation <= self.settings.constraint_tolerance;
@@ -311,6 +287,9 @@ impl Sqp<'_, '_, '_> {
                 search::Outcome::NoDecrease => Some(Status::SmallDirectionalDerivative),
                 search::Outcome::NoStep => Some(Status::SmallStep),
             };
+            if self.evaluator.stopped {
+                return Status::Stopped;
+            }
             if let Some(status) = ended {
                 if self.evaluator.counts.values >= self.settings.max_values {
                     return Status::Limit(Limit::Values);
@@ -326,18 +305,6 @@ impl Sqp<'_, '_, '_> {
                     return status;
                 }
             }
-        }
-    }
-
-    /// The state of the search at a point.
-    fn progress<'m>(&self, model: &'m Expansion, stationarity: Option<f64>) -> Progress<'m> {
-        Progress {
-            stage: Stage::Solve,
-            iteration: self.evaluator.counts.iterations,
-            x: &model.point.x,
-            utility: model.point.level(self.program),
-            violation: model.point.worst_violation(self.program),
-            stationarity,
         }
     }
 
@@ -485,7 +452,6 @@ impl Sqp<'_, '_, '_> {
     fn plain_subproblem(&mut self, model: &Expansion, rows: &Rows, warm: &[f64]) -> QpSolution {
         let lower: Vec<f64> = Self::room(&self.program.lower, model);
         let upper: Vec<f64> = Self::room(&self.program.upper, model);
-        let progress = self.progress(model, None);
         let factor = self.curvature.factor();
         let guess;
         let warm = if warm.is_empty() {
@@ -500,7 +466,7 @@ impl Sqp<'_, '_, '_> {
             lower: &lower,
             upper: &upper,
         }
-        .solve(warm, &mut || (self.callback)(&progress).is_break())
+        .solve(warm, &mut || self.evaluator.is_stopped())
     }
 
     fn room(bounds: &[f64], model: &Expansion) -> Vec<f64> {

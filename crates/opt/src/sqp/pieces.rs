@@ -142,7 +142,7 @@ impl Growing<'_> {
     }
 }
 
-impl Sqp<'_, '_, '_> {
+impl Sqp<'_, '_, '_, '_> {
     /// Solves the subproblem with all rows that functions of parts have.
     pub(super) fn subproblem(
         &mut self,

@@ -1,7 +1,8 @@
 //! A point with its row values, and the counted evaluation of such points.
 
+use crate::callback::{Callback, Progress, Stage};
 use crate::jacobian::Jacobian;
-use crate::parts;
+use crate::parts::{self, Parts};
 use crate::program::{Kind, Program};
 use crate::solution::Counts;
 
@@ -76,13 +77,67 @@ pub(super) fn violation(kind: Kind, value: f64) -> f64 {
     }
 }
 
-/// The model behind a counter.
-pub(super) struct Evaluator<'a> {
-    pub(super) program: &'a Program<'a>,
-    pub(super) counts: Counts,
+/// What the callback hears of: the point that a search has reached.
+#[derive(Debug)]
+struct Reached {
+    x: Vec<f64>,
+    utility: f64,
+    violation: f64,
+    stationarity: Option<f64>,
 }
 
-impl Evaluator<'_> {
+/// The model behind a counter, and the callback, which may stop an evaluation that takes long.
+pub(super) struct Evaluator<'a, 'w, 'f> {
+    pub(super) program: &'a Program<'a>,
+    pub(super) counts: Counts,
+    callback: &'w mut Callback<'f>,
+    reached: Reached,
+    /// Did the callback end the search? Then nothing is evaluated any more: every value is NaN.
+    pub(super) stopped: bool,
+}
+
+impl<'a, 'w, 'f> Evaluator<'a, 'w, 'f> {
+    pub(super) fn new(program: &'a Program<'a>, callback: &'w mut Callback<'f>) -> Self {
+        Self {
+            program,
+            counts: Counts::default(),
+            callback,
+            reached: Reached {
+                x: program.start.clone(),
+                utility: f64::INFINITY,
+                violation: f64::INFINITY,
+                stationarity: None,
+            },
+            stopped: false,
+        }
+    }
+}
+
+impl Evaluator<'_, '_, '_> {
+    /// From now on the callback hears of this point.
+    pub(super) fn reach(&mut self, point: &Point, stationarity: Option<f64>) {
+        self.reached = Reached {
+            x: point.x.clone(),
+            utility: point.level(self.program),
+            violation: point.worst_violation(self.program),
+            stationarity,
+        };
+    }
+
+    /// Calls the callback: does it end the search, or did it before?
+    pub(super) fn is_stopped(&mut self) -> bool {
+        let progress = Progress {
+            stage: Stage::Solve,
+            iteration: self.counts.iterations,
+            x: &self.reached.x,
+            utility: self.reached.utility,
+            violation: self.reached.violation,
+            stationarity: self.reached.stationarity,
+        };
+        self.stopped = self.stopped || (self.callback)(&progress).is_break();
+        self.stopped
+    }
+
     fn rows(&self, functions: &[f64]) -> Vec<f64> {
         self.program
             .rows
@@ -91,17 +146,41 @@ impl Evaluator<'_> {
             .collect()
     }
 
-    pub(super) fn values(&mut self, x: &[f64]) -> Point {
+    /// Functions and parts at `x`, with the gradients of both where they are wanted.
+    fn evaluate(
+        &mut self,
+        x: &[f64],
+        gradients: Option<(&mut Jacobian, &mut Jacobian)>,
+    ) -> (Vec<f64>, Vec<f64>) {
         let problem = self.program.problem;
+        let model = problem.model();
         let mut functions = vec![f64::NAN; problem.function_count()];
-        let mut parts = Vec::new();
-        match problem.model().parts() {
+        let mut parts = vec![f64::NAN; model.parts().map_or(0, Parts::count)];
+        if self.stopped {
+            return (functions, parts);
+        }
+        let (jacobian, slopes) = gradients.unzip();
+        let stop = &mut || self.is_stopped();
+        match model.parts() {
             Some(source) => {
-                parts.resize(source.count(), f64::NAN);
-                source.values(x, &mut parts);
+                let Some((jacobian, slopes)) = jacobian.zip(slopes) else {
+                    source.evaluate(x, &mut parts, None, stop);
+                    parts::functions(source, &parts, &mut functions);
+                    return (functions, parts);
+                };
+                source.evaluate(x, &mut parts, Some(slopes), stop);
                 parts::functions(source, &parts, &mut functions);
+                parts::gradients(source, (&parts, slopes), jacobian);
             }
-            None => problem.model().values(x, &mut functions),
+            None => model.evaluate(x, &mut functions, jacobian, stop),
+        }
+        (functions, parts)
+    }
+
+    pub(super) fn values(&mut self, x: &[f64]) -> Point {
+        let (mut functions, parts) = self.evaluate(x, None);
+        if self.stopped {
+            functions.fill(f64::NAN);
         }
         self.counts.values += 1;
         Point {
@@ -123,23 +202,19 @@ impl Evaluator<'_> {
         point
     }
 
-    /// Derivatives at a point whose values are known: of the functions, and of their parts. Its values are refreshed.
+    /// Derivatives at a point whose values are known: of the functions, and of their parts. Its values are refreshed, unless the
+    /// callback stops the evaluation.
     pub(super) fn derivatives(&mut self, point: &mut Point) -> (Jacobian, Jacobian) {
-        let problem = self.program.problem;
         let n = point.x.len();
         let mut jacobian = Jacobian::zeros(point.functions.len(), n);
         let mut slopes = Jacobian::zeros(point.parts.len(), n);
-        if let Some(source) = problem.model().parts() {
-            source.derivatives(&point.x, &mut point.parts, &mut slopes);
-            parts::functions(source, &point.parts, &mut point.functions);
-            parts::gradients(source, (&point.parts, &slopes), &mut jacobian);
-        } else {
-            let functions = &mut point.functions;
-            let model = problem.model();
-            model.derivatives(&point.x, functions, &mut jacobian);
-        }
+        let gradients = Some((&mut jacobian, &mut slopes));
+        let (functions, parts) = self.evaluate(&point.x, gradients);
         self.counts.jacobians += 1;
-        point.rows = self.rows(&point.functions);
+        if !self.stopped {
+            point.rows = self.rows(&functions);
+            (point.functions, point.parts) = (functions, parts);
+        }
         (jacobian, slopes)
     }
 }

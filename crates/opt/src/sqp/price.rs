@@ -10,7 +10,7 @@ use crate::program::Program;
 /// A tenfold price must lower the linearised violation at least to this share to be worth it.
 const MIN_FEASIBILITY_GAIN: f64 = 0.9;
 
-impl Sqp<'_, '_, '_> {
+impl Sqp<'_, '_, '_, '_> {
     /// Linearises and solves the subproblem, raising the price while that lowers the violation.
     pub(super) fn priced_step(&mut self, model: &Expansion) -> (Rows, QpSolution) {
         let price = match self.phase {

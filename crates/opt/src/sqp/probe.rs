@@ -29,13 +29,12 @@ const LINEAR_SWEEPS: usize = 4;
 /// Objectives within this · (1 + |level|) of the level hold it.
 const HOLDING_SLACK: f64 = 1e-6;
 
-/// The best probe around `point` that meets all constraints as well as it does and lowers the level; none where `stop` returns
-/// `true` before a probe.
+/// The best probe around `point` that meets all constraints as well as it does and lowers the level; none where the callback ends
+/// the search.
 pub(super) fn improvement(
-    evaluator: &mut Evaluator<'_>,
+    evaluator: &mut Evaluator<'_, '_, '_>,
     settings: &Settings,
     point: &Point,
-    stop: &mut dyn FnMut() -> bool,
 ) -> Option<Vec<f64>> {
     let level = point.level(evaluator.program);
     let enough = level - REFUTING_DECREASE * (1.0 + level.abs());
@@ -48,7 +47,7 @@ pub(super) fn improvement(
     };
     let lengths = lengths(evaluator.program, point);
     for direction in directions(evaluator, &lengths, settings.probes, point) {
-        if stop() {
+        if evaluator.is_stopped() {
             return None;
         }
         if let Some((level, x)) = probe(evaluator, point, &direction) {
@@ -56,7 +55,7 @@ pub(super) fn improvement(
         }
     }
     for i in 0..lengths.len() {
-        if stop() {
+        if evaluator.is_stopped() {
             return None;
         }
         let both = [PAIR_PROBE_FACTOR, -PAIR_PROBE_FACTOR]
@@ -73,7 +72,7 @@ pub(super) fn improvement(
 
 /// The point a direction further on, with its level; `None` where it is the same point or meets the constraints less well.
 fn probe(
-    evaluator: &mut Evaluator<'_>,
+    evaluator: &mut Evaluator<'_, '_, '_>,
     point: &Point,
     direction: &[f64],
 ) -> Option<(f64, Vec<f64>)> {
@@ -148,7 +147,7 @@ fn along(lengths: &[f64], i: usize, times: f64) -> Vec<f64> {
 }
 
 fn directions(
-    evaluator: &mut Evaluator<'_>,
+    evaluator: &mut Evaluator<'_, '_, '_>,
     lengths: &[f64],
     random: usize,
     point: &Point,

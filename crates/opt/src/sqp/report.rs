@@ -1,13 +1,13 @@
 //! From the solver's last point to the solution: residuals, prices and what binds.
 
-use super::point::{Evaluator, Point, violation};
+use super::point::{Point, violation};
 use super::qp::{RowKind, Rows};
 use super::subspace::dot;
 use crate::jacobian::Jacobian;
 use crate::problem::Problem;
 use crate::program::{Kind, Program};
 use crate::settings::Settings;
-use crate::solution::{Kkt, Multipliers, Solution};
+use crate::solution::{Counts, Kkt, Multipliers, Solution};
 use crate::status::{Status, Violation};
 
 /// Σ u_j g_j over rows and bounds.
@@ -106,7 +106,7 @@ pub(super) fn violations(program: &Program<'_>, point: &Point, tolerance: f64) -
 pub(super) fn solution(
     program: &Program<'_>,
     settings: &Settings,
-    evaluator: &Evaluator<'_>,
+    counts: Counts,
     point: Point,
     jacobian: Option<&Jacobian>,
     u: &[f64],
@@ -135,7 +135,7 @@ pub(super) fn solution(
             ..sums.kkt
         },
         multipliers: sums.multipliers,
-        counts: evaluator.counts,
+        counts,
         x: point.x,
     }
 }

@@ -33,7 +33,7 @@ pub(super) enum Outcome {
     NoStep,
 }
 
-impl Sqp<'_, '_, '_> {
+impl Sqp<'_, '_, '_, '_> {
     fn merit(&self, point: &Point) -> f64 {
         match self.phase {
             Phase::Optimality => {
