@@ -138,7 +138,7 @@ impl From<grouser_terrain::Error> for Error {
                 })
             }
             Terrain::OtherMap {
-                field: name,
+                field: ref name,
                 ref value,
                 ref limit,
                 ..

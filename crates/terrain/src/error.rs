@@ -78,7 +78,7 @@ pub enum Error {
         /// What is not the map's.
         of: &'static str,
         /// In what it differs.
-        field: &'static str,
+        field: String,
         /// Its own, with its unit.
         value: String,
         /// The map's.

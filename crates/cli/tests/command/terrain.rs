@@ -209,6 +209,65 @@ fn a_plan_is_written_for_the_relief_the_robot_and_the_soil_of_its_map_alone() {
 }
 
 #[test]
+fn a_plan_is_not_written_for_a_soil_of_the_same_name_with_other_numbers() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.path(name).display().to_string();
+    let (dunes, rover) = (
+        example("terrain/dunes.asc"),
+        example("robots/skid-steer.toml"),
+    );
+    let (soil, out) = (path("sand.toml"), path("map.tif"));
+    let write = |cohesion: &str, more: &str| {
+        let text = format!(
+            "format = 1\nname = \"sand\"\nk_c_kn_per_m_n1 = 0.99\nk_phi_kn_per_m_n2 = 1528.0\nn = 1.1\n\
+             cohesion_kpa = {cohesion}\nphi_deg = 28.0\nk_shear_m = 0.018\nc_1 = 0.4\nc_2 = 0.2\n{more}"
+        );
+        fs::write(&soil, text).unwrap();
+    };
+    let plan = |soil: &str| {
+        let to = ["plan", &out, "--from", "3,3", "--to", "9,9", "--json"];
+        let way = path("way.toml");
+        let by = [
+            "--scenario",
+            &way,
+            "--dem",
+            &dunes,
+            "--robot",
+            &rover,
+            "--soil",
+            soil,
+        ];
+        grouser([&to[..], &by].concat())
+    };
+    let refused = |soil: &str, field: &str, value: &str, limit: &str| {
+        let refused = plan(soil);
+        assert_eq!(refused.code, Some(2), "{refused:?}");
+        let error = &refused.json()["error"];
+        let found = ["field", "value", "limit"].map(|key| error[key].as_str().unwrap());
+        assert_eq!(found, [field, value, limit], "{error}");
+    };
+    write("1.04", "");
+    let map = |soil: &str, more: &[&str]| {
+        let made = ["map", &dunes, "--robot", &rover, "--soil", soil, "-o", &out];
+        grouser([&made[..], more].concat()).assert_done();
+    };
+    map(&soil, &[]);
+    plan(&soil).assert_done();
+    write("2.5", "");
+    refused(&soil, "cohesion_kpa", "2.5", "1.04");
+    write("1.04", "n_1 = 0.2\n");
+    refused(&soil, "n_1", "0.2", "left out");
+    write("1.04", "slip_sinkage = \"whole\"\n");
+    refused(&soil, "slip_sinkage", "\"whole\"", "left out");
+    // a number that a flag has changed is not the catalogue's
+    fs::remove_file(&out).unwrap();
+    map("sandy-loam", &["--k-shear-m", "0.02"]);
+    let of_catalogue = grouser_terra::catalogue::find("sandy-loam").unwrap();
+    let own = of_catalogue.k_shear.unwrap().to_string();
+    refused("sandy-loam", "k_shear_m", &own, "0.02");
+}
+
+#[test]
 fn no_way_is_no_result_and_bad_places_are_refused() {
     let folder = Folder::new();
     let path = |name: &str| folder.path(name).display().to_string();

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _; // writing to a string cannot fail
 
+use grouser_files::soil::{SoilFile, to_toml};
 use grouser_rover::ground::Georeference;
 use grouser_rover::robot::RobotModel;
+use grouser_terra::Soil;
 
 use super::bands::{Band, Quantity};
 use crate::error::{Error, Result};
@@ -79,6 +81,8 @@ pub struct MapLayout {
     pub cvar_level: f64,
     /// The names of the soils, by [`Quantity::Soil`].
     pub soils: Vec<String>,
+    /// Numbers and laws of the first of them, as a soil file has them; empty where the map does not hold them.
+    pub soil_numbers: String,
     /// SHA-256 of everything that the map was computed from, as hexadecimal digits.
     pub job: String,
 }
@@ -107,6 +111,18 @@ impl MapLayout {
         }
     }
 
+    /// The same for a soil, under its name: a key of the catalogue or a soil file.
+    #[must_use]
+    pub fn of_soil(self, name: &str, soil: &Soil) -> Self {
+        let file = SoilFile::new("", "", *soil.params());
+        Self {
+            soils: vec![name.to_owned()],
+            // soil files have no keys for Reece's moduli
+            soil_numbers: to_toml(&file, &[]).unwrap_or_default(),
+            ..self
+        }
+    }
+
     /// A map of this size, of a robot that turns on the spot, at no particular place: for maps that are made by hand.
     #[must_use]
     pub fn plain(columns: u32, rows: u32, cell: f64, headings: Headings) -> Self {
@@ -122,6 +138,7 @@ impl MapLayout {
             draws: 0,
             cvar_level: CVAR_LEVEL,
             soils: Vec::new(),
+            soil_numbers: String::new(),
             job: String::new(),
         }
     }
@@ -189,6 +206,7 @@ impl MapLayout {
             ("GROUSER_SOIL_DRAWS", self.draws.to_string()),
             ("GROUSER_CVAR_LEVEL", format!("{}", self.cvar_level)),
             ("GROUSER_JOB_SHA256", self.job.clone()),
+            ("GROUSER_SOIL_NUMBERS", escaped(&self.soil_numbers)),
         ] {
             let _ = writeln!(out, "  <Item name=\"{name}\">{value}</Item>");
         }
@@ -264,6 +282,9 @@ impl MapLayout {
                 .map_while(|index| items.get(format!("GROUSER_SOIL_{index}").as_str()))
                 .map(|name| unescaped(name))
                 .collect(),
+            soil_numbers: items
+                .get("GROUSER_SOIL_NUMBERS")
+                .map_or_else(String::new, |text| unescaped(text)),
             job: text("GROUSER_JOB_SHA256")?.to_owned(),
         })
     }

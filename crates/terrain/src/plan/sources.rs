@@ -1,9 +1,11 @@
 //! Is a relief, a robot or a soil the one that a map was made for?
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use grouser_files::soil::names_file;
 use grouser_rover::robot::RobotModel;
+use grouser_terra::Soil;
 
 use super::PlanMap;
 use crate::error::{Error, Result};
@@ -21,20 +23,26 @@ const ROWS_AT_ONCE: u32 = 64;
 impl PlanMap {
     /// Refuses a relief, a robot or a soil that the map was not made for, as far as the map shows it: the size and the
     /// place of the relief, the name and the turning radius of the robot, the name of the soil (a key of the catalogue, or
-    /// a file, whose folder does not count), and the pitch of the robot on the relief at every cell and heading.
+    /// a file, whose folder does not count) with its numbers and laws, and the pitch of the robot on the relief at every cell
+    /// and heading.
     ///
     /// # Errors
     /// [`Error::OtherMap`] for the first that differs, [`Error::Terrain`] for a relief that cannot be read.
-    pub fn check_sources(&self, dem: &mut Dem, model: &RobotModel, soil: &str) -> Result<()> {
+    pub fn check_sources(
+        &self,
+        dem: &mut Dem,
+        model: &RobotModel,
+        (name, soil): (&str, &Soil),
+    ) -> Result<()> {
         let layout = &self.layout;
-        let own = layout.clone().of_robot(model);
-        let other = |of, field, value: String, limit: String| {
+        let own = layout.clone().of_robot(model).of_soil(name, soil);
+        let other = |of, field: &str, value: String, limit: String| {
             if value == limit {
                 return Ok(());
             }
             Err(Error::OtherMap {
                 of,
-                field,
+                field: field.to_owned(),
                 value,
                 limit,
             })
@@ -51,9 +59,17 @@ impl PlanMap {
         other(
             "the soil",
             "name",
-            without_folder(soil),
+            without_folder(name),
             without_folder(first),
         )?;
+        if !layout.soil_numbers.is_empty() {
+            let (own, of_map) = (numbers(&own.soil_numbers), numbers(&layout.soil_numbers));
+            for key in own.keys().chain(of_map.keys()) {
+                let [found, expected] = [&own, &of_map]
+                    .map(|numbers| numbers.get(key).copied().unwrap_or("left out").to_owned());
+                other("the soil", key, found, expected)?;
+            }
+        }
 
         let relief = "the relief";
         let (columns, rows) = dem.size();
@@ -118,7 +134,7 @@ impl PlanMap {
                         };
                         return Err(Error::OtherMap {
                             of: "the relief or the robot",
-                            field: "pitch",
+                            field: "pitch".to_owned(),
                             value: format!("{} at ({x}, {y}) m", shown(found)),
                             limit: shown(*expected),
                         });
@@ -128,6 +144,13 @@ impl PlanMap {
         }
         Ok(())
     }
+}
+
+/// Keys and values of a soil file.
+fn numbers(text: &str) -> BTreeMap<&str, &str> {
+    text.lines()
+        .filter_map(|line| line.split_once(" = "))
+        .collect()
 }
 
 /// A soil's key, or the name of its file.

@@ -122,8 +122,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         &envelope,
     );
     let draws = others.iter().map(Vec::len).fold(drawn.len(), usize::max);
-    let mut layout = MapLayout::of(&dem, &model, headings, draws, &job);
-    layout.soils = soils::names(&chosen.name, legend);
+    let mut layout =
+        MapLayout::of(&dem, &model, headings, draws, &job).of_soil(&chosen.name, &chosen.soil);
+    let names = legend.iter().map(|entry| entry.name.clone());
+    layout.soils.extend(names);
     layout.cvar_level = arguments.cvar;
     outputs.check(&layout)?;
     let settings = MapSettings::new(headings, envelope).with_cvar_level(arguments.cvar)?;

@@ -62,12 +62,6 @@ pub(super) fn legend_draws(
     legend.iter().enumerate().map(draw).collect()
 }
 
-/// The names of a map's soils in the order of its numbers.
-pub(super) fn names(own: &str, legend: &[LegendSoil]) -> Vec<String> {
-    let others = legend.iter().map(|entry| entry.name.clone());
-    std::iter::once(own.to_owned()).chain(others).collect()
-}
-
 type SoilTable = (DemandSolver, SlipTable);
 
 /// The tables of all soils and of their draws, on all processors; the result does not depend on their number.

@@ -30,7 +30,8 @@ pub(super) fn check(map: &PlanMap, names: &Names<'_>) -> grouser_terrain::Result
     let height_step = HeightFile::new(names.dem.to_owned(), cell).height_step;
     let mut dem = Dem::open(names.dem, cell, height_step)?;
     let model = RobotModel::read(names.robot)?.under_gravity(map.layout.gravity);
-    map.check_sources(&mut dem, &model, names.soil)
+    let soil = soil(names.soil, Path::to_owned)?.soil;
+    map.check_sources(&mut dem, &model, (names.soil, &soil))
 }
 
 /// The scenario's text, as `file` will hold it: one leg for each straight.
