@@ -92,6 +92,8 @@ extern "C" {
 #define GROUSER_WHEEL_TORQUE 12u
 /* Specific force on the level: forwards, left, m/s^2. */
 #define GROUSER_ACCELERATION 13u
+/* Place in a fixed frame without a heading, such as a fix or a tag: x m, y m. */
+#define GROUSER_POSITION 14u
 
 /* The sample's turn is measured. */
 #define GROUSER_HAS_TURN 1u

@@ -110,6 +110,10 @@ class Robot {
   bool pose(std::int64_t now_ns, std::int64_t stamp_ns, double x_m, double y_m, double yaw_rad) {
     return push(now_ns, of(GROUSER_POSE, stamp_ns, {x_m, y_m, yaw_rad, 0.0, 0.0, 0.0}));
   }
+  /// Place in a fixed frame without a heading, such as a fix or a tag: m, m.
+  bool position(std::int64_t now_ns, std::int64_t stamp_ns, double x_m, double y_m) {
+    return push(now_ns, of(GROUSER_POSITION, stamp_ns, {x_m, y_m, 0.0, 0.0, 0.0, 0.0}));
+  }
   /// Speed over ground forwards, m/s, of a sensor that does not measure the wheels.
   bool speed(std::int64_t now_ns, std::int64_t stamp_ns, double forward_m_per_s) {
     return push(now_ns, of(GROUSER_SPEED, stamp_ns, {forward_m_per_s, 0.0, 0.0, 0.0, 0.0, 0.0}));

@@ -71,6 +71,8 @@ pub const GROUSER_MOTOR_CURRENT: u32 = 11;
 pub const GROUSER_WHEEL_TORQUE: u32 = 12;
 /// Specific force on the level: forwards, left, m/s².
 pub const GROUSER_ACCELERATION: u32 = 13;
+/// Place in a fixed frame without a heading, such as a fix or a tag: x m, y m.
+pub const GROUSER_POSITION: u32 = 14;
 
 /// The sample's turn is measured.
 pub const GROUSER_HAS_TURN: u32 = 1;

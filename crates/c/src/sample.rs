@@ -5,7 +5,7 @@ use grouser_slip::{Measurement, Sample};
 use crate::abi::{
     GROUSER_ACCELERATION, GROUSER_DISPLACEMENT, GROUSER_ERROR_VALUE, GROUSER_HAS_LEFT,
     GROUSER_HAS_TURN, GROUSER_INERTIAL, GROUSER_JOINT_ANGLE, GROUSER_MOTOR_CURRENT, GROUSER_POSE,
-    GROUSER_SPEED, GROUSER_WHEEL_ANGLE, GROUSER_WHEEL_COUNT, GROUSER_WHEEL_EDGE,
+    GROUSER_POSITION, GROUSER_SPEED, GROUSER_WHEEL_ANGLE, GROUSER_WHEEL_COUNT, GROUSER_WHEEL_EDGE,
     GROUSER_WHEEL_RATE, GROUSER_WHEEL_TORQUE, GROUSER_YAW_RATE, GrouserSample,
 };
 use crate::border::Code;
@@ -57,6 +57,7 @@ pub(crate) fn parse(sample: &GrouserSample) -> Result<Sample, Code> {
             forward: a,
             left: b,
         },
+        GROUSER_POSITION => Measurement::Position { x: a, y: b },
         _ => return Err(GROUSER_ERROR_VALUE),
     };
     Ok(Sample {

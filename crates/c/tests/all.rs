@@ -12,4 +12,5 @@ mod adapters;
 mod bad_input;
 mod header;
 mod installed;
+mod positions;
 mod replay;

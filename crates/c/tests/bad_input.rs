@@ -7,11 +7,11 @@ use std::ptr::{null, null_mut};
 use grouser_c::*;
 
 /// The size that a struct begins with.
-fn size<T>() -> u32 {
+pub(crate) fn size<T>() -> u32 {
     u32::try_from(size_of::<T>()).unwrap()
 }
 
-fn wheel() -> GrouserWheel {
+pub(crate) fn wheel() -> GrouserWheel {
     GrouserWheel {
         size: size::<GrouserWheel>(),
         radius_m: 0.1,
@@ -20,7 +20,7 @@ fn wheel() -> GrouserWheel {
     }
 }
 
-fn settings() -> GrouserSettings {
+pub(crate) fn settings() -> GrouserSettings {
     let mut settings = GrouserSettings {
         size: size::<GrouserSettings>(),
         start_policy: 99,
@@ -102,7 +102,7 @@ fn robot() -> *mut GrouserOnBoard {
     out
 }
 
-fn push(robot: *mut GrouserOnBoard, sample: GrouserSample) -> i32 {
+pub(crate) fn push(robot: *mut GrouserOnBoard, sample: GrouserSample) -> i32 {
     let size = size::<GrouserSample>();
     let sample = GrouserSample { size, ..sample };
     // SAFETY: both are alive
@@ -385,7 +385,7 @@ fn numbers_that_are_none_are_refused_in_every_kind_and_what_comes_out_is_finite(
             // the code may be that of a sample that waited before it
             assert!([GROUSER_OK, GROUSER_SAMPLE_REFUSED].contains(&push(robot, count)));
         }
-        for kind in GROUSER_WHEEL_ANGLE..=GROUSER_ACCELERATION + 1 {
+        for kind in GROUSER_WHEEL_ANGLE..=GROUSER_POSITION + 1 {
             for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                 let flags = GROUSER_HAS_TURN | GROUSER_HAS_LEFT;
                 let bad = GrouserSample {
@@ -397,7 +397,7 @@ fn numbers_that_are_none_are_refused_in_every_kind_and_what_comes_out_is_finite(
                 };
                 let code = push(robot, bad);
                 // within the horizon the filter judges a sample when its time comes
-                let waits = code == GROUSER_OK && kind <= GROUSER_ACCELERATION;
+                let waits = code == GROUSER_OK && kind <= GROUSER_POSITION;
                 assert!(code == GROUSER_SAMPLE_REFUSED || code == GROUSER_ERROR_VALUE || waits);
             }
         }
