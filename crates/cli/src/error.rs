@@ -76,11 +76,11 @@ impl Error {
         Self::new(Kind::Usage, message, None)
     }
 
-    /// A flag whose value lies outside its limits, as the message says them.
+    /// A flag whose value lies outside its limits, as the message says them; no `unit` for a pure number.
     pub(crate) fn out_of_range(
         flag: &str,
         value: f64,
-        limit: [f64; 2],
+        (limit, unit): ([f64; 2], Option<&str>),
         limits: impl fmt::Display,
     ) -> Self {
         let text = grouser_report::number::in_message(value);
@@ -89,6 +89,7 @@ impl Error {
             field: Some(flag.to_owned()),
             value: value.into(),
             limit: limit.to_vec().into(),
+            unit: unit.map(str::to_owned),
             ..Details::default()
         })
     }

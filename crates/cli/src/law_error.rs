@@ -1,5 +1,5 @@
-//! The laws' errors in the words of the command: flags and columns instead of fields, degrees instead of
-//! radians.
+//! The laws' errors in the words of the command: flags and columns instead of fields, and their units:
+//! degrees instead of radians, kPa instead of Pa.
 
 use grouser_terra::{Error as LawError, OutOfRange};
 use serde_json::Value;
@@ -17,7 +17,7 @@ pub(crate) enum Names {
 }
 
 /// The laws' fields and the columns (flags) that give them.
-const COLUMNS: [(&str, &str); 19] = [
+const COLUMNS: [(&str, &str); 23] = [
     ("radius", "radius_m"),
     ("width", "width_m"),
     ("rebound", "rebound"),
@@ -28,6 +28,7 @@ const COLUMNS: [(&str, &str); 19] = [
     ("sinkage", "sinkage_m"),
     ("load", "load_n"),
     ("weight", "load_n"),
+    ("mass", "mass_kg"),
     ("slip_angle", "slip_angle_deg"),
     ("slope", "slope_deg"),
     ("theta", "theta_deg"),
@@ -37,6 +38,9 @@ const COLUMNS: [(&str, &str); 19] = [
     ("c_2", "c_2"),
     ("unit_weight", "unit_weight_n_per_m3"),
     ("phi", "phi_deg"),
+    ("cohesion", "cohesion_kpa"),
+    ("k_c", "k_c_kn_per_m_n1"),
+    ("k_phi", "k_phi_kn_per_m_n2"),
 ];
 
 impl Names {
@@ -63,14 +67,14 @@ impl Names {
                 unit,
                 ..
             }) => {
-                let (scale, unit) = in_degrees(unit);
+                let (scale, unit) = in_column(unit);
                 let limit = vec![low * scale, high * scale].into();
                 details((value * scale).into(), limit, &unit)
             }
             LawError::NotAbove {
                 value, limit, unit, ..
             } => {
-                let (scale, unit) = in_degrees(unit);
+                let (scale, unit) = in_column(unit);
                 details((value * scale).into(), (limit * scale).into(), &unit)
             }
             LawError::HubBuried { sinkage, radius } => details(sinkage.into(), radius.into(), " m"),
@@ -94,7 +98,7 @@ impl Names {
                 high,
                 unit,
             }) => {
-                let (scale, unit) = in_degrees(unit);
+                let (scale, unit) = in_column(unit);
                 let [value, low, high] = [value * scale, low * scale, high * scale];
                 let limit = if high >= f64::MAX {
                     format!("be at least {}{unit}", in_message(low))
@@ -113,7 +117,7 @@ impl Names {
                 limit,
                 unit,
             } => {
-                let (scale, unit) = in_degrees(unit);
+                let (scale, unit) = in_column(unit);
                 let [value, limit] = [value * scale, limit * scale].map(in_message);
                 format!(
                     "{} is {value}{unit}, but must be greater than {limit}{unit}",
@@ -121,7 +125,7 @@ impl Names {
                 )
             }
             LawError::NotFinite { field, value, unit } => {
-                let (_, unit) = in_degrees(unit);
+                let (_, unit) = in_column(unit);
                 format!(
                     "{} is {value}{unit}, but must be a finite number",
                     self.of(field)
@@ -161,10 +165,11 @@ fn details(value: Value, limit: Value, unit: &str) -> Details {
     }
 }
 
-/// What a value in `unit` is multiplied with, and the unit with a space before it; a pure number has none.
-fn in_degrees(unit: &str) -> (f64, String) {
+/// What a value in `unit` is multiplied with for its column, and the column's unit with a space before it; a pure number has none.
+fn in_column(unit: &str) -> (f64, String) {
     match unit {
         "rad" => (1_f64.to_degrees(), " deg".to_owned()),
+        "Pa" | "N/m^(n+1)" | "N/m^(n+2)" => (1e-3, format!(" k{unit}")),
         "1" => (1.0, String::new()),
         unit => (1.0, format!(" {unit}")),
     }

@@ -137,6 +137,13 @@ impl From<grouser_terrain::Error> for Error {
                     ..Details::default()
                 })
             }
+            Terrain::DoesNotStand { load, .. } => Self::new(Kind::Content, error.to_string(), hint)
+                .with(Details {
+                    value: load.into(),
+                    limit: 0.0.into(),
+                    unit: Some("N".to_owned()),
+                    ..field("load")
+                }),
             Terrain::OtherMap {
                 field: ref name,
                 ref value,

@@ -4,9 +4,10 @@ use std::ffi::OsString;
 
 use clap::CommandFactory as _;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use serde_json::Value;
 
 use crate::command::Command;
-use crate::error::Error;
+use crate::error::{Details, Error};
 use crate::terminal;
 use crate::wrap::wrapped;
 
@@ -16,7 +17,7 @@ pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> u8 {
     let nothing = arguments.len() <= 1;
     match error.kind() {
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand if !nothing => {
-            terminal::complain(&Error::usage(message(error), hint(error, arguments)), json)
+            terminal::complain(&usage(error, arguments), json)
         }
         ErrorKind::DisplayHelp
         | ErrorKind::DisplayVersion
@@ -26,8 +27,29 @@ pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> u8 {
                 Err(error) => terminal::complain(&error, json),
             }
         }
-        _ => terminal::complain(&Error::usage(message(error), hint(error, arguments)), json),
+        _ => terminal::complain(&usage(error, arguments), json),
     }
+}
+
+fn usage(error: &clap::Error, arguments: &[OsString]) -> Error {
+    let field = one(error, ContextKind::InvalidArg).map(|name| name.trim_matches('`').to_owned());
+    let field = field.filter(|name| name.starts_with("--") && !name.contains('`'));
+    let value = one(error, ContextKind::InvalidValue).filter(|value| !value.is_empty());
+    let number = value.as_deref().and_then(|text| text.parse::<f64>().ok());
+    Error::usage(message(error), hint(error, arguments)).with(Details {
+        field,
+        value: number.map_or_else(|| value.into(), Value::from),
+        limit: limits(error).map_or(Value::Null, |limits| limits.to_vec().into()),
+        ..Details::default()
+    })
+}
+
+/// The least and the greatest value of a flag that takes whole numbers in a range.
+fn limits(error: &clap::Error) -> Option<[i64; 2]> {
+    let reason = std::error::Error::source(error)?.to_string();
+    let (_, range) = reason.split_once(" is not in ")?;
+    let (low, high) = range.split_once("..=")?;
+    Some([low.parse().ok()?, high.parse().ok()?])
 }
 
 fn message(error: &clap::Error) -> String {
@@ -42,6 +64,9 @@ fn message(error: &clap::Error) -> String {
         }
         (ErrorKind::ValueValidation, Some(argument), Some(value)) => {
             let reason = std::error::Error::source(error).map(ToString::to_string);
+            if let Some([low, high]) = limits(error) {
+                return format!("{argument} is {value}, but must lie in [{low}, {high}]");
+            }
             let reason = match reason.as_deref() {
                 None => "is not valid there",
                 Some("invalid digit found in string") => "must be a whole number",

@@ -6,13 +6,10 @@ use crate::error::Result;
 use crate::section::Section;
 use crate::toml_text::TomlText;
 
-/// Any number of a settings file; the settings themselves check their limits.
-const ANY: (f64, f64) = (-1e12, 1e12);
-
-/// Sets every field that the section has a key for; the settings themselves check the limits.
+/// Sets every field that the section has a key for.
 ///
 /// # Errors
-/// A value that is no number.
+/// A value that is no number, or lies outside the field's limits, which are given in the key's unit.
 ///
 /// ```
 /// use grouser_files::{Document, read_fields};
@@ -31,7 +28,7 @@ pub fn read_fields<S: Copy>(
 ) -> Result<()> {
     for field in fields {
         if let Some(key) = field.key
-            && let Some(value) = section.optional_number(key, ANY)?
+            && let Some(value) = section.optional_number(key, field.limits_in_file())?
         {
             field.set_from_file(settings, value);
         }

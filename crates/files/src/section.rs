@@ -9,6 +9,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::document::Document;
 use crate::error::{Error, PLACEHOLDER, Place, Result};
+use crate::key_unit::of_key;
 use crate::suggestion::{are_siblings, nearest};
 
 /// A table of a document. Every key that is read becomes known; other keys
@@ -120,6 +121,35 @@ impl<'a> Section<'a> {
                 unit: "",
             },
         }
+    }
+
+    /// The error of a number that a law or a description refuses in SI units: at the key that gave it, and in the key's unit.
+    /// `None` where this section has no such key.
+    #[must_use]
+    pub fn refused(&self, range: &OutOfRange) -> Option<Error> {
+        let mut range = of_key(range)?;
+        let value = self.table.get(range.field.as_str())?;
+        let written = self.number_of(&range.field, value, (f64::MIN, f64::MAX));
+        // the digits that were written, unless the number was made of several
+        range.value = written
+            .ok()
+            .filter(|written| (written - range.value).abs() <= 1e-9 * written.abs())
+            .unwrap_or(range.value);
+        let at = self.place_of(&range.field);
+        Some(Error::OutOfRange { at, range })
+    }
+
+    /// The error of numbers that a law refuses, at the key that gave the number where there is one.
+    #[must_use]
+    pub fn refused_by_law(&self, source: grouser_terra::Error) -> Error {
+        let known = match &source {
+            grouser_terra::Error::OutOfRange(range) => self.refused(range),
+            _ => None,
+        };
+        known.unwrap_or_else(|| Error::Soil {
+            at: self.place(),
+            source,
+        })
     }
 
     /// The bytes of the document's text that hold the value of `key`.

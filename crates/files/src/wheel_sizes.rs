@@ -42,12 +42,7 @@ pub fn with_grousers(section: &Section<'_>, wheel: RigidWheel) -> Result<RigidWh
     let Some(grousers) = read_grousers(section)? else {
         return Ok(wheel);
     };
-    wheel.with_grousers(grousers).map_err(|source| Error::Soil {
-        at: section.place_of(match source.field() {
-            Some("lug_count") => "grouser_count",
-            Some("lug_thickness") => "grouser_thickness_m",
-            _ => "grouser_height_m",
-        }),
-        source,
-    })
+    wheel
+        .with_grousers(grousers)
+        .map_err(|source| section.refused_by_law(source))
 }

@@ -51,7 +51,7 @@ fn what_is_left_open_is_named_and_can_be_completed() {
 fn bad_numbers_and_keys_are_refused_with_their_place() {
     let degrees = parse(&SAND.replace("phi_deg = 30.0", "phi_deg = 95")).unwrap_err();
     assert!(
-        degrees.to_string().starts_with("sand.toml:8:11: phi is"),
+        degrees.to_string() == "sand.toml:8:11: `phi_deg` is 95, but must lie in [0, 89]",
         "{degrees}"
     );
     for (from, to) in [

@@ -271,10 +271,7 @@ fn read_wheel(section: &Section<'_>, document: &Document) -> Read<WheelJob> {
         section.number("radius_m", SIZE)?,
         section.number("width_m", SIZE)?,
     );
-    let wheel = RigidWheel::new(radius, width).map_err(|source| grouser_files::Error::Soil {
-        at: section.place_of("radius_m"),
-        source,
-    })?;
+    let wheel = RigidWheel::new(radius, width).map_err(|source| section.refused_by_law(source))?;
     let wheel = with_grousers(section, wheel)?;
     let mut parameters = Vec::new();
     for name in section.texts("fit")? {

@@ -101,6 +101,16 @@ impl<S: Copy> Field<S> {
         );
     }
 
+    /// The smallest and the largest value allowed, in the unit of a file.
+    #[must_use]
+    pub fn limits_in_file(&self) -> (f64, f64) {
+        let (low, high) = self.limits;
+        match self.file_unit {
+            FileUnit::Same => (low, high),
+            FileUnit::Degrees => (low.to_degrees(), high.to_degrees()),
+        }
+    }
+
     /// Checks the value against its limits.
     ///
     /// # Errors

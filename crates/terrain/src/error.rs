@@ -55,7 +55,9 @@ pub enum Error {
         reason: String,
     },
     /// The robot does not stand on the level as its description poses it.
-    #[error("robot \"{name}\" does not stand on level ground: a wheel carries {load} N")]
+    #[error(
+        "robot \"{name}\" does not stand on level ground: a wheel carries {load} N, but must carry at least 0 N"
+    )]
     DoesNotStand {
         /// The robot.
         name: String,

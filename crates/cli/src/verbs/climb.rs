@@ -8,7 +8,7 @@ use grouser_figure::{Axis, Chart, Curve, Figure, Style};
 use grouser_report::number::{parse_finite, shown};
 use grouser_report::{Fields, fields};
 use grouser_rover::robot::RobotModel;
-use grouser_rover::statics::{ClimbStep, climb};
+use grouser_rover::statics::{ClimbStep, climb, wheel_loads};
 use grouser_terra::{Angle, Kinematics, Settings, SlopeOutcome, Soil, WheelOnSoil};
 
 use crate::error::{Error, Result};
@@ -154,6 +154,14 @@ fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<
     if let Some(path) = &arguments.robot {
         session.used_file(path)?;
         let model = arguments.gravity.of(input::robot(path)?);
+        let level = wheel_loads(&model, 0.0, 0.0);
+        if !level.stands {
+            let name = model.robot.name().to_owned();
+            let load = level.loads.iter().copied().fold(f64::INFINITY, f64::min);
+            return Err(
+                Error::from(grouser_terrain::Error::DoesNotStand { name, load }).in_file(path),
+            );
+        }
         return Ok(Climber::Robot(Box::new(model)));
     }
     let (Some(radius), Some(width)) = (arguments.radius_m, arguments.width_m) else {
@@ -173,12 +181,16 @@ fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<
         }
     };
     if !(weight > 0.0) {
-        return Err(Error::out_of_range(
-            "--load-n",
-            weight,
-            [0.0, f64::MAX],
-            "be greater than 0 N",
-        ));
+        let (field, value, unit) = match arguments.mass_kg {
+            Some(mass) => ("mass", mass, "kg"),
+            None => ("load", weight, "N"),
+        };
+        return Err(refuse(grouser_terra::Error::NotAbove {
+            field,
+            value,
+            limit: 0.0,
+            unit,
+        }));
     }
     let wheel = arguments.grousers.on(radius, width).map_err(refuse)?;
     let pair = WheelOnSoil::new(wheel, *soil, Settings::default()).map_err(refuse)?;

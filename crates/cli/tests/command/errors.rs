@@ -75,6 +75,272 @@ fn a_soil_of_a_scenario_is_refused_at_its_key_in_its_unit() {
     }
 }
 
+/// A file whose only fault is one number, with the verb that reads it.
+struct Reader {
+    /// Words before and after the file's name.
+    words: [&'static [&'static str]; 2],
+    text: String,
+}
+
+/// What `wheel` needs beside its soil.
+const WHEEL: &[&str] = &[
+    "--radius-m",
+    "0.1",
+    "--width-m",
+    "0.1",
+    "--slip",
+    "0.2",
+    "--load-n",
+    "50",
+    "--json",
+];
+
+fn readers() -> [(&'static str, Reader); 4] {
+    let soil = "format = 1
+name = \"s\"
+k_c_kn_per_m_n1 = 0.99
+k_phi_kn_per_m_n2 = 1528.0
+n = 1.1
+cohesion_kpa = 1.04
+phi_deg = 28.0
+k_shear_m = 0.018
+c_1 = 0.4
+c_2 = 0.2
+";
+    let robot = fs::read_to_string(example("robots/skid-steer.toml")).unwrap();
+    let scenario = SCENARIO.replace("ROBOT", &example("robots/skid-steer.toml"));
+    let scenario = format!("{scenario}[sensors]\n[control]\n[start]\n");
+    let problem = "format = 1
+method = \"minimax\"
+[variables]
+slip = { start = 0.2, lower = 0.05, upper = 0.6 }
+[wheel]
+radius_m = 0.1
+width_m = 0.1
+[soil]
+key = \"dry-sand\"
+[state]
+load_n = 50.0
+[objectives]
+f = \"torque_nm\"
+";
+    let reader = |words, text: &str| Reader {
+        words,
+        text: text.to_owned(),
+    };
+    [
+        ("soil", reader([&["wheel", "--soil"], WHEEL], soil)),
+        (
+            "robot",
+            reader([&["robot"], &["--stance", "--json"]], &robot),
+        ),
+        ("scenario", reader([&["drive"], &["--json"]], &scenario)),
+        ("problem", reader([&["optimize"], &["--json"]], problem)),
+    ]
+}
+
+/// Keys whose unit is another than the program's own: file, section, key, and its limits in the key's unit.
+const KEYS: &[(&str, &str, &str, [f64; 2])] = &[
+    ("soil", "", "cohesion_kpa", [0.0, 1e5]),
+    ("soil", "", "phi_deg", [0.0, 89.0]),
+    ("soil", "", "k_c_kn_per_m_n1", [-1e9, 1e9]),
+    ("soil", "", "k_phi_kn_per_m_n2", [-1e9, 1e9]),
+    ("soil", "", "k_shear_1_m_per_rad", [0.0, 10.0]),
+    (
+        "robot",
+        "[estimator]",
+        "yaw_sigma_deg",
+        [5.729_577_951_308_232e-8, 57_295.779_513_082_32],
+    ),
+    (
+        "robot",
+        "[estimator]",
+        "yaw_rate_sigma_deg_per_s",
+        [5.729_577_951_308_232e-8, 57_295.779_513_082_32],
+    ),
+    (
+        "robot",
+        "[estimator]",
+        "pose_yaw_offset_deg",
+        [-360.0, 360.0],
+    ),
+    (
+        "robot",
+        "[estimator]",
+        "entry_angle_sigma_deg",
+        [1e-4, 57.0],
+    ),
+    ("robot", "[[wheel]]", "heading_deg", [-360.0, 360.0]),
+    ("robot", "[[wheel]]", "roller_deg", [-80.0, 80.0]),
+    ("robot", "[[wheel]]", "camber_deg", [-30.0, 30.0]),
+    ("robot", "[[wheel]]", "caster_deg", [-45.0, 45.0]),
+    ("robot", "[[wheel]]", "steer_range_deg", [0.0, 180.0]),
+    ("robot", "[[wheel]]", "steer_rate_deg_per_s", [0.1, 1e4]),
+    ("robot", "[[wheel]]", "radius_m", [1e-3, 10.0]),
+    ("scenario", "[[soil]]", "cohesion_kpa", [0.0, 1e5]),
+    ("scenario", "[[soil]]", "phi_deg", [0.0, 89.0]),
+    ("scenario", "[[leg]]", "heading_deg", [-360.0, 360.0]),
+    ("scenario", "[start]", "heading_deg", [-360.0, 360.0]),
+    (
+        "scenario",
+        "[sensors]",
+        "gyro_sigma_deg_per_s",
+        [0.0, 572.957_795_130_823_2],
+    ),
+    (
+        "scenario",
+        "[sensors]",
+        "gyro_bias_deg_per_s",
+        [0.0, 572.957_795_130_823_2],
+    ),
+    (
+        "scenario",
+        "[sensors]",
+        "joint_sigma_deg",
+        [0.0, 57.295_779_513_082_32],
+    ),
+    (
+        "scenario",
+        "[sensors]",
+        "entry_angle_sigma_deg",
+        [0.0, 57.295_779_513_082_32],
+    ),
+    (
+        "scenario",
+        "[sensors]",
+        "entry_angle_bias_deg",
+        [0.0, 57.295_779_513_082_32],
+    ),
+    ("scenario", "[control]", "steep_deg", [0.0, 90.0]),
+    ("scenario", "[control]", "level_deg", [0.0, 90.0]),
+    ("scenario", "[control]", "traverse_angle_deg", [0.0, 90.0]),
+    ("scenario", "[control]", "most_tilt_deg", [0.0, 90.0]),
+    ("problem", "[soil]", "cohesion_kpa", [0.0, 1e5]),
+    ("problem", "[soil]", "phi_deg", [0.0, 89.0]),
+    ("problem", "[soil]", "k_c_kn_per_m_n1", [-1e9, 1e9]),
+    ("problem", "[soil]", "k_phi_kn_per_m_n2", [-1e9, 1e9]),
+    ("problem", "[state]", "slope_deg", [-89.9, 89.9]),
+    ("problem", "[state]", "theta_deg", [-90.0, 90.0]),
+];
+
+#[test]
+fn a_number_is_refused_at_its_key_and_in_the_unit_of_the_key() {
+    let folder = Folder::new();
+    let readers = readers();
+    for (kind, section, key, limits) in KEYS {
+        let (_, reader) = readers.iter().find(|(name, _)| name == kind).unwrap();
+        // the first section of this name without the key, and with a bad one in its first line
+        let bad = format!("{key} = 2e9");
+        let mut lines: Vec<&str> = reader.text.lines().collect();
+        let first = match *section {
+            "" => 0,
+            name => lines.iter().position(|line| *line == name).unwrap(),
+        };
+        let end = lines[first + 1..]
+            .iter()
+            .position(|line| line.starts_with('['));
+        let end = end.map_or(lines.len(), |end| first + 1 + end);
+        let is_given = |line: &&str| line.split(" = ").next() == Some(*key);
+        if let Some(given) = lines[first..end].iter().position(is_given) {
+            lines.remove(first + given);
+        }
+        lines.insert(first + 1, &bad);
+        let path = folder.file("f.toml", lines.join("\n"));
+        let path = path.display().to_string();
+        let [before, after] = reader.words;
+        let said = grouser([before, &[&path], after].concat());
+        let error = refused(&said);
+        let case = format!("{kind} {section} {key}: {error}");
+        assert_eq!(error["field"], *key, "{case}");
+        assert_eq!(error["value"], 2e9, "{case}");
+        let found = [0, 1].map(|end| error["limit"][end].as_f64().unwrap());
+        for (found, expected) in found.iter().zip(limits) {
+            assert!((found - expected).abs() <= 1e-9 * expected.abs(), "{case}");
+        }
+        assert_eq!(error["line"], first + 2, "{case}");
+        assert!(
+            error["file"].as_str().unwrap().ends_with("f.toml"),
+            "{case}"
+        );
+    }
+}
+
+#[test]
+fn flags_that_are_out_of_range_have_field_value_limit_and_unit() {
+    let wheel = "--soil dry-sand --radius-m 0.1 --width-m 0.1";
+    for (words, field, value, limit, unit) in [
+        (
+            format!("climb {wheel} --load-n 0 --json"),
+            "--load-n",
+            0.0,
+            serde_json::json!(0.0),
+            "N".into(),
+        ),
+        (
+            format!("climb {wheel} --mass-kg -1 --gravity-m-per-s2 moon --json"),
+            "--mass-kg",
+            -1.0,
+            serde_json::json!(0.0),
+            "kg".into(),
+        ),
+        (
+            format!("climb {wheel} --load-n 50 --certify 100 --json"),
+            "--certify",
+            100.0,
+            serde_json::json!([0.001, 30.0]),
+            "deg".into(),
+        ),
+        (
+            format!("curve {wheel} --load-n 50 --points 1 --json"),
+            "--points",
+            1.0,
+            serde_json::json!([2, 100_000]),
+            Value::Null,
+        ),
+    ] {
+        let error = refused(&line(&words));
+        assert_eq!(error["field"], field, "{error}");
+        assert_eq!(error["value"].as_f64(), Some(value), "{error}");
+        assert_eq!(
+            (&error["limit"], &error["unit"]),
+            (&limit, &unit),
+            "{error}"
+        );
+    }
+    let said = line(&format!("curve {wheel} --load-n 50 --points 1"));
+    assert!(
+        said.err
+            .contains("`--points` is 1, but must lie in [2, 100000]"),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn a_robot_that_hangs_is_refused() {
+    let folder = Folder::new();
+    let robot = fs::read_to_string(example("robots/skid-steer.toml")).unwrap();
+    // its weight lies before its front wheels
+    let hanging = robot.replace("cg_x_m = 0.0", "cg_x_m = 0.9");
+    assert_ne!(hanging, robot);
+    let path = folder.file("hanging.toml", hanging);
+    let (path, dem) = (path.display().to_string(), example("terrain/dunes.asc"));
+    let map = folder.path("m.tif").display().to_string();
+    for words in [
+        &["climb", "--robot", &path, "--soil", "dry-sand", "--json"] as &[&str],
+        &[
+            "map", &dem, "--robot", &path, "--soil", "dry-sand", "-o", &map, "--json",
+        ],
+    ] {
+        let error = refused(&grouser(words));
+        assert!(error["value"].as_f64() < Some(0.0), "{error}");
+        assert_eq!(
+            (&error["field"], &error["limit"], &error["unit"]),
+            (&"load".into(), &serde_json::json!(0.0), &"N".into()),
+            "{error}"
+        );
+    }
+}
+
 #[test]
 fn what_a_scenario_describes_is_refused_with_its_file_and_numbers() {
     let folder = Folder::new();

@@ -3,7 +3,7 @@
 use grouser_files::gravity::read_gravity;
 use grouser_files::{Section, nearest};
 use grouser_opt::{Measure, Uncertainty, sample};
-use grouser_terra::{EARTH_GRAVITY_M_PER_S2, catalogue};
+use grouser_terra::{Angle, EARTH_GRAVITY_M_PER_S2, RigidWheel, Soil, SoilParams, catalogue};
 
 use crate::builder::DesignBuilder;
 use crate::design::WorldInputs;
@@ -16,13 +16,19 @@ const FINITE: (f64, f64) = (f64::MIN, f64::MAX);
 /// The soil's key and all fixed numbers.
 pub(super) fn read_fixed(root: &Section<'_>, builder: &mut DesignBuilder) -> Result<()> {
     let fixed = &mut builder.fixed;
-    root.section("wheel", |s| read_section(s, Place::Wheel, fixed))?;
+    root.section("wheel", |s| {
+        read_section(s, Place::Wheel, fixed)?;
+        let size = |parameter| fixed.get(parameter).unwrap_or(0.1);
+        let wheel = RigidWheel::new(size(Parameter::Radius), size(Parameter::Width));
+        refuse(s, wheel.err())
+    })?;
     let key = root.section("soil", |section| {
         let key = section.optional_text("key")?;
         if let Some(key) = key {
             fill_from_catalogue(section, "key", key, fixed)?;
         }
         read_section(section, Place::Soil, fixed)?;
+        refuse(section, soil_of(fixed).err())?;
         Ok::<_, Error>(key.map(str::to_owned))
     })?;
     builder.soil = key.flatten();
@@ -62,13 +68,45 @@ fn read_mass(section: &Section<'_>, fixed: &mut Fixed) -> Result<()> {
 
 fn read_section(section: &Section<'_>, place: Place, fixed: &mut Fixed) -> Result<()> {
     for (parameter, name, own, _) in Parameter::ALL {
+        let limits = match parameter {
+            Parameter::Slip => (-1.0, 1.0),
+            Parameter::Slope => (-89.9, 89.9),
+            Parameter::Theta => (-90.0, 90.0),
+            _ => FINITE,
+        };
         if own == place
-            && let Some(value) = section.optional_number(name, FINITE)?
+            && let Some(value) = section.optional_number(name, limits)?
         {
             fixed.set(parameter, value);
         }
     }
     Ok(())
+}
+
+/// The soil of the numbers that are given, with harmless ones in place of the others.
+fn soil_of(fixed: &Fixed) -> grouser_terra::Result<Soil> {
+    let or = |parameter, other| fixed.get(parameter).unwrap_or(other);
+    let moduli = [Parameter::KC, Parameter::KPhi].map(|parameter| 1e3 * or(parameter, 1.0));
+    let open = Soil::bekker(moduli[0], moduli[1], or(Parameter::Exponent, 1.0))
+        .cohesion(1e3 * or(Parameter::Cohesion, 0.0))
+        .phi(Angle::from_deg(or(Parameter::Phi, 30.0)))
+        .k_shear(or(Parameter::KShear, 0.01))
+        .stress_position(or(Parameter::C1, 0.0), or(Parameter::C2, 0.0));
+    Soil::new(SoilParams {
+        n_1: or(Parameter::ExponentDriving, 0.0),
+        n_2: or(Parameter::ExponentBraking, 0.0),
+        rebound: or(Parameter::Rebound, 0.0),
+        ..open.params()?
+    })
+}
+
+/// Refuses a number of the section that the laws refuse.
+fn refuse(section: &Section<'_>, error: Option<grouser_terra::Error>) -> Result<()> {
+    let refused = match error {
+        Some(grouser_terra::Error::OutOfRange(range)) => section.refused(&range),
+        _ => None,
+    };
+    refused.map_or(Ok(()), |error| Err(error.into()))
 }
 
 /// Copies the numbers of a soil of the catalogue.

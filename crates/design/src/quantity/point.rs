@@ -17,7 +17,7 @@ use super::parameter::Parameter;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(crate) enum NoValue {
     /// A parameter is beyond what the laws take.
-    #[error("{0}")]
+    #[error("{}", in_keys(.0))]
     Law(#[from] grouser_terra::Error),
     /// No sinkage carries the load.
     #[error("no sinkage carries {0} N")]
@@ -28,6 +28,15 @@ pub(crate) enum NoValue {
     /// The quantity does not exist here.
     #[error("{0}")]
     Undefined(&'static str),
+}
+
+/// What the laws refuse, in the names and units of problem files.
+fn in_keys(error: &grouser_terra::Error) -> String {
+    match error {
+        grouser_terra::Error::OutOfRange(range) => grouser_files::of_key(range)
+            .map_or_else(|| error.to_string(), |range| format!("{range:#}")),
+        other => other.to_string(),
+    }
 }
 
 /// Forces at one slip.

@@ -373,9 +373,23 @@ fn read_wheel(section: &Section<'_>) -> Result<Wheel> {
     // One wheel alone is checked here, so that a bad number is reported at its own wheel.
     match Robot::new(String::new(), vec![wheel]) {
         Ok(robot) => Ok(robot.wheels()[0].clone()),
-        Err(source) => Err(Error::Robot {
-            at: section.place(),
-            source,
-        }),
+        Err(source) => Err(refused(section, source)),
     }
+}
+
+/// What a robot's description refuses, at the key that gave the number where there is one.
+fn refused(section: &Section<'_>, source: grouser_slip::Error) -> Error {
+    use grouser_slip::Error as Robot;
+    let known = match &source {
+        Robot::OutOfRange { range, .. }
+        | Robot::Law {
+            source: grouser_terra::Error::OutOfRange(range),
+            ..
+        } => section.refused(range),
+        _ => None,
+    };
+    known.unwrap_or_else(|| Error::Robot {
+        at: section.place(),
+        source,
+    })
 }

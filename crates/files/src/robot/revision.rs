@@ -80,7 +80,6 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
         root.section("filter", |section| {
             filter_at = Some(section.place());
             latency_span = section.span_of(REFERENCE_LATENCY_KEY);
-            // Limits are checked where the robot is read, below.
             read_fields(
                 section,
                 &mut FilterSettings::default(),

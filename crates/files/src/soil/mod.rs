@@ -122,10 +122,7 @@ pub fn parse(document: &Document) -> Result<SoilFile> {
         };
         match file.completed(&rest) {
             Ok(_) => Ok(file),
-            Err(source) => Err(Error::Soil {
-                at: place_of(root, &source),
-                source,
-            }),
+            Err(source) => Err(root.refused_by_law(source)),
         }
     })
 }
@@ -176,17 +173,19 @@ fn read_numbers(
 }
 
 fn read_fitted(section: &Section<'_>) -> Result<FittedRange> {
-    let range =
-        |low, high| Ok::<_, Error>((section.number(low, FINITE)?, section.number(high, FINITE)?));
-    let degrees = range("slip_angle_min_deg", "slip_angle_max_deg")?;
+    let range = |low_key, high_key, (least, most)| {
+        let low = section.number(low_key, (least, most))?;
+        Ok::<_, Error>((low, section.number(high_key, (low, most))?))
+    };
+    let degrees = range("slip_angle_min_deg", "slip_angle_max_deg", (0.0, 90.0))?;
     Ok(FittedRange {
-        slip: range("slip_min", "slip_max")?,
+        slip: range("slip_min", "slip_max", (-1.0, 1.0))?,
         slip_angle: (
             Angle::from_deg(degrees.0).rad(),
             Angle::from_deg(degrees.1).rad(),
         ),
-        width: range("width_min_m", "width_max_m")?,
-        load: range("load_min_n", "load_max_n")?,
+        width: range("width_min_m", "width_max_m", (0.0, 100.0))?,
+        load: range("load_min_n", "load_max_n", (0.0, 1e12))?,
     })
 }
 
@@ -215,31 +214,6 @@ fn read_laws(root: &Section<'_>) -> Result<LawChoice> {
         bulldozing: root
             .optional_choice("bulldozing", &Bulldozing::ALL.map(|law| (law.key(), law)))?,
     })
-}
-
-/// The place of the number that the soil refuses.
-fn place_of(root: &Section<'_>, error: &grouser_terra::Error) -> crate::error::Place {
-    const KEYS: [(&str, &str); 13] = [
-        ("k_c", "k_c_kn_per_m_n1"),
-        ("k_phi", "k_phi_kn_per_m_n2"),
-        ("cohesion", "cohesion_kpa"),
-        ("phi", "phi_deg"),
-        ("k_shear", "k_shear_m"),
-        ("k_shear_1", "k_shear_1_m_per_rad"),
-        ("k_shear_side", "k_shear_side_m"),
-        ("k_shear_side_1", "k_shear_side_1_m_per_rad"),
-        ("unit_weight", "unit_weight_n_per_m3"),
-        ("c_1", "c_1"),
-        ("c_2", "c_2"),
-        ("rebound", "rebound"),
-        ("transport_layer", "transport_layer_m"),
-    ];
-    let field = error.field().unwrap_or_default();
-    let key = KEYS
-        .iter()
-        .find(|(name, _)| *name == field)
-        .map_or(field, |(_, key)| *key);
-    root.place_of(key)
 }
 
 impl SoilFile {

@@ -214,45 +214,12 @@ fn read_soils(root: &Section<'_>, beside: &Path) -> Result<Vec<SoilSpec>> {
             *slot = s.optional_number(key, ANY_NUMBER)?;
         }
         let soil = SoilSpec::new(s.text("name")?, origin, changes);
-        Ok(soil.map_err(|error| at_key(s, error)))
+        Ok(soil.map_err(|error| match error {
+            Error::Law { source, .. } => s.refused_by_law(source).into(),
+            other => other,
+        }))
     })?;
     soils.into_iter().collect()
-}
-
-/// What the laws refuse, at the key that gave it and in its unit.
-fn at_key(s: &Section<'_>, error: Error) -> Error {
-    let Error::Law { source, .. } = error else {
-        return error;
-    };
-    let key_of = |field: &str| {
-        let unit = |key: &str| {
-            key.strip_prefix(field)
-                .is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
-        };
-        SoilChanges::KEYS
-            .into_iter()
-            .find(|key| unit(key) && s.has(key))
-    };
-    if let grouser_terra::Error::OutOfRange(range) = source
-        && let Some(key) = key_of(range.field)
-    {
-        let scaled = |value: f64| {
-            let value = match key {
-                "phi_deg" => value.to_degrees(),
-                "cohesion_kpa" => value / 1000.0,
-                _ => value,
-            };
-            // the digits of the key's own unit
-            (value * 1e9).round() / 1e9
-        };
-        let limits = (scaled(range.low), scaled(range.high));
-        return s.out_of_range(key, scaled(range.value), limits).into();
-    }
-    let at = source
-        .field()
-        .and_then(key_of)
-        .map_or_else(|| s.place(), |key| s.place_of(key));
-    grouser_files::Error::Soil { at, source }.into()
 }
 
 /// The index of the soil that the file or the catalogue knows by this name.
@@ -435,7 +402,13 @@ type Control = (ControlSettings, Option<f64>, Option<f64>);
 fn read_control(s: &Section<'_>) -> Result<Control> {
     let mut out = ControlSettings::default();
     read_fields(s, &mut out, ControlSettings::FIELDS)?;
-    out.check()?;
+    out.check().map_err(|error| {
+        let refused = match &error {
+            grouser_slip::Error::OutOfRange { range, .. } => s.refused(range),
+            _ => None,
+        };
+        refused.map_or_else(|| Error::from(error), Error::from)
+    })?;
     Ok((
         out,
         s.optional_number("optimum", SLIP_LIMITS)?,

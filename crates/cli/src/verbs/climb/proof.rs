@@ -35,7 +35,7 @@ impl Proved {
             return Err(Error::out_of_range(
                 "--certify",
                 margin_deg,
-                MARGIN_LIMITS_DEG,
+                (MARGIN_LIMITS_DEG, Some("deg")),
                 format!("lie between {low} and {high} deg"),
             ));
         }

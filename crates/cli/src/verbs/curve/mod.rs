@@ -129,14 +129,19 @@ fn slips(arguments: &Arguments) -> Result<Vec<f64>> {
             return Err(Error::out_of_range(
                 flag,
                 value,
-                [-1.0, 1.0],
+                ([-1.0, 1.0], None),
                 "lie in [-1, 1]",
             ));
         }
     }
     if !(from < to) {
         let limit = format!("be less than `--slip-to`, {}", in_message(to));
-        return Err(Error::out_of_range("--slip-from", from, [-1.0, to], limit));
+        return Err(Error::out_of_range(
+            "--slip-from",
+            from,
+            ([-1.0, to], None),
+            limit,
+        ));
     }
     let last = arguments.points - 1;
     let share = |i: u32| f64::from(i) / f64::from(last);

@@ -74,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         .map(|name| pilot(name))
         .collect::<Result<_>>()?;
     if !(1..=MAX_SEEDS).contains(&arguments.sweep) {
-        let limits = [1.0, MAX_SEEDS as f64];
+        let limits = ([1.0, MAX_SEEDS as f64], None);
         let said = format_args!("lie in [1, {MAX_SEEDS}]");
         let sweep = arguments.sweep as f64;
         return Err(Error::out_of_range("--sweep", sweep, limits, said));

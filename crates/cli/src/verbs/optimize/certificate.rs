@@ -80,19 +80,14 @@ impl Certification {
         } else {
             (1e-12, "lie between 1e-12 and 1")
         };
-        for (flag, value, low, high, limits) in [
-            ("--certify", gap, low, 1.0, limits),
-            (
-                "--certify-time",
-                self.certify_time,
-                0.0,
-                1e9,
-                "lie between 0 and 1e9 s",
-            ),
-        ] {
-            if !(low..=high).contains(&value) {
-                return Err(Error::out_of_range(flag, value, [low, high], limits));
-            }
+        if !(low..=1.0).contains(&gap) {
+            let range = ([low, 1.0], None);
+            return Err(Error::out_of_range("--certify", gap, range, limits));
+        }
+        let (time, limits) = (self.certify_time, "lie between 0 and 1e9 s");
+        if !(0.0..=1e9).contains(&time) {
+            let range = ([0.0, 1e9], Some("s"));
+            return Err(Error::out_of_range("--certify-time", time, range, limits));
         }
         Ok(Some(gap))
     }

@@ -98,7 +98,7 @@ fn mobilised(arguments: &Arguments, session: &mut Session) -> Result<Option<Mobi
         return Err(Error::out_of_range(
             "--mobilised",
             share,
-            [0.0, 1.0],
+            ([0.0, 1.0], None),
             "lie in [0, 1)",
         ));
     }
