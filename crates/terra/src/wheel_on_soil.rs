@@ -55,6 +55,12 @@ fn check_modulus(laws: &SoilLaws<f64>, wheel: &RigidWheel) -> Result<()> {
     Error::check_above("k_c/b + k_phi", modulus, 0.0, "Pa/m^n")
 }
 
+/// The power of the radius where the exponent does not depend on slip.
+fn constant_radius_power(size: &WheelSize<f64>, laws: &SoilLaws<f64>) -> Option<f64> {
+    let is_constant = laws.exponent.n_1 == 0.0 && laws.exponent.n_2 == 0.0;
+    is_constant.then(|| size.radius_power(laws.exponent.n_0))
+}
+
 impl WheelOnSoil {
     /// Puts a wheel on a soil. A law that the soil's numbers were identified with
     /// ([`LawChoice`](crate::LawChoice)) goes before that of the settings.
@@ -75,8 +81,7 @@ impl WheelOnSoil {
         let size: WheelSize = wheel.size();
         let constants = ContactConstants {
             tan_phi: Real::tan(laws.strength.phi),
-            radius_power: (laws.exponent.n_1 == 0.0 && laws.exponent.n_2 == 0.0)
-                .then(|| size.radius_power(laws.exponent.n_0)),
+            radius_power: constant_radius_power(&size, &laws),
         };
         Ok(Self {
             wheel,
@@ -97,6 +102,7 @@ impl WheelOnSoil {
         check_modulus(&self.laws, &wheel)?;
         self.wheel = wheel;
         self.size = wheel.size();
+        self.constants.radius_power = constant_radius_power(&self.size, &self.laws);
         Ok(())
     }
 
@@ -395,5 +401,23 @@ fn mirrored(forces: Forces, kinematics: &Kinematics) -> Forces {
         thrust: -forces.thrust,
         compaction_resistance: -forces.compaction_resistance,
         ..forces
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue;
+
+    #[test]
+    fn an_exchanged_wheel_is_as_a_new_one() {
+        let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
+        let wheel = |radius| RigidWheel::new(radius, 0.1).unwrap();
+        let new = |radius| WheelOnSoil::new(wheel(radius), soil, Settings::default()).unwrap();
+        let mut exchanged = new(0.1);
+        exchanged.set_wheel(wheel(0.2)).unwrap();
+        let new = new(0.2);
+        let numbers = |of: &WheelOnSoil| format!("{:?} {:?} {:?}", of.wheel, of.size, of.constants);
+        assert_eq!(numbers(&exchanged), numbers(&new));
     }
 }
