@@ -100,14 +100,12 @@ pub(crate) fn root(
 }
 
 /// The search for the greatest value of a function over slips within `reach` of a first one and in [0, 1], one slip after the
-/// other: Brent's method, parabolas through the best three points and golden section where they do not serve. Where the best
-/// lies at an end of the reach that is no end of [0, 1], the reach moves on. A slip without a value is never the best.
+/// other: Brent's method, parabolas through the best three points and golden section where they do not serve. A slip without a
+/// value is never the best.
 ///
 /// Source: Brent, *Algorithms for Minimization without Derivatives* (1973), chapter 5.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MaximumSearch {
-    near: f64,
-    reach: f64,
     precision: f64,
     /// The search also ends where the best three values differ by less than this share.
     flat: f64,
@@ -138,8 +136,6 @@ impl MaximumSearch {
     pub(crate) fn new(start: (f64, f64), (reach, precision): (f64, f64), flat: f64) -> Self {
         let near = start.0;
         Self {
-            near,
-            reach,
             precision,
             flat,
             bracket: ((near - reach).max(0.0), (near + reach).min(1.0)),
@@ -156,22 +152,13 @@ impl MaximumSearch {
     pub(crate) fn next_slip(&mut self) -> Option<f64> {
         loop {
             let (phase, end) = match self.phase {
-                Phase::Inside if self.steps >= MAXIMUM_STEPS => {
-                    self.phase = Phase::AtLow;
-                    continue;
-                }
-                Phase::Inside if !self.is_enclosed() => {
+                Phase::Inside if self.steps < MAXIMUM_STEPS && !self.is_enclosed() => {
                     self.steps += 1;
                     self.slip = self.next_inside();
                     return Some(self.slip.clamp(0.0, 1.0));
                 }
                 Phase::Inside => {
                     self.phase = Phase::AtLow;
-                    if self.is_at_reach() {
-                        // the maximum lies further on
-                        let further = (2.0 * self.reach, self.precision);
-                        *self = Self::new(self.best[0], further, self.flat);
-                    }
                     continue;
                 }
                 Phase::AtLow => (Phase::AtHigh, 0.0),
@@ -230,15 +217,6 @@ impl MaximumSearch {
         let ([x, w, v], (a, b)) = (self.best, self.bracket);
         let is_flat = x.0 != w.0 && w.0 != v.0 && x.1 - v.1.min(w.1) < self.flat * x.1.abs();
         is_flat || (x.0 - 0.5 * (a + b)).abs() <= 2.0 * self.least() - 0.5 * (b - a)
-    }
-
-    /// Does the best lie at an end of the reach that is no end of [0, 1]?
-    fn is_at_reach(&self) -> bool {
-        let (x, (a, b)) = (self.best[0].0, self.bracket);
-        let end = if x > 0.5 * (a + b) { b } else { a };
-        let is_at_end = (x - end).abs() <= 3.0 * self.least();
-        let was_reach = ((end - self.near).abs() - self.reach).abs() < 1e-12;
-        is_at_end && end > 0.0 && end < 1.0 && was_reach
     }
 
     /// The next slip inside the bracket: a parabola's, or golden section's.
