@@ -237,14 +237,22 @@ def test_best_slips_of_many_loads_are_those_one_by_one(of: str) -> None:
     np.testing.assert_allclose(found.value[:1200:100], reference.value, atol=1e-7)
 
 
-def test_skids_of_many_loads_are_those_one_by_one() -> None:
-    contact = wheel.WheelOnSoil(wheel.Wheel(radius_m=0.05, width_m=0.03), SAND)
+@pytest.mark.parametrize("reference", [False, True])
+def test_skids_of_many_loads_are_those_one_by_one(reference: bool) -> None:
+    size = wheel.Wheel(radius_m=0.05, width_m=0.03)
+    contact = wheel.WheelOnSoil(size, SAND, reference_accuracy=reference)
     skid = wheel.free_slip(contact, load_n=[[2.0], [5.0]], bearing_torque_nm=[0.0, 0.01, 1.0, -1.0])
     assert skid.slip.shape == (2, 4)
     assert skid.status.tolist() == [[0, 0, 1, 3], [0, 0, 1, 3]]
     for i, load in enumerate([2.0, 5.0]):
         for j, bearing in enumerate([0.0, 0.01]):
-            assert skid.slip[i, j] == contact.free_slip(load_n=load, bearing_torque_nm=bearing)
+            alone = contact.free_slip(load_n=load, bearing_torque_nm=bearing)
+            assert skid.slip[i, j] == pytest.approx(alone, abs=1e-9)
+    # more than a block, by two threads
+    load = np.linspace(1.0, 10.0, 1200)
+    assert wheel.free_slip(contact, load_n=load, threads=2).slip[-1] == pytest.approx(
+        contact.free_slip(load_n=10.0, bearing_torque_nm=0.0), abs=1e-9
+    )
 
 
 def test_a_drifting_wheel_is_pushed_against_its_drift() -> None:

@@ -22,6 +22,9 @@ pub const MAX_MISS: f64 = 1e-6;
 /// Secant steps and bisections before giving up. The secant takes 4 to 7; 80 halvings reach rounding anyway.
 const STEPS: u32 = 80;
 
+/// Entry angles of the coarse scan where the vertical force may fall with sinkage, less one.
+pub(crate) const SCAN_STEPS: i32 = 10;
+
 /// How the search for the sinkage under a load ended, with its result.
 ///
 /// ```
@@ -231,7 +234,7 @@ impl WheelOnSoil {
 
     /// Can the vertical force fall as the wheel sinks? Driving on soil that does not rise behind the
     /// wheel it cannot: every angle of the contact is positive and every stress grows with θ_1.
-    fn may_fall(&self, kinematics: &Kinematics) -> bool {
+    pub(crate) fn may_fall(&self, kinematics: &Kinematics) -> bool {
         let params = self.soil().params();
         params.rebound > 0.0
             || params.transport_layer > 0.0
@@ -241,7 +244,7 @@ impl WheelOnSoil {
 
     /// The entry angle just below which the hub, or the soil behind the wheel, is reached: z max(1, λ) = r, with the law for a buried hub
     /// z max(2/3, λ) = r.
-    fn entry_limit(&self, kinematics: &Kinematics) -> f64 {
+    pub(crate) fn entry_limit(&self, kinematics: &Kinematics) -> f64 {
         self.angle_limit(1.0 / self.depth_limit(kinematics))
     }
 
@@ -249,6 +252,11 @@ impl WheelOnSoil {
     fn angle_limit(&self, least: f64) -> f64 {
         let reach = self.soil().params().rebound.max(least);
         2.0 * Real::asin(Real::sqrt(0.5 / reach)) * (1.0 - 1e-12)
+    }
+
+    /// The least entry angle of a coarse scan that ends at `top`: a tenth of the expected angle.
+    pub(crate) fn scan_start(&self, load: f64, top: f64) -> f64 {
+        0.1 * self.bekker_start(load).min(0.5 * top)
     }
 
     /// Narrows `search` to the lowest interval of a coarse scan in which the vertical force rises through
@@ -259,18 +267,17 @@ impl WheelOnSoil {
         kinematics: &Kinematics,
         search: &mut Search,
     ) -> core::result::Result<bool, f64> {
-        const SAMPLES: i32 = 10;
         let top = search.high;
-        let start = self.bekker_start(load).min(0.5 * top);
-        // a geometric ladder from a tenth of the expected angle to the limit
-        let ratio = Real::powf(top / (0.1 * start), 1.0 / f64::from(SAMPLES));
+        let least = self.scan_start(load, top);
+        // a geometric ladder from there to the limit
+        let ratio = Real::powf(top / least, 1.0 / f64::from(SCAN_STEPS));
         let (mut below, mut found, mut crossings, mut most) = (true, None, 0, f64::NEG_INFINITY);
         let mut before = 0.0;
-        for i in 0..=SAMPLES {
-            let theta_1 = if i == SAMPLES {
+        for i in 0..=SCAN_STEPS {
+            let theta_1 = if i == SCAN_STEPS {
                 top
             } else {
-                0.1 * start * Real::powi(ratio, i)
+                least * Real::powi(ratio, i)
             };
             let force = self.vertical_force(theta_1, kinematics, &mut search.evaluations);
             most = most.max(force);

@@ -2,8 +2,9 @@
 
 use grouser_terra::{
     Accuracy, Angle, BatchColumns, BatchInput, BatchKernel, BatchPoints, BestOf, BestSlipColumns,
-    Error, FittedRange, Kinematics, LawChoice, RigidWheel, Settings, ShearLaw, Slip, SlipNorm,
-    SlopeOutcome, Soil, SoilParams, SolveStatus, StressPosition, WheelOnSoil, catalogue,
+    Error, FittedRange, GrouserRule, Grousers, Kinematics, LawChoice, RigidWheel, Settings,
+    ShearLaw, Slip, SlipNorm, SlopeOutcome, Soil, SoilParams, SolveStatus, StressPosition,
+    WheelOnSoil, catalogue,
 };
 use proptest::prelude::*;
 
@@ -727,6 +728,67 @@ fn best_slips_of_bad_loads_and_columns_of_unequal_length() {
     assert_eq!((status[0], status[4]), (SolveStatus::Solved, bad));
     let short = kernel.free_wheel_skid(&wheel, 80.0, &bearing[..4], &mut slip, &mut status);
     assert!(matches!(short, Err(Error::Lengths { .. })));
+}
+
+/// Lugs, n(s), soil that springs back and every law of the shear: the skids are those of the single search, and have the same
+/// bits alone.
+#[test]
+fn skids_of_every_wheel_and_law_are_those_of_the_single_search() {
+    let smooth = RigidWheel::new(0.06, 0.04).unwrap();
+    let lugs = Grousers {
+        height: 0.005,
+        rule: GrouserRule::Lugs {
+            count: 24.0,
+            thickness: 0.0015,
+        },
+    };
+    let dry = *catalogue::find("dry-sand")
+        .unwrap()
+        .soil()
+        .unwrap()
+        .params();
+    let with_law = |shear| SoilParams {
+        laws: LawChoice {
+            shear: Some(shear),
+            ..LawChoice::default()
+        },
+        ..dry
+    };
+    let rebound = SoilParams {
+        rebound: 0.3,
+        ..dry
+    };
+    let digging = SoilParams { n_1: 0.4, ..dry };
+    let mut soils = vec![dry, rebound, digging];
+    soils.extend(ShearLaw::ALL.map(with_law));
+    let load: Vec<f64> = (0..12).map(|i| 2.0 * 1.4_f64.powi(i)).collect();
+    let bearing: Vec<f64> = (0..12).map(|i| 0.002 * f64::from(i % 4)).collect();
+    for params in soils {
+        for wheel in [smooth, smooth.with_grousers(lugs).unwrap()] {
+            let soil = Soil::new(params).unwrap();
+            let kernel = BatchKernel::new(soil);
+            let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+            let (mut slip, mut status) = ([0.0; 12], [SolveStatus::default(); 12]);
+            kernel
+                .free_wheel_skid(&wheel, &load, &bearing, &mut slip, &mut status)
+                .unwrap();
+            for i in 0..12 {
+                let what = format!("{params:?} {wheel:?} {} N: {}", load[i], slip[i]);
+                match on_soil.free_slip(load[i], bearing[i]).unwrap() {
+                    Some(alone) => {
+                        assert_eq!(status[i], SolveStatus::Solved, "{what}");
+                        assert!((slip[i] - alone.value()).abs() < 1e-9, "{what} {alone:?}");
+                    }
+                    None => assert_eq!(status[i], SolveStatus::NoSolution, "{what}"),
+                }
+                let (mut alone, mut status) = ([0.0], [SolveStatus::default()]);
+                kernel
+                    .free_wheel_skid(&wheel, load[i], bearing[i], &mut alone, &mut status)
+                    .unwrap();
+                assert_eq!(alone[0].to_bits(), slip[i].to_bits(), "{what}");
+            }
+        }
+    }
 }
 
 #[test]

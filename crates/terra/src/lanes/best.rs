@@ -1,4 +1,4 @@
-//! Slips of the greatest pull or efficiency of many loads, and the skids of free wheels.
+//! Slips of the greatest pull or efficiency of many loads.
 
 use crate::error::{Error, Result};
 use crate::operating_point::tractive_efficiency;
@@ -97,48 +97,6 @@ impl BatchKernel {
             };
             (out.slip[i], out.value[i], out.status[i]) = (slip, value, status);
         })
-    }
-
-    /// The skid of a free wheel under each `load` (N) with each `bearing_torque` (N m): [`WheelOnSoil::free_slip`] of every
-    /// point. Where the wheel locks, `slip` is NaN and the status [`SolveStatus::NoSolution`].
-    ///
-    /// A free wheel lags behind, and lanes serve driving wheels, so that each point runs by itself.
-    ///
-    /// ```
-    /// use grouser_terra::{BatchKernel, RigidWheel, SolveStatus, catalogue};
-    ///
-    /// let kernel = BatchKernel::new(catalogue::find("dry-sand").expect("in the catalogue").soil()?);
-    /// let (mut slip, mut status) = ([0.0; 2], [SolveStatus::default(); 2]);
-    /// kernel.free_wheel_skid(&RigidWheel::new(0.05, 0.03)?, 5.0, &[0.0, 1.0], &mut slip, &mut status)?;
-    /// assert!((slip[0] + 0.095).abs() < 5e-4); // it lags by nearly a tenth
-    /// assert_eq!(status[1], SolveStatus::NoSolution); // 1 N m is more than the soil turns it with
-    /// # Ok::<(), grouser_terra::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`Error::Lengths`] if the columns differ in length. A bad point is a status.
-    pub fn free_wheel_skid<'a>(
-        &self,
-        wheel: &RigidWheel,
-        load: impl Into<BatchInput<'a>>,
-        bearing_torque: impl Into<BatchInput<'a>>,
-        slip: &mut [f64],
-        status: &mut [SolveStatus],
-    ) -> Result<()> {
-        let (load, bearing_torque) = (load.into(), bearing_torque.into());
-        let n = status.len();
-        Error::check_length(slip.len(), n)?;
-        load.check_length(n)?;
-        bearing_torque.check_length(n)?;
-        let on_soil = WheelOnSoil::new(*wheel, *self.soil(), Settings::default())?;
-        for (i, (slip, status)) in slip.iter_mut().zip(status).enumerate() {
-            (*slip, *status) = match on_soil.free_slip(load.at(i), bearing_torque.at(i)) {
-                Ok(Some(skid)) => (skid.value(), SolveStatus::Solved),
-                Ok(None) => (f64::NAN, SolveStatus::NoSolution),
-                Err(_) => (f64::NAN, SolveStatus::BadInput),
-            };
-        }
-        Ok(())
     }
 }
 

@@ -12,6 +12,7 @@ mod plan;
 mod portable;
 mod searches;
 mod sheet;
+mod skid;
 mod slope;
 mod vector;
 
