@@ -183,7 +183,7 @@ pub(crate) fn solve<'py>(
         })
     });
     failure.raise()?;
-    solution_dict(py, &solution?, parts.variables.len())
+    solution_dict(py, &solution?)
 }
 
 /// Solves a problem from many starts; returns the best solution and the different optima.
@@ -197,7 +197,6 @@ pub(crate) fn solve_many<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let failure = Failure::default();
     let (method, settings) = (parts.method()?, parts.settings());
-    let own = parts.variables.len();
     let inner = failure.clone();
     let found = workers::interruptible(
         py,
@@ -210,18 +209,17 @@ pub(crate) fn solve_many<'py>(
         || failure.set(None),
     )?;
     failure.raise()?;
-    many_dict(py, &found?, own)
+    many_dict(py, &found?)
 }
 
-fn many_dict<'py>(py: Python<'py>, found: &MultiStart, own: usize) -> PyResult<Bound<'py, PyDict>> {
-    let dict = solution_dict(py, found.best(), own)?;
-    let optima: Vec<(Vec<f64>, f64, usize)> = found
+fn many_dict<'py>(py: Python<'py>, found: &MultiStart) -> PyResult<Bound<'py, PyDict>> {
+    let dict = solution_dict(py, found.best())?;
+    let optima: Vec<(&Vec<f64>, f64, usize)> = found
         .optima
         .iter()
         .map(|optimum| {
             let run = &found.runs[optimum.run];
-            let x = run.x[..own.min(run.x.len())].to_vec();
-            (x, run.utility, optimum.reached_by.len())
+            (&run.x, run.utility, optimum.reached_by.len())
         })
         .collect();
     dict.set_item("optima", optima)?;
@@ -295,16 +293,12 @@ fn violations(status: &Status) -> Vec<(String, f64)> {
     }
 }
 
-fn solution_dict<'py>(
-    py: Python<'py>,
-    solution: &Solution,
-    own: usize,
-) -> PyResult<Bound<'py, PyDict>> {
+fn solution_dict<'py>(py: Python<'py>, solution: &Solution) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("status", solution.status.name())?;
     dict.set_item("is_solved", solution.status.is_solved())?;
     dict.set_item("violations", violations(&solution.status))?;
-    dict.set_item("x", &solution.x[..own.min(solution.x.len())])?;
+    dict.set_item("x", &solution.x)?;
     dict.set_item("objectives", &solution.objectives)?;
     dict.set_item("maximum", solution.maximum)?;
     dict.set_item("utility", solution.utility)?;
