@@ -1,13 +1,16 @@
 //! Many operating points at once: arrays in, arrays out, on lanes and threads.
 
+use std::collections::BTreeMap;
+
 use grouser::files::soil::SoilNumber;
 use grouser::terra::{
-    BatchColumns, BatchInput, BatchKernel, BatchPoints, SoilColumns, SolveStatus,
+    BatchColumns, BatchInput, BatchKernel, BatchPoints, Caution, SoilColumns, SolveStatus,
 };
-use numpy::{PyReadonlyArray1, PyReadwriteArray1};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 
 use crate::error::{Details, input_error, raised};
+use crate::rows::at;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 use crate::workers::{self, POINTS_PER_BLOCK};
@@ -52,6 +55,26 @@ pub(crate) fn write_codes(codes: &mut [u8], statuses: &[SolveStatus]) {
     for (code, status) in codes.iter_mut().zip(statuses) {
         *code = status.code();
     }
+}
+
+/// The first `N` columns, of `N` and as many as there are `keys`, each one number or as long as there are `points`.
+fn first_inputs<'a, const N: usize>(
+    columns: &'a [Column<'_>],
+    keys: usize,
+    points: usize,
+) -> PyResult<[BatchInput<'a>; N]> {
+    check_length(columns.len(), N + keys)?;
+    let mut inputs = [BatchInput::Constant(0.0); N];
+    for (place, column) in columns.iter().enumerate() {
+        let input = column.input()?;
+        if let BatchInput::Column(values) = input {
+            check_length(values.len(), points)?;
+        }
+        if let Some(own) = inputs.get_mut(place) {
+            *own = input;
+        }
+    }
+    Ok(inputs)
 }
 
 /// The soil of each point: the numbers of `keys` (of soil files) in `columns`, in the keys' units and scaled here into `room`.
@@ -120,18 +143,8 @@ pub(crate) fn solve_points<'py>(
 ) -> PyResult<()> {
     let codes = status.as_slice_mut()?;
     let points = codes.len();
-    let mut inputs = [BatchInput::Constant(0.0); 5];
     let (columns, keys) = columns;
-    check_length(columns.len(), inputs.len() + keys.len())?;
-    for (place, column) in columns.iter().enumerate() {
-        let input = column.input()?;
-        if let BatchInput::Column(values) = input {
-            check_length(values.len(), points)?;
-        }
-        if let Some(own) = inputs.get_mut(place) {
-            *own = input;
-        }
-    }
+    let inputs: [_; 5] = first_inputs(&columns, keys.len(), points)?;
     let mut room = vec![Vec::new(); keys.len()];
     let soils = soil_columns(soil, &keys, &columns[inputs.len()..], &mut room)?;
     let [sinkage, vertical_force, drawbar_pull, torque] = &mut numbers;
@@ -191,6 +204,69 @@ pub(crate) fn solve_points<'py>(
         py.check_signals()?;
     }
     Ok(())
+}
+
+/// The key of each caution that a solved point has, with a mask of the points. `columns` are radius, width, rebound, slip,
+/// sinkage (NaN where a point is not solved), vertical force, drawbar pull and torque, then the numbers of the soil that `keys`
+/// names.
+#[pyfunction]
+pub(crate) fn point_cautions<'py>(
+    py: Python<'py>,
+    soil: &Soil,
+    columns: (Vec<Column<'py>>, Vec<String>),
+    points: usize,
+) -> PyResult<Vec<(&'static str, Bound<'py, PyArray1<bool>>)>> {
+    let (columns, keys) = columns;
+    let inputs: [_; 8] = first_inputs(&columns, keys.len(), points)?;
+    let mut room = vec![Vec::new(); keys.len()];
+    let soils = soil_columns(soil, &keys, &columns[inputs.len()..], &mut room)?;
+    let soils = soils.unwrap_or_else(|| SoilColumns::of(&soil.soil));
+    let kernel = BatchKernel::new(soil.soil);
+    let mut masks: BTreeMap<Caution, Vec<bool>> = BTreeMap::new();
+    for from in (0..points).step_by(POINTS_PER_BLOCK) {
+        let to = points.min(from + POINTS_PER_BLOCK);
+        py.detach(|| {
+            let soils = soils_of(&soils, from, to);
+            let [radius, width, rebound, slip, found @ ..] =
+                inputs.map(|input| part(input, from, to));
+            let points_here = BatchPoints {
+                radius,
+                width,
+                rebound,
+                slip,
+            };
+            let numbers = |input| (0..to - from).map(|i| at(input, i)).collect::<Vec<f64>>();
+            let [
+                mut sinkage,
+                mut vertical_force,
+                mut drawbar_pull,
+                mut torque,
+            ] = found.map(numbers);
+            let is_solved = |sinkage: &f64| match sinkage.is_nan() {
+                true => SolveStatus::NotConverged,
+                false => SolveStatus::Solved,
+            };
+            let mut status: Vec<SolveStatus> = sinkage.iter().map(is_solved).collect();
+            let found = BatchColumns {
+                sinkage: &mut sinkage,
+                vertical_force: &mut vertical_force,
+                drawbar_pull: &mut drawbar_pull,
+                torque: &mut torque,
+                status: &mut status,
+            };
+            for i in 0..to - from {
+                for caution in kernel.cautions_on(&soils, &points_here, &found, i).iter() {
+                    let mask = masks.entry(caution);
+                    mask.or_insert_with(|| vec![false; points])[from + i] = true;
+                }
+            }
+        });
+        py.check_signals()?;
+    }
+    let masks = masks.into_iter();
+    Ok(masks
+        .map(|(caution, mask)| (caution.key(), mask.into_pyarray(py)))
+        .collect())
 }
 
 /// Sinkage and forces of one wheel under one load at many slips; outputs as in `solve_points`.

@@ -33,7 +33,7 @@ mod workers;
 mod _core {
     #[pymodule_export]
     use super::{
-        batch::{instructions, solve_curve, solve_points},
+        batch::{instructions, point_cautions, solve_curve, solve_points},
         command::run_command,
         contact::{WheelOnSoil, slips_from_speeds},
         drive::{Scenario, Simulation},

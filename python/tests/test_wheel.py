@@ -356,3 +356,43 @@ def test_draws_of_a_soil_are_soils_of_their_own() -> None:
     assert same.drawbar_pull_n == pytest.approx(table.drawbar_pull_n[0, 2], abs=1e-9)
     with pytest.raises(InputError, match="n_1 is no number that differs by point"):
         wheel.under_load(SAND, **SIZE, load_n=80.0, slip=0.1, draws={"n_1": 0.2})
+
+
+def test_cautions_of_points_are_those_of_single_points() -> None:
+    rng = np.random.default_rng(2)
+    slip = np.linspace(-0.9, 0.95, 30)
+    load = np.array([[20.0], [150.0], [400.0]])
+    draws = {"c_1": rng.uniform(-0.3, 0.6, 30), "c_2": rng.uniform(0.0, 0.8, 30)}
+    for given in (None, draws):
+        points = wheel.under_load(SAND, **SIZE, load_n=load, slip=slip, draws=given)
+        found = wheel.cautions(SAND, points, **SIZE, slip=slip, draws=given)
+        assert len(found) > 1 and all(mask.shape == (3, 30) and mask.any() for mask in found.values())
+        for j in range(30):
+            soil = SAND if given is None else soils.Soil(
+                name="draw",
+                n=SAND.n,
+                k_c_kn_per_m_n1=SAND.k_c_kn_per_m_n1,
+                k_phi_kn_per_m_n2=SAND.k_phi_kn_per_m_n2,
+                cohesion_kpa=SAND.cohesion_kpa,
+                phi_deg=SAND.phi_deg,
+                k_shear_m=SAND.k_shear_m,
+                c_1=float(draws["c_1"][j]),
+                c_2=float(draws["c_2"][j]),
+            )
+            contact = wheel.WheelOnSoil(wheel.Wheel(**SIZE), soil)
+            for i in range(3):
+                have = {key for key, mask in found.items() if mask[i, j]}
+                if points.status[i, j] != 0:
+                    assert have == set()
+                    continue
+                alone = contact.at_sinkage(sinkage_m=float(points.sinkage_m[i, j]), slip=float(slip[j]))
+                assert have == set(alone.cautions), (i, j)
+    # one point alone, and none
+    one = wheel.under_load(SAND, **SIZE, load_n=400.0, slip=0.9)
+    assert wheel.cautions(SAND, one, **SIZE, slip=0.9)["deep-sinkage"]
+    none = wheel.under_load(SAND, **SIZE, load_n=400.0, slip=np.empty(0))
+    assert wheel.cautions(SAND, none, **SIZE, slip=np.empty(0)) == {}
+    with pytest.raises(InputError, match="do not broadcast"):
+        wheel.cautions(SAND, points, **SIZE, slip=[0.1, 0.2])
+    with pytest.raises(InputTypeError):
+        wheel.cautions(SAND, one.sinkage_m, **SIZE, slip=0.9)  # type: ignore[arg-type]

@@ -24,6 +24,7 @@ __all__ = [
     "estimate",
     "identify",
     "instructions",
+    "point_cautions",
     "read_samples",
     "run_command",
     "slips_from_speeds",
@@ -221,6 +222,9 @@ def solve_points(
     numbers: Sequence[_Floats],
     threads: int,
 ) -> None: ...
+def point_cautions(
+    soil: Soil, columns: tuple[Sequence[_Column], Sequence[str]], points: int
+) -> list[tuple[str, npt.NDArray[np.bool_]]]: ...
 def solve_curve(
     soil: Soil,
     wheel: Wheel,

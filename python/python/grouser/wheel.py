@@ -52,6 +52,7 @@ __all__ = [
     "Wheel",
     "WheelOnSoil",
     "at_sinkage",
+    "cautions",
     "curve",
     "free_slip",
     "instructions",
@@ -270,6 +271,52 @@ def at_sinkage(
     status, numbers = _outputs(points)
     _core.solve_points(soil, False, (flat, keys), status, numbers, threads_of(threads))
     return _points(shape, status, numbers)
+
+
+def cautions(
+    soil: Soil,
+    points: Points,
+    *,
+    radius_m: Any,
+    width_m: Any,
+    slip: Any,
+    rebound: Any = None,
+    draws: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """What to keep in mind about the solved points of `under_load`, `at_sinkage` or `curve`.
+
+    The same as `OperatingPoint.cautions` of single points, but for `several-sinkages`, which only those have.
+
+    Parameters
+    ----------
+    soil, radius_m, width_m, slip, rebound, draws
+        As they were given for the points.
+    points : Points
+        What was computed.
+
+    Returns
+    -------
+    dict of str to array
+        For each caution that some point has: where (bool), in the common shape.
+
+    Examples
+    --------
+    >>> from grouser import soils, wheel
+    >>> sand, size = soils.find("dry-sand"), {"radius_m": 0.1, "width_m": 0.05}
+    >>> p = wheel.under_load(sand, **size, load_n=[20.0, 200.0], slip=0.9)
+    >>> wheel.cautions(sand, p, **size, slip=0.9)
+    {'deep-sinkage': array([False,  True])}
+    """
+    check_kind("soil", soil, Soil)
+    check_kind("points", points, Points)
+    rebound = soil.rebound if rebound is None else rebound
+    keys, drawn = _drawn(draws)
+    numbers = {name: getattr(points, name) for name in Points._fields[1:]}
+    shape, count, flat = columns(
+        radius_m=radius_m, width_m=width_m, rebound=rebound, slip=slip, **numbers, **drawn
+    )
+    found = _core.point_cautions(soil, (flat, keys), count)
+    return {key: shaped(shape, mask) for key, mask in found}
 
 
 def curve(soil: Soil, wheel: Wheel, *, load_n: float, slip: Any) -> Points:
