@@ -344,3 +344,24 @@ impl Error {
         }
     }
 }
+
+/// Why a field is no number.
+///
+/// ```
+/// let error = grouser_log::csv::finite("fast", b'.').unwrap_err();
+/// assert!(!error.expected.is_empty());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotANumber {
+    /// What the field must be.
+    pub expected: &'static str,
+    /// How to correct it, where that is known.
+    pub hint: Option<&'static str>,
+}
+
+/// What is wrong with one field of a row.
+#[derive(Clone, Copy)]
+pub(crate) struct BadField {
+    pub(crate) field: usize,
+    pub(crate) problem: NotANumber,
+}

@@ -4,7 +4,7 @@ use grouser_files::columns::{Column, Meaning};
 
 use grouser_slip::Measurement;
 
-use crate::csv::BadField;
+use crate::error::BadField;
 use crate::message::NavSatFix;
 
 /// The readings that a set of columns gives.

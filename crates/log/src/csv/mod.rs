@@ -11,9 +11,9 @@ mod number;
 mod reader;
 mod row;
 
+pub use crate::error::NotANumber;
 pub use fields::{BadQuote, Field, lines, quoted, split};
 pub use lines::{LINE_LIMIT, Lines};
+pub use number::finite;
 pub(crate) use number::time_ns;
-pub use number::{NotANumber, finite};
 pub(crate) use reader::{Counts, CsvReader, TABLE_LOOK_AHEAD};
-pub(crate) use row::BadField;

@@ -3,20 +3,7 @@
 use grouser_files::columns::TimeUnit;
 
 use super::date;
-
-/// Why a field is no number.
-///
-/// ```
-/// let error = grouser_log::csv::finite("fast", b'.').unwrap_err();
-/// assert!(!error.expected.is_empty());
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NotANumber {
-    /// What the field must be.
-    pub expected: &'static str,
-    /// How to correct it, where that is known.
-    pub hint: Option<&'static str>,
-}
+use crate::error::NotANumber;
 
 /// A finite number whose decimal mark is `decimal`; blanks around it are ignored.
 ///

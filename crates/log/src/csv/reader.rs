@@ -9,9 +9,8 @@ use grouser_files::nearest;
 
 use super::fields::{BadQuote, Field, split};
 use super::lines::Lines;
-use super::number::NotANumber;
-use super::row::{BadField, Plan};
-use crate::error::{Cell, Error, Result};
+use super::row::Plan;
+use crate::error::{BadField, Cell, Error, NotANumber, Result};
 use crate::message::NavSatFix;
 use crate::messages::LeftOut;
 use crate::order::Ordered;

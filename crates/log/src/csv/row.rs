@@ -2,7 +2,8 @@
 
 use grouser_files::columns::{Table, TimeUnit};
 
-use super::number::{self, NotANumber};
+use super::number;
+use crate::error::{BadField, NotANumber};
 use crate::message::NavSatFix;
 use crate::slots::{Part, Slots};
 use grouser_slip::Measurement;
@@ -18,13 +19,6 @@ pub(crate) struct Plan {
     missing: Vec<String>,
     decimal: u8,
     time_unit: TimeUnit,
-}
-
-/// What is wrong with one field of a row.
-#[derive(Clone, Copy)]
-pub(crate) struct BadField {
-    pub(crate) field: usize,
-    pub(crate) problem: NotANumber,
 }
 
 impl Plan {
