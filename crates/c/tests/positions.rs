@@ -10,8 +10,9 @@ use crate::bad_input::{push, settings, size, wheel};
 
 const RIM_M_PER_S: f64 = 0.25;
 const GROUND_M_PER_S: f64 = 0.2;
-/// Course in the frame of the places, which the robot is not told, rad.
-const COURSE: f64 = 0.5;
+/// Direction of the drive in the frame of the places, rad: places have no heading, so that the filter has to find it. Neither axis, nor
+/// a diagonal, which an exchange of axes would not show.
+const COURSE_RAD: f64 = 0.5;
 
 /// The left wheel after 40 s straight ahead, with or without places at 5 Hz.
 fn driven(has_places: bool) -> GrouserWheelEstimate {
@@ -64,7 +65,8 @@ fn driven(has_places: bool) -> GrouserWheelEstimate {
             let kind = GROUSER_POSITION;
             let way = GROUND_M_PER_S * time;
             let mut values = [f64::NAN; 6];
-            values[..2].copy_from_slice(&[3.0 + way * COURSE.cos(), way * COURSE.sin() - 7.0]);
+            values[..2]
+                .copy_from_slice(&[3.0 + way * COURSE_RAD.cos(), way * COURSE_RAD.sin() - 7.0]);
             assert_eq!(
                 push(
                     robot,

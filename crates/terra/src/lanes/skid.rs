@@ -35,8 +35,9 @@ const TURN_MARGIN: f64 = 0.01;
 /// By which factor a vertical force may exceed its neighbours in the table, near its maximum.
 const LOAD_MARGIN: f64 = 1.1;
 
-/// Where both residuals (ln(W/load), and T/(r W)) are below this, the exact forces go on.
-const ROUGH: f64 = 1e-4;
+/// Where both residuals (ln(W/load), and T/(r W), 1) are below this, the exact forces go on: they would after a further step anyway,
+/// since the rough ones are known to 1e-6.
+const MAX_ROUGH_RESIDUAL: f64 = 1e-4;
 /// After a step below this, in both unknowns, the next one is below rounding.
 const LAST_STEP: f64 = 1e-9;
 /// Most evaluations of a search; from the table most take four or five.
@@ -324,7 +325,7 @@ impl<'a> SkidTable<'a> {
             if !is_rough && whole[0].abs() <= LAST_STEP && whole[1].abs() <= LAST_STEP {
                 return Some(place[0]);
             }
-            is_rough &= off[0].abs() > ROUGH || off[1].abs() > ROUGH;
+            is_rough &= off[0].abs() > MAX_ROUGH_RESIDUAL || off[1].abs() > MAX_ROUGH_RESIDUAL;
             before = Some((step, off));
         }
         None

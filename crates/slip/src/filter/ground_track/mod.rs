@@ -27,7 +27,7 @@ use crate::history::{History, seconds_between};
 use crate::sample::Measurement;
 
 use place_frame::PlaceFrame;
-use refused_series::{MAX_OUTLIER_PROBABILITY, RefusedSeries};
+use refused_series::{RefusedSeries, is_accepted};
 
 /// The models are predicted this often, s: rims and slips change slowly against it.
 const STEP_S: f64 = 0.005;
@@ -470,7 +470,7 @@ impl GroundTrack {
         let sigma = self.models.position_sigma();
         let sigma = sigma.unwrap_or(settings.position_sigma);
         let inlier = self.models.position_agreement(place, since, sigma);
-        if passed <= MAX_PREDICTION_S && 1.0 - inlier <= MAX_OUTLIER_PROBABILITY {
+        if passed <= MAX_PREDICTION_S && is_accepted(inlier) {
             self.models.inflate_position(0.0);
             return;
         }

@@ -1,10 +1,15 @@
 //! Readings of a reference that contradict the models one after the other.
 
 /// A reading with a larger probability of being an outlier is refused.
-pub(super) const MAX_OUTLIER_PROBABILITY: f64 = 0.5;
+const MAX_OUTLIER_PROBABILITY: f64 = 0.5;
 /// This many refused readings in a row are a steady reference, which is right: at 10 Hz outliers of satellite and visual positions
 /// last for less.
 const MAX_REFUSED: u32 = 6;
+
+/// Is a reading accepted that is no outlier with the probability `inlier`?
+pub(super) fn is_accepted(inlier: f64) -> bool {
+    1.0 - inlier <= MAX_OUTLIER_PROBABILITY
+}
 
 /// How many readings have been refused one after the other.
 #[derive(Clone, Copy, Debug, Default)]
@@ -13,7 +18,7 @@ pub(super) struct RefusedSeries(u32);
 impl RefusedSeries {
     /// Counts a reading that is no outlier with the probability `inlier`. Is it accepted?
     pub(super) fn accepts(&mut self, inlier: f64) -> bool {
-        let is_accepted = 1.0 - inlier <= MAX_OUTLIER_PROBABILITY;
+        let is_accepted = is_accepted(inlier);
         self.0 = if is_accepted { 0 } else { self.0 + 1 };
         is_accepted
     }
