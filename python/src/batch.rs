@@ -206,6 +206,9 @@ pub(crate) fn solve_points<'py>(
     Ok(())
 }
 
+/// The key of a caution, and which points have it.
+type CautionMask<'py> = (&'static str, Bound<'py, PyArray1<bool>>);
+
 /// The key of each caution that a solved point has, with a mask of the points. `columns` are radius, width, rebound, slip,
 /// sinkage (NaN where a point is not solved), vertical force, drawbar pull and torque, then the numbers of the soil that `keys`
 /// names.
@@ -215,7 +218,7 @@ pub(crate) fn point_cautions<'py>(
     soil: &Soil,
     columns: (Vec<Column<'py>>, Vec<String>),
     points: usize,
-) -> PyResult<Vec<(&'static str, Bound<'py, PyArray1<bool>>)>> {
+) -> PyResult<Vec<CautionMask<'py>>> {
     let (columns, keys) = columns;
     let inputs: [_; 8] = first_inputs(&columns, keys.len(), points)?;
     let mut room = vec![Vec::new(); keys.len()];

@@ -98,13 +98,16 @@ fn by_keyword(range: OutOfRange<&'static str>) -> OutOfRange<String> {
     }
 }
 
-/// What a number outside its limits carries; a pure number of a file's key has its unit in the key.
+/// What a number outside its limits carries; a file's key states its unit in its name.
 fn out_of_range(error: OutOfRange<String>) -> Details {
     Details {
-        field: Some(error.field),
         value: number(error.value),
         limit: Some(Limit::Range((error.low, error.high))),
-        unit: Some(error.unit),
+        unit: Some(match error.unit {
+            "" => files::unit_of_key(&error.field),
+            unit => unit,
+        }),
+        field: Some(error.field),
     }
 }
 

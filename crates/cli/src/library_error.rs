@@ -32,6 +32,9 @@ impl From<FileError> for Error {
                     field: Some(range.field.clone()),
                     value: range.value.into(),
                     limit: vec![range.low, range.high].into(),
+                    unit: Some(grouser_files::unit_of_key(&range.field))
+                        .filter(|unit| !unit.is_empty())
+                        .map(str::to_owned),
                     ..Details::default()
                 },
             ),

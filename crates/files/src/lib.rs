@@ -40,7 +40,7 @@ pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT};
 pub use entries::Entry;
 pub use error::{Error, PLACEHOLDER, Place, Result};
 pub use fields::{read_fields, write_fields};
-pub use key_unit::of_key;
+pub use key_unit::{of_key, unit_of_key};
 pub use quantity_name::is_quantity_name;
 pub use section::Section;
 pub use suggestion::nearest;

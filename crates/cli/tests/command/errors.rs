@@ -46,13 +46,14 @@ fn drive(folder: &Folder, from: &str, to: &str) -> Value {
 #[test]
 fn a_soil_of_a_scenario_is_refused_at_its_key_in_its_unit() {
     let folder = Folder::new();
-    for (from, to, at, message, limit) in [
+    for (from, to, at, message, limit, unit) in [
         (
             "phi_deg = 30.0",
             "phi_deg = 360",
             13,
             "`phi_deg` is 360, but must lie in [0, 89]",
             [0.0, 89.0],
+            "deg",
         ),
         (
             "cohesion_kpa = 1.0",
@@ -60,6 +61,7 @@ fn a_soil_of_a_scenario_is_refused_at_its_key_in_its_unit() {
             14,
             "`cohesion_kpa` is -5, but must lie in [0, 100000]",
             [0.0, 1e5],
+            "kPa",
         ),
     ] {
         let error = drive(&folder, from, to);
@@ -72,6 +74,7 @@ fn a_soil_of_a_scenario_is_refused_at_its_key_in_its_unit() {
         );
         assert!(error["file"].as_str().unwrap().ends_with("s.toml"));
         assert_eq!(error["field"], from.split(' ').next().unwrap());
+        assert_eq!(error["unit"], unit);
     }
 }
 
