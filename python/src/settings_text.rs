@@ -34,6 +34,20 @@ pub(crate) fn document(name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult
     raised(Document::from_text(name, toml_numbers(text.finish())))
 }
 
+/// An error of such a document without line and column, which the caller's keywords do not have.
+pub(crate) fn without_place(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
+    let message = error.value(py).to_string();
+    let Some(rest) = message.strip_prefix(name) else {
+        return error;
+    };
+    let rest = rest.trim_start_matches(|c: char| c == ':' || c.is_ascii_digit());
+    let message = format!("{name}:{rest}");
+    match error.value(py).setattr("args", (message,)) {
+        Ok(()) => error,
+        Err(other) => other,
+    }
+}
+
 /// One number of a keyword argument.
 pub(crate) fn scalar(key: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     value.extract::<f64>().map_err(|_| {

@@ -10,7 +10,7 @@ use pyo3::types::{PyDict, PyString, PyType};
 
 use crate::argument;
 use crate::error::{Details, input_error, raised};
-use crate::settings_text::document;
+use crate::settings_text::{document, without_place};
 
 /// A soil whose every number was checked.
 ///
@@ -78,8 +78,10 @@ impl Soil {
 impl Soil {
     #[new]
     #[pyo3(signature = (**keys))]
-    fn new(keys: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        Self::from_document(&document("Soil", keys)?, &Completion::default())
+    fn new(py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let document = document("Soil", keys)?;
+        Self::from_document(&document, &Completion::default())
+            .map_err(|error| without_place(py, document.name(), error))
     }
 
     /// A soil of the catalogue. Numbers that its source does not give have to be given; what is given
