@@ -56,11 +56,19 @@ impl Scenario {
     /// OSError
     ///     A file cannot be read.
     /// InputError
-    ///     What a file lacks or has wrong, with its line.
+    ///     What a file lacks or has wrong, with its line; and a scenario with `[plan]`, whose drives plan their own way:
+    ///     `grouser drive` alone does that.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         py.detach(|| {
             let scenario = raised(drive::read_scenario(&path))?;
+            if scenario.plan.is_some() {
+                let message = format!(
+                    "{}: [plan]: a drive that plans its own way is `grouser drive`'s alone; give legs instead",
+                    path.display()
+                );
+                return Err(input_error(message, Details::field("plan")));
+            }
             let optimum = raised(scenario.slip_setpoint())?;
             Ok(Self {
                 scenario,
@@ -286,6 +294,7 @@ fn result_dict<'py>(py: Python<'py>, result: &DriveResult) -> PyResult<Bound<'py
     dict.set_item("energy_j", result.energy)?;
     dict.set_item("energy_j_per_m", result.energy_per_metre())?;
     dict.set_item("worst_slip", result.worst_slip)?;
+    dict.set_item("deep_share", result.deep_share)?;
     dict.set_item("slip_rmse", result.slip.rmse)?;
     dict.set_item("slip_bias", result.slip.bias)?;
     dict.set_item("refused", result.refused)?;

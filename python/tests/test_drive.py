@@ -34,6 +34,12 @@ def test_a_drive_is_that_of_the_command() -> None:
     assert repr(ours.energy_j) in text and repr(ours.distance_m) in text
 
 
+def test_a_drive_that_plans_its_way_is_refused_and_not_driven_otherwise() -> None:
+    with pytest.raises(InputError) as caught:
+        drive.read(SANDBOX.with_name("plan-and-learn.toml"))
+    assert caught.value.field == "plan" and "grouser drive" in str(caught.value)
+
+
 def open_loop(seen: drive.Observation) -> list[drive.WheelCommand]:
     return [drive.WheelCommand(seen.requested_speed_mps) for _ in seen.wheels]
 

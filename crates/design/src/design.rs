@@ -8,6 +8,7 @@ use grouser_opt::{
     check_derivatives, robust,
 };
 use grouser_real::Scalar;
+use grouser_terra::Cautions;
 
 use crate::error::{Error, Result};
 use crate::formula::Formula;
@@ -340,6 +341,20 @@ impl Design {
         crate::quantity::Evaluation::new(&inputs)
             .quantity(quantity)
             .ok()
+    }
+
+    /// What to keep in mind about the wheel at `x`, in any world; nothing for a problem without a wheel under a load or at a
+    /// sinkage.
+    #[must_use]
+    pub fn cautions(&self, x: &[f64]) -> Cautions {
+        let mut all = Cautions::default();
+        for world in &self.worlds {
+            let inputs = self.program.scope.inputs(x, &world.fixed);
+            for caution in inputs.cautions().iter() {
+                all.insert(caution);
+            }
+        }
+        all
     }
 
     /// Compares the exact derivatives of everything the solver sees with finite differences at `x` (the

@@ -109,6 +109,8 @@ macro_rules! real_for_float {
         }
 
         impl Scalar for $float {
+            const IS_PLAIN: bool = true;
+
             #[inline]
             fn value(self) -> f64 {
                 f64::from(self)

@@ -210,6 +210,9 @@ pub trait Real:
 /// assert_eq!(steps(16.0), steps(Dual::<2>::constant(16.0)));
 /// ```
 pub trait Scalar: Real<Mask = bool> + PartialOrd {
+    /// Whether it is a value alone: no derivative or record depends on how it was computed.
+    const IS_PLAIN: bool = false;
+
     /// The value in double precision.
     fn value(self) -> f64;
 }

@@ -77,7 +77,7 @@ fn a_lean_that_lasts_a_fifth_of_a_second_ends_the_drive() {
         (open.pitch, open.roll) = (Some(pitch), Some(roll));
         let (steps, decision) = open.until(Action::End(Ending::Tipping), Reason::TiltHigh);
         assert!(at(steps, 20), "{steps}");
-        assert!(close(decision.value, smoothed(tilt, 1.0, steps)) && close(decision.limit, 0.61));
+        assert!(close(decision.value, tilt) && close(decision.limit, 0.61));
         assert_eq!(open.controller.mode(), Mode::Stopped);
         open.quiet(500);
     }

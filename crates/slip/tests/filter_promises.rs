@@ -209,6 +209,34 @@ fn a_nan_is_refused_at_once() {
     }
 }
 
+/// The first displacement has no period over which its speed could be judged, but its way is added up.
+#[test]
+fn a_first_displacement_beyond_every_place_is_refused() {
+    for value in [1e9, -1e15, 1e38, -1e160, 1e308] {
+        for (forward, left) in [(value, 0.0), (0.0, value)] {
+            let mut filter = filter();
+            for (time_ns, measurement) in [
+                (
+                    0,
+                    Measurement::Displacement {
+                        forward,
+                        left,
+                        turn: None,
+                    },
+                ),
+                // beyond the horizon, after which the first is used
+                (1_000_000_000, Measurement::YawRate { rate: 0.0 }),
+            ] {
+                let _ = filter.update(Sample {
+                    time_ns,
+                    measurement,
+                });
+            }
+            assert_eq!(filter.latest().rejected.bad_value, 1);
+        }
+    }
+}
+
 /// All sensors but the counters of the powered wheels fail for three seconds: sigma grows meanwhile (R9), and two seconds
 /// later all is as it was (R7).
 #[test]

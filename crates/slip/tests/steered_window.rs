@@ -115,6 +115,45 @@ fn each_steered_wheel_has_its_slip_along_its_heading() {
     }
 }
 
+/// Rims of steered wheels that slip unlike are no motion across them: the wheels' motion goes where they point.
+#[test]
+fn unequal_slips_of_steered_wheels_turn_no_direction() {
+    let robot = robot();
+    for (slips, turn) in [
+        ([0.03, 0.03, 0.25, 0.25], 0.3),
+        ([0.4, 0.05, 0.05, 0.05], 0.3),
+        ([0.3, 0.1, 0.3, 0.1], -0.25),
+    ] {
+        let twist = [0.5, 0.0, turn];
+        let mut means = WindowMeans::new(&robot, settings()).unwrap();
+        for index in 0..60 {
+            let mut samples = row(&robot, twist, 0.0, index);
+            for sample in &mut samples {
+                if let Measurement::WheelCount { wheel, raw } = &mut sample.measurement {
+                    #[allow(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        clippy::cast_precision_loss,
+                        reason = "a few thousand ticks"
+                    )]
+                    let slipping = (*raw as f64 / (1.0 - slips[*wheel])) as u64;
+                    *raw = slipping;
+                }
+                means.update(*sample).unwrap();
+            }
+        }
+        let [forward, left, _] = means.latest().unwrap().wheels_motion.unwrap().velocity;
+        let rims: f64 = (0..4)
+            .map(|wheel| means.rim_speed(wheel).unwrap().value)
+            .sum();
+        assert!(
+            left.abs() < 0.02 && (forward / (0.25 * rims) - 1.0).abs() < 0.05,
+            "{slips:?}: {forward} {left}, rims {}",
+            0.25 * rims
+        );
+    }
+}
+
 #[test]
 fn angles_of_no_wheel_and_beyond_a_turn_are_refused() {
     let robot = robot();

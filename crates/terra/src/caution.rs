@@ -112,6 +112,16 @@ impl fmt::Display for Caution {
     }
 }
 
+/// Does a wheel of `radius` sink by more than a sixth of its diameter, where [`Caution::DeepSinkage`] applies?
+///
+/// ```
+/// assert!(grouser_terra::is_deep(0.06, 0.15) && !grouser_terra::is_deep(0.05, 0.15));
+/// ```
+#[must_use]
+pub const fn is_deep(sinkage: f64, radius: f64) -> bool {
+    sinkage > radius / 3.0
+}
+
 /// The numbers of a contact that cautions follow from, whoever found them.
 pub(crate) struct Judged {
     /// θ_m/θ_1 before it is held in [0, 1].
@@ -146,7 +156,7 @@ impl Cautions {
     pub(crate) fn judge(&mut self, of: &Judged) {
         self.insert_if(of.position >= 1.0, Caution::NoNormalStress);
         self.insert_if(of.position < 0.0, Caution::MaximumStressHeld);
-        self.insert_if(of.sinkage > of.radius / 3.0, Caution::DeepSinkage);
+        self.insert_if(is_deep(of.sinkage, of.radius), Caution::DeepSinkage);
         self.insert_if(of.sinkage > of.radius, Caution::HubInSoil);
         self.insert_if(of.reverses, Caution::ShearReversal);
         self.insert_if(of.outside_fit, Caution::OutsideFit);

@@ -55,7 +55,7 @@ mod wheel_on_soil;
 
 pub use angle::Angle;
 pub use bulldozing::{Bulldozing, bulldozing_hegedus};
-pub use caution::{Caution, Cautions};
+pub use caution::{Caution, Cautions, is_deep};
 pub use contact::{
     Contact, ContactAngles, Motion, StressPosition, WheelSize, entry_angle,
     sinkage_from_entry_angle,

@@ -83,6 +83,8 @@ class DriveResult:
     energy_j_per_m: float | None
     worst_slip: float
     """The greatest true slip that lasted a second, weighted by load."""
+    deep_share: float
+    """The greatest share of the time that a loaded wheel was sunk by more than a sixth of its diameter."""
     slip_rmse: float | None
     """Estimated against true slip."""
     slip_bias: float | None

@@ -2,6 +2,7 @@
 
 mod proof;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use grouser_figure::{Axis, Chart, Curve, Figure, Style};
@@ -9,7 +10,7 @@ use grouser_report::number::{parse_finite, shown};
 use grouser_report::{Fields, fields};
 use grouser_rover::robot::RobotModel;
 use grouser_rover::statics::{ClimbStep, climb, wheel_loads};
-use grouser_terra::{Angle, Kinematics, Settings, SlopeOutcome, Soil, WheelOnSoil};
+use grouser_terra::{Angle, Caution, Kinematics, Settings, SlopeOutcome, Soil, WheelOnSoil};
 
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
@@ -264,6 +265,7 @@ fn wheel_step(pair: &WheelOnSoil, weight: f64, slope: f64) -> grouser_terra::Res
         reserve: most.map_or(f64::NAN, |best| best.value) - weight * angle.sin(),
         tip_over: f64::NAN,
         lifts: false,
+        cautions: point.map(|point| point.cautions).unwrap_or_default(),
     })
 }
 
@@ -285,6 +287,7 @@ fn step<'a>() -> Fields<'a, &'a ClimbStep> {
         "reserve_n" "greatest pull less what the slope takes" .shown("N").missing("none") = known(step.reserve);
         "tip_over_deg" "tilt left before it tips over" .shown("deg").missing("–") =
             known(step.tip_over.to_degrees());
+        "cautions" "cautions" = step.cautions.iter().map(Caution::key).collect::<Vec<_>>();
     }
 }
 
@@ -362,6 +365,20 @@ impl Climbed {
         {
             list.push("steeper slopes were not tried".to_owned());
         }
+        let mut cautions = BTreeMap::<_, &ClimbStep>::new();
+        for (step, caution) in self
+            .steps
+            .iter()
+            .flat_map(|step| step.cautions.iter().map(move |caution| (step, caution)))
+        {
+            cautions.entry(caution).or_insert(step);
+        }
+        list.extend(cautions.iter().map(|(caution, step)| {
+            format!(
+                "caution from {}° on: {caution}",
+                shown(step.slope.to_degrees())
+            )
+        }));
         let last = self.steps.last();
         if last.is_some_and(|step| step.tip_over.abs() < NEAR_TIPPING_RAD) {
             list.push("steeper slopes tip the robot over; the soil would hold it".to_owned());

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::program::{Folder, Said, grouser, line};
 
@@ -41,6 +41,19 @@ fn drive(folder: &Folder, from: &str, to: &str) -> Value {
     let path = folder.path("s.toml");
     fs::write(&path, text.replace(from, to)).unwrap();
     refused(&grouser(["drive", &path.display().to_string(), "--json"]))
+}
+
+#[test]
+fn a_negative_seed_of_a_scenario_is_refused() {
+    let error = drive(
+        &Folder::new(),
+        "duration_s = 1.0\n[ground]",
+        "duration_s = 1.0\nseed = -1\n[ground]",
+    );
+    assert_eq!(
+        (&error["field"], &error["value"]),
+        (&json!("seed"), &json!(-1))
+    );
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Drives the built program as a user does.
 
 mod batch;
+mod cautions;
 mod contract;
 mod design;
 mod drive;

@@ -7,7 +7,7 @@
 use grouser_real::Real;
 use grouser_real::{Dual, Scalar};
 use grouser_terra::{
-    Contact, Forces, Kinematics, Settings, Slip, SlopeOutcome, WheelOnSoil, entry_angle,
+    Cautions, Contact, Forces, Kinematics, Settings, Slip, SlopeOutcome, WheelOnSoil, entry_angle,
 };
 
 use super::inputs::Inputs;
@@ -71,6 +71,23 @@ fn contact<R: Scalar>(inputs: &Inputs<R>, slip: R, theta_1: R) -> Contact<R> {
 }
 
 impl Inputs<f64> {
+    /// What to keep in mind about the point of the state; nothing where no point is described or solved.
+    pub(crate) fn cautions(&self) -> Cautions {
+        let point = || -> Result<_, NoValue> {
+            let motion = Kinematics::straight(Slip::new(self.get(Parameter::Slip))?);
+            let on_soil = self.wheel_on_soil()?;
+            Ok(if self.has(Parameter::Load) {
+                on_soil.under_load(self.carried(), &motion)?.point()
+            } else {
+                Some(on_soil.at_sinkage(self.get(Parameter::Sinkage), &motion)?)
+            })
+        };
+        match point() {
+            Ok(Some(point)) => point.cautions,
+            Ok(None) | Err(_) => Cautions::default(),
+        }
+    }
+
     pub(super) fn wheel_on_soil(&self) -> Result<WheelOnSoil, NoValue> {
         Ok(WheelOnSoil::new(
             self.wheel()?,
@@ -223,6 +240,9 @@ impl<R: Scalar> Inputs<R> {
                 "the wheel cannot pull itself on the level",
             ));
         };
+        if R::IS_PLAIN {
+            return Ok(R::from_f64(steepest.slope.deg()));
+        }
         let (alpha, slip) = (steepest.slope.rad(), steepest.slip.value());
         // DP(W cos α) − W sin α = 0 at the best slip; by its parameters, and by α.
         let (sin, cos) = Real::sin_cos(alpha);

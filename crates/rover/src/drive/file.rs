@@ -130,8 +130,8 @@ fn read(
     let scenario = Scenario {
         name,
         seed: root
-            .optional_integer("seed")?
-            .map_or(usual.seed, i64::cast_unsigned),
+            .optional_whole("seed", (0, i64::MAX))?
+            .unwrap_or(usual.seed),
         step: root.optional_number("step_s", STEP_LIMITS_S)?,
         start,
         legs,

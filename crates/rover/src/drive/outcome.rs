@@ -99,6 +99,9 @@ pub struct DriveResult {
     pub slip: SlipScore,
     /// Greatest load-weighted true slip that lasted a second.
     pub worst_slip: f64,
+    /// Greatest share of the time that a loaded wheel was sunk so deep that the laws lose their grip
+    /// ([`Caution::DeepSinkage`](grouser_terra::Caution::DeepSinkage)).
+    pub deep_share: f64,
     /// Decisions with their reasons, the first thousand.
     pub decisions: Vec<NamedDecision>,
     /// Decisions in all.

@@ -87,6 +87,8 @@ pub struct Simulation {
     /// Load-weighted slip over a second, and the greatest so far.
     mean_slip: f64,
     worst_slip: f64,
+    /// For how many periods each wheel was loaded, and sunk too deep for the laws.
+    deep: Vec<[u64; 2]>,
     steps_per_period: u32,
     ended: Option<Outcome>,
     /// What a navigator requests in place of the legs.
@@ -179,6 +181,7 @@ impl Simulation {
             energy_at_start: kinetic + potential,
             mean_slip: 0.0,
             worst_slip: 0.0,
+            deep: vec![[0; 2]; scenario.robot.wheels.len()],
             steps_per_period,
             ended: None,
             navigated: None,
@@ -408,7 +411,14 @@ impl Simulation {
             let truth = self.truths[index].tick(CONTROL_PERIOD_S);
             let wheel = &self.vehicle.wheels()[index];
             let observation = self.on_board.observations()[index];
-            let powered = self.vehicle.model().wheels[index].motor.is_some();
+            let mount = &self.vehicle.model().wheels[index];
+            if wheel.load.normal > 0.0 {
+                let is_deep = grouser_terra::is_deep(wheel.load.pressed, mount.wheel.radius());
+                let [loaded, deep] = &mut self.deep[index];
+                *loaded += 1;
+                *deep += u64::from(is_deep);
+            }
+            let powered = mount.motor.is_some();
             if powered {
                 self.scoring
                     .add(index, &observation, truth, CONTROL_PERIOD_S);
@@ -483,6 +493,12 @@ impl Simulation {
             energy_error: (ledger.electric - spent) / turned,
             slip: self.scoring.score(),
             worst_slip: self.worst_slip,
+            deep_share: {
+                let shares = self.deep.iter().filter(|[loaded, _]| *loaded > 0);
+                shares.fold(0.0, |most, [loaded, deep]| {
+                    f64::max(most, *deep as f64 / *loaded as f64)
+                })
+            },
             decisions: self.decisions.clone(),
             decision_count: self.decision_count,
             refused: self.on_board.estimate().rejected.total(),

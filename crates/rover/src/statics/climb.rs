@@ -1,7 +1,7 @@
 //! What a slope costs a robot that climbs it straight on: slip, energy and what is left in reserve.
 
 use grouser_real::Real;
-use grouser_terra::{Kinematics, Settings, Slip, Soil, WheelOnSoil};
+use grouser_terra::{Cautions, Kinematics, Settings, Slip, Soil, WheelOnSoil};
 
 use super::loads::wheel_loads;
 use super::margins::stability_margins;
@@ -31,6 +31,8 @@ pub struct ClimbStep {
     pub tip_over: f64,
     /// Does a wheel lose the ground on this slope?
     pub lifts: bool,
+    /// What to keep in mind about its wheels.
+    pub cautions: Cautions,
 }
 
 /// All wheels of a robot at one slip.
@@ -38,6 +40,7 @@ struct Pulled {
     pull: f64,
     energy_per_metre: f64,
     sinkage: f64,
+    cautions: Cautions,
 }
 
 /// The slip, the energy and the margins of `model` on `soil` on each of `slopes` (rad), under the robot's gravity
@@ -103,6 +106,7 @@ fn step(model: &RobotModel, pairs: &[WheelOnSoil], slope: f64) -> Result<ClimbSt
         reserve: best - needed,
         tip_over: stability_margins(model, slope, 0.0).tip_over,
         lifts: !stand.stands,
+        cautions: here.map(|here| here.cautions).unwrap_or_default(),
     })
 }
 
@@ -117,6 +121,7 @@ fn pulled(
         pull: 0.0,
         energy_per_metre: 0.0,
         sinkage: 0.0,
+        cautions: Cautions::default(),
     };
     for ((mount, pair), load) in model.wheels.iter().zip(pairs).zip(loads) {
         if !(*load > 0.0) {
@@ -139,6 +144,9 @@ fn pulled(
         };
         sum.pull += point.forces.drawbar_pull;
         sum.sinkage = sum.sinkage.max(point.sinkage);
+        for caution in point.cautions.iter() {
+            sum.cautions.insert(caution);
+        }
         if mount.motor.is_some() {
             sum.energy_per_metre += point.energy_per_metre().unwrap_or(f64::INFINITY);
         }

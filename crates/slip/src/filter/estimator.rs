@@ -192,8 +192,14 @@ impl Core {
             }
             Measurement::YawRate { rate } => {
                 let (settings, wheels) = (&self.settings, &self.wheels);
+                let is_confirmed = self.gyro.is_trusted(time_ns, settings)
+                    && self
+                        .ground
+                        .as_ref()
+                        .is_some_and(|ground| ground.confirms_turn());
+                let beside = (wheels, is_confirmed);
                 let (state, path) = (&mut self.state, &mut self.path);
-                let nis = (self.gyro).update((time_ns, rate), settings, wheels, state, path)?;
+                let nis = (self.gyro).update((time_ns, rate), settings, beside, state, path)?;
                 self.nis = nis.unwrap_or(self.nis);
                 Ok(())
             }

@@ -27,7 +27,10 @@ impl Core {
         let Some(ground) = &mut self.ground else {
             return;
         };
-        let turn_error = if self.gyro.is_trusted(time_ns, &self.settings) {
+        let has_gyro = self.gyro.is_trusted(time_ns, &self.settings);
+        let by_wheels = self.wheels.yaw_rate().filter(|_| !has_gyro);
+        let yaw_rate = self.state.mean(YAW);
+        let turn_error = if has_gyro {
             TurnError {
                 by_gyro: true,
                 removed: self.state.mean(GYRO_BIAS),
@@ -38,12 +41,16 @@ impl Core {
             TurnError {
                 by_gyro: false,
                 removed: 0.0,
-                sigma: self.state.sigma(YAW),
+                sigma: by_wheels.map_or_else(
+                    || self.state.sigma(YAW),
+                    |turn| self.wheels.turn_sigma(turn, &self.settings),
+                ),
                 memory: WHEEL_TURN_ERROR_MEMORY_S,
             }
         };
         let inertial = Inertial {
-            yaw_rate: self.state.mean(YAW),
+            yaw_rate,
+            turn_rate: by_wheels.unwrap_or(yaw_rate),
             turn_error,
         };
         if !ground.force.awaits(time_ns) {
@@ -66,6 +73,11 @@ impl Core {
         let forward = cos * motion.speed - sin * across;
         let left = sin * motion.speed + cos * across;
         let state = &mut self.state;
+        if let Some(turn) = by_wheels {
+            // the wheels' own turn less what the reference shows of its error: wheels that skid sideways turn faster than the robot
+            let Measured { value, variance } = motion.turn_error;
+            state.reset(YAW, turn - value, variance);
+        }
         state.reset(
             FORWARD,
             forward,
@@ -158,7 +170,8 @@ impl Core {
         if accepted {
             self.reference.accepted_ns = Some(now_ns);
             self.speed_known_ns = Some(now_ns);
-            if let Some(motion) = motion.filter(|_| !has_gyro) {
+            let is_led = self.wheels.yaw_rate().is_some();
+            if let Some(motion) = motion.filter(|_| !has_gyro && !is_led) {
                 self.update_turn(&motion, now_ns);
             }
             if has_gyro {

@@ -34,12 +34,13 @@ pub(super) struct GyroMonitor {
 }
 
 impl GyroMonitor {
-    /// Updates the state by a yaw rate; returns the normalised innovation squared where the reading is used.
+    /// Updates the state by a yaw rate; returns the normalised innovation squared where the reading is used. A gyro that a reference's
+    /// headings confirm contradicts no wheels: then they slip.
     pub(super) fn update(
         &mut self,
         (time_ns, rate): (i64, f64),
         settings: &FilterSettings,
-        wheels: &WheelBank,
+        (wheels, is_confirmed): (&WheelBank, bool),
         state: &mut Kalman,
         path: &mut InertialPath,
     ) -> Result<Option<f64>, Fault> {
@@ -60,7 +61,7 @@ impl GyroMonitor {
             self.compare((time_ns, rate), by_wheels, settings, state);
         }
         // wheels that slip unequally may contradict a gyro, but their agreement does not clear it; nor does the end of a bend
-        let same_way = !self.agreement.contradicts();
+        let same_way = is_confirmed || !self.agreement.contradicts();
         if !same_way || agreed && wheels.slip_alike(state, settings) {
             self.contradiction
                 .record(time_ns, same_way, settings.failure);

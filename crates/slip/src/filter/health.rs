@@ -6,7 +6,7 @@ use grouser_terra::Slip;
 use super::WRONG_ENCODER_TIME_S;
 use super::estimator::Core;
 use super::input::Input;
-use super::motion_model::along;
+use super::motion_model::{YAW, along};
 use super::settings::SlipPrior;
 use super::wheel_channel::{MAX_WINDOW_FACTOR, WheelChannel};
 use crate::history::seconds_between;
@@ -147,10 +147,14 @@ impl Core {
     /// Standard deviation of the slip of a wheel beside the robot's middle by the yaw rate, where no gyro is trusted: the
     /// wheels measure that rate as well as they slip alike.
     fn yaw_doubt(&self, wheel: &WheelChannel, rim: f64, now_ns: i64) -> f64 {
-        if self.is_led || self.gyro.is_trusted(now_ns, &self.settings) {
+        if self.gyro.is_trusted(now_ns, &self.settings) {
             return 0.0;
         }
-        let yaw = self.wheels.yaw_rate_sigma(&self.state);
+        let yaw = match self.wheels.yaw_rate() {
+            Some(_) if self.is_led => self.state.sigma(YAW),
+            None if self.is_led => return 0.0,
+            _ => self.wheels.yaw_rate_sigma(&self.state),
+        };
         (yaw * wheel.row[2].abs() / rim.abs().max(self.settings.low_speed)).min(1.0)
     }
 

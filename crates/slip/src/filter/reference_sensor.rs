@@ -82,7 +82,18 @@ impl ReferenceSensor {
                 forward,
                 left,
                 turn,
-            } => ([forward, left, turn.unwrap_or(0.0)], turn.is_some()),
+            } => {
+                // the first has no period that its speed could be judged over, but its way is added up too
+                Fault::check_range(
+                    "displacement forward",
+                    forward,
+                    -MAX_PLACE_M,
+                    MAX_PLACE_M,
+                    "m",
+                )?;
+                Fault::check_range("displacement left", left, -MAX_PLACE_M, MAX_PLACE_M, "m")?;
+                ([forward, left, turn.unwrap_or(0.0)], turn.is_some())
+            }
             Measurement::Pose { x, y, yaw } => {
                 Fault::check_range("pose x", x, -MAX_PLACE_M, MAX_PLACE_M, "m")?;
                 Fault::check_range("pose y", y, -MAX_PLACE_M, MAX_PLACE_M, "m")?;
@@ -93,8 +104,6 @@ impl ReferenceSensor {
             }
             _ => return Ok(None),
         };
-        Fault::check_finite("displacement forward", passed[0], "m")?;
-        Fault::check_finite("displacement left", passed[1], "m")?;
         Fault::check_range(
             "displacement turn",
             passed[2],

@@ -10,8 +10,10 @@ const MIN_TURN_RAD_PER_S: f64 = 0.05;
 const MAX_SLIP_GAP_RAD_PER_S: f64 = 0.02;
 /// A correlation below this is a wrong sign.
 const OPPOSITE_CORRELATION: f64 = -0.3;
-/// A gyro that shows this many times the wheels' turn has another unit: no tyre skids sideways that much.
+/// A gyro that shows this many times the wheels' turn, and in step with it, has another unit: no tyre skids sideways that much. One
+/// side that slips turns the robot too, but not in step with the wheels.
 const UNIT_FACTOR: f64 = 5.0;
+const IN_STEP_CORRELATION: f64 = 0.8;
 
 /// Yaw rates by gyro and by the powered wheels, as means of their products.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,7 +46,10 @@ impl TurnAgreement {
         let least = MIN_TURN_RAD_PER_S * MIN_TURN_RAD_PER_S;
         let size = grouser_real::Real::sqrt(self.gyro * self.wheels);
         let opposite = size > least && self.both < OPPOSITE_CORRELATION * size;
-        let unit = self.gyro > UNIT_FACTOR * UNIT_FACTOR * self.wheels.max(least);
+        let factor = UNIT_FACTOR * UNIT_FACTOR;
+        let unit = self.wheels > least
+            && self.gyro > factor * self.wheels
+            && self.both > IN_STEP_CORRELATION * size;
         opposite || unit
     }
 }
@@ -68,6 +73,8 @@ mod tests {
         assert!(after(0.15 * 57.3, 0.15));
         assert!(!after(0.15, 0.02));
         assert!(!after(0.0, 0.3));
+        // one side slips while both rims turn equally fast
+        assert!(!after(0.4, 0.0) && !after(0.4, 0.04));
         assert!(!after(0.01, -0.01));
     }
 }

@@ -18,6 +18,9 @@ use crate::speed::Measured;
 const PARALLEL_SINE: f64 = 0.02;
 /// Wheels whose squared distances from the robot's middle add up to less show no yaw rate, m².
 const MIN_SQUARED_ARMS_M2: f64 = 1e-6;
+/// Share of their turn by which wheels that skid sideways turn faster than the robot: a half where its effective track is twice the
+/// described one.
+const SKID_SHARE: f64 = 0.5;
 /// A wheel slips unlike the others where its own slip is beyond this many sigma of its prior.
 const UNLIKE_SIGMA: f64 = 3.0;
 /// Weight of one wheel's innovation in its mean, where it is the only powered one.
@@ -134,6 +137,21 @@ impl WheelBank {
             square += arm * arm;
         }
         (square > MIN_SQUARED_ARMS_M2).then(|| product / square)
+    }
+
+    /// Standard deviation of the error of a turn by the powered wheels, rad/s: they slip unlike, and skid sideways in a bend.
+    pub(super) fn turn_sigma(&self, turn: f64, settings: &FilterSettings) -> f64 {
+        let (mut sum, mut square) = (0.0, 0.0);
+        for wheel in self.powered() {
+            let arm = wheel.row[2];
+            let unlike =
+                arm * wheel.rim.map_or(0.0, |(rim, _)| rim.value) * settings.wheel_slip_sigma;
+            sum += unlike * unlike;
+            square += arm * arm;
+        }
+        let unlike = sum / (square * square).max(MIN_SQUARED_ARMS_M2 * MIN_SQUARED_ARMS_M2);
+        let skid = SKID_SHARE * turn;
+        Real::sqrt(unlike + skid * skid)
     }
 
     /// Standard deviation of the yaw rate by the powered wheels, as far as each slips unlike the others, rad/s.

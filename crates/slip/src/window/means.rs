@@ -32,6 +32,8 @@ const TRAVEL_STEP: f64 = 0.25;
 /// Steering angles kept of each wheel, and over how many windows: the older end of a window lags behind by a dropout.
 const SWINGS: usize = 64;
 const SWING_WINDOWS: f64 = 4.0;
+/// Steered wheels roll along their headings to this share of what a rim's speed is known to: slips of rims differ by far more.
+const STEERED_SIGMA_SHARE: f64 = 0.1;
 /// Yaw rate of a robot that is taken to drive straight, rad/s.
 const STRAIGHT_YAW_RATE_RAD_PER_S: f64 = 0.05;
 
@@ -391,12 +393,21 @@ impl WindowMeans {
     fn wheels_motion(&self) -> Option<BodyMotion> {
         let mut seen = Observations::default();
         seen.add([1.0, 0.0, 0.0], prior(UNKNOWN_SPEED_SIGMA));
-        self.hold_sideways(&mut seen, true);
         seen.add([0.0, 0.0, 1.0], prior(UNKNOWN_SPEED_SIGMA));
         // All wheels weigh the same, as the least resolved of them: what differs is their slip.
         let mut variance = 1e-8_f64;
         for (_, speed) in self.of(WheelRole::Powered) {
             variance = variance.max(speed?.variance);
+        }
+        if self.is_steered {
+            // unequal slips of rims are no motion across them
+            let across = prior(STEERED_SIGMA_SHARE * Real::sqrt(variance));
+            seen.add([0.0, 1.0, 0.0], prior(UNKNOWN_SPEED_SIGMA));
+            for (wheel, _) in self.of(WheelRole::Powered) {
+                seen.add(wheel.steering.across(), across);
+            }
+        } else {
+            self.hold_sideways(&mut seen, true);
         }
         for (wheel, speed) in self.of(WheelRole::Powered) {
             seen.add(wheel.row(), Measured { variance, ..speed? });

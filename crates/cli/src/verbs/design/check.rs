@@ -1,7 +1,10 @@
 //! Every wheel of a front in the solver of `climb`, and whether the robot stands on its slopes.
 
+use std::collections::BTreeMap;
+
 use grouser_design::mission::{DesignPoint, MissionFront, MissionProfile};
 use grouser_rover::statics::climb;
+use grouser_terra::Caution;
 
 use super::carrier::Carrier;
 use crate::error::Result;
@@ -17,6 +20,8 @@ pub(super) struct Checked {
     pub(super) tip_over: Option<f64>,
     /// Of the chosen wheel: the lowest slope on which a wheel loses the ground, degrees.
     pub(super) lifts_at: Option<f64>,
+    /// Of the chosen wheel: each caution, with the first soil and slope (degrees) where it applies.
+    pub(super) cautions: BTreeMap<Caution, (String, f64)>,
 }
 
 impl Checked {
@@ -29,6 +34,7 @@ impl Checked {
             difference: 0.0,
             tip_over: None,
             lifts_at: None,
+            cautions: BTreeMap::new(),
         };
         let nearest = front.nearest.iter();
         let shown = front
@@ -67,6 +73,10 @@ impl Checked {
                     (None, _) => self.difference,
                 };
                 if is_shown {
+                    for caution in step.cautions.iter() {
+                        let here = || (soil.name.clone(), ours.slope_deg);
+                        self.cautions.entry(caution).or_insert_with(here);
+                    }
                     self.tip_over = Some(
                         self.tip_over
                             .map_or(step.tip_over, |t| t.min(step.tip_over)),

@@ -72,7 +72,12 @@ impl Designed<'_> {
                 if self.present.least_reserve()
                     >= self.mission.params().min_reserve - RESERVE_TOLERANCE =>
             {
-                write!(out, ", the present one {} J/m", rounded(energy, 4))
+                write!(
+                    out,
+                    ", the present one {} J/m with the formula's mass of {} kg",
+                    rounded(energy, 4),
+                    rounded(self.present.wheel_mass, 4)
+                )
             }
             _ => write!(
                 out,
@@ -183,6 +188,14 @@ impl Designed<'_> {
                 "the robot with the chosen wheel tips over on a slope of the mission".to_owned(),
             );
         }
+        list.extend(
+            self.checked
+                .cautions
+                .iter()
+                .map(|(caution, (soil, slope))| {
+                    format!("caution on {soil} at {} deg: {caution}", shown(*slope))
+                }),
+        );
         let kept = self.carrier.names(false);
         if !kept.is_empty() {
             list.push(format!(

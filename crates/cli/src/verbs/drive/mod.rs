@@ -121,7 +121,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         text.push_str(&file.write(&scenario.title, shown, session)?);
     }
     Ok(Report {
-        warnings: run::bad_balance(&runs).into_iter().collect(),
+        warnings: run::warnings(&runs),
         ..Report::done(object, text)
     })
 }

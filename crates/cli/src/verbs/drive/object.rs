@@ -54,6 +54,8 @@ fn run<'a>() -> Fields<'a, (&'a Scenario, &'a Run)> {
         "soil" "what was learnt of the soil; null where it is not learnt" group(crate::soil_text::soil()) =
             of.1.result.soil.as_ref();
         "worst_slip" "greatest slip" = of.1.result.worst_slip;
+        "deep_share" "greatest share of the time that a loaded wheel was sunk by more than a sixth of its diameter" =
+            of.1.result.deep_share;
         "refused_samples" "samples that the estimator refused" = of.1.result.refused;
         "decision_count" "decisions" = of.1.result.decision_count;
         "decisions" "the first decisions" rows(decision()) =

@@ -5,7 +5,7 @@ use grouser_report::Object;
 use grouser_rover::drive::Scenario;
 use serde_json::{Value, json};
 
-use super::run::{Run, bad_balance, pilots};
+use super::run::{Run, pilots, warnings};
 use super::text::summary;
 
 pub(super) fn object(scenario: &Scenario, optimum: f64, runs: &[Run]) -> Object {
@@ -18,7 +18,7 @@ pub(super) fn object(scenario: &Scenario, optimum: f64, runs: &[Run]) -> Object 
     } else {
         Vec::new()
     };
-    summaries.extend(bad_balance(runs));
+    summaries.extend(warnings(runs));
     let soils: Vec<(String, &str)> = scenario
         .ground
         .soils

@@ -3,6 +3,7 @@
 use grouser_page::run::DriveRecorder;
 use grouser_report::number::rounded;
 use grouser_rover::drive::{DriveResult, Outcome, Pilot, SlipScore};
+use grouser_terra::Caution;
 use grouser_terrain::mission::PlannedDrive;
 
 /// One finished drive.
@@ -28,8 +29,11 @@ pub(super) fn count(runs: &[Run], pilot: Pilot, outcome: Outcome) -> usize {
 /// A balance of energy that is off by more than this share is said.
 const BAD_BALANCE: f64 = 0.02;
 
+/// Wheels that are sunk too deep for the laws for more than this share of the time are said.
+const DEEP_SHARE: f64 = 0.01;
+
 /// The worst balance of energy, where it belies the numbers of its drive.
-pub(super) fn bad_balance(runs: &[Run]) -> Option<String> {
+fn bad_balance(runs: &[Run]) -> Option<String> {
     let share = |run: &Run| run.result.energy_error.abs();
     let bad = runs.iter().filter(|run| share(run) > BAD_BALANCE);
     let worst = bad.clone().max_by(|a, b| share(a).total_cmp(&share(b)))?;
@@ -48,6 +52,27 @@ pub(super) fn bad_balance(runs: &[Run]) -> Option<String> {
         worst.pilot.name(),
         worst.seed,
         rounded(100.0 * share(worst), 2)
+    ))
+}
+
+/// What the drives say that their numbers do not.
+pub(super) fn warnings(runs: &[Run]) -> Vec<String> {
+    bad_balance(runs).into_iter().chain(deep(runs)).collect()
+}
+
+/// Wheels that are sunk too deep for the laws in more than a passing hollow.
+fn deep(runs: &[Run]) -> Option<String> {
+    let share = |run: &Run| run.result.deep_share;
+    let worst = runs
+        .iter()
+        .max_by(|a, b| share(a).total_cmp(&share(b)))
+        .filter(|worst| share(worst) > DEEP_SHARE)?;
+    Some(format!(
+        "caution for {} % of the time of a wheel of `{}`, seed {}: {}",
+        rounded(100.0 * share(worst), 2),
+        worst.pilot.name(),
+        worst.seed,
+        Caution::DeepSinkage
     ))
 }
 

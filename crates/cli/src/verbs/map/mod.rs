@@ -14,7 +14,8 @@ mod work;
 
 use std::path::PathBuf;
 
-use grouser_report::number::parse_finite;
+use grouser_report::number::{parse_finite, shown};
+use grouser_terra::Caution;
 use grouser_terrain::raster::Dem;
 use grouser_terrain::{Envelope, Headings, MapLayout, MapMaker, MapSettings, MapSoil, SoilMap};
 
@@ -187,6 +188,13 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             "the table differs from the exact solver by up to {:.1e} in slip, more than {:.0e}",
             result.error().slip,
             grouser_terrain::SLIP_BOUND
+        ));
+    }
+    if let Some(share) = result.deep_share().filter(|share| *share > 0.0) {
+        warnings.push(format!(
+            "caution at {} % of the cells and headings that drive: {}",
+            shown(100.0 * share),
+            Caution::DeepSinkage
         ));
     }
     Ok(report(&result, summary.known == 0, &written, warnings))

@@ -36,6 +36,11 @@ impl Mapped<'_> {
         (poses > 0).then(|| self.summary.states[state as usize] as f64 / poses as f64)
     }
 
+    /// The share of cells and headings that drive with a wheel sunk too deep for the laws; `None` where none drives.
+    pub(super) fn deep_share(&self) -> Option<f64> {
+        mean(self.summary.deep as f64, self.summary.driving())
+    }
+
     /// What people read.
     pub(super) fn text(&self) -> String {
         let summary = self.summary;
@@ -102,6 +107,8 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Mapped<'a>> {
             (map.summary.driving() > 0).then_some(map.summary.energy_max);
         "sinkage_max_m" "greatest sinkage" .shown("mm") =
             (map.summary.driving() > 0).then_some(map.summary.sinkage_max);
+        "deep" "a wheel sinks by more than a sixth of its diameter, where the laws lose their grip" .shown("%") =
+            map.deep_share();
         "tip_over_min_deg" "least tip-over margin" .shown("deg") =
             (map.summary.driving() > 0).then_some(map.summary.tip_over_min);
         "immobilisation_mean" "mean probability of immobilisation, at most" .shown("%") =

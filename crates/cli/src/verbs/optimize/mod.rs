@@ -6,12 +6,14 @@ mod figure;
 mod object;
 mod text;
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use grouser_design::{Answer, Design, Optimum, Trade, parse};
 use grouser_files::Document;
 use grouser_opt::{Limit, Stage, Status};
+use grouser_terra::Caution;
 
 use self::certificate::Certification;
 use self::object::Solved;
@@ -122,6 +124,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         Answer::Optimum(optimum) => warnings(optimum),
         _ => Vec::new(),
     };
+    warnings.extend(cautions(&design, &answer));
     if is_search_interrupted {
         warnings
             .push("interrupted: this is the best that was found so far, not an optimum".to_owned());
@@ -238,6 +241,36 @@ fn warnings(optimum: &Optimum) -> Vec<String> {
         ));
     }
     list
+}
+
+/// What to keep in mind about the wheels that were found.
+fn cautions(design: &Design, answer: &Answer) -> Vec<String> {
+    let mut counts = BTreeMap::<Caution, usize>::new();
+    let mut count = |x: &[f64]| {
+        for caution in design.cautions(x).iter() {
+            *counts.entry(caution).or_default() += 1;
+        }
+    };
+    let of = match answer {
+        Answer::Trade(trade) => {
+            trade.points.iter().for_each(|point| count(&point.x));
+            format!(" of {}", trade.points.len())
+        }
+        Answer::Optimum(optimum) => {
+            count(&optimum.x);
+            String::new()
+        }
+        _ => return Vec::new(),
+    };
+    let said = counts.iter().map(|(caution, count)| {
+        let at = if of.is_empty() {
+            String::new()
+        } else {
+            format!(" at {count}{of} points")
+        };
+        format!("caution{at}: {caution}")
+    });
+    said.collect()
 }
 
 /// The JSON schema.

@@ -189,7 +189,7 @@ impl Supervisor {
 
     fn safety_stop(&self, settings: &ControlSettings, silence: f64) -> Option<Transition> {
         if self.tilt.is_exceeded() {
-            let values = (self.tilt.tilt(), settings.max_tilt);
+            let values = (self.tilt.now(), settings.max_tilt);
             return Some(Transition::end(Ending::Tipping, Reason::TiltHigh, values));
         }
         (silence > settings.blind_time).then(|| {

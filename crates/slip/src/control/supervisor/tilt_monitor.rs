@@ -12,6 +12,7 @@ const TILT_TIME_S: f64 = 0.2;
 /// The tilt of the chassis, smoothed like the slip, so that both are of the same moment.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TiltMonitor {
+    now: f64,
     tilt: f64,
     slow: f64,
     exceeded_time: f64,
@@ -29,6 +30,7 @@ impl TiltMonitor {
         };
         let level = (Real::cos(pitch) * Real::cos(roll)).clamp(-1.0, 1.0);
         let tilt = Real::acos(level);
+        self.now = tilt;
         self.tilt += step / (SLIP_TIME_CONSTANT_S + step) * (tilt - self.tilt);
         self.slow += step / (SLOW_TIME_CONSTANT_S + step) * (tilt - self.slow);
         self.exceeded_time = if tilt > settings.max_tilt {
@@ -36,6 +38,11 @@ impl TiltMonitor {
         } else {
             0.0
         };
+    }
+
+    /// The last tilt, which is the one that may not exceed the limit, rad.
+    pub(super) const fn now(&self) -> f64 {
+        self.now
     }
 
     /// Smoothed tilt, rad.

@@ -7,6 +7,9 @@ use crate::filter::settings::FilterSettings;
 /// Standard deviation of the error of a displacement's turn until it is learnt, rad.
 const DISPLACEMENT_TURN_SIGMA_RAD: f64 = 2e-3;
 
+/// This number of headings in a row that agree with the turn rate confirm it: as many as make a steady contradiction.
+const CONFIRMING_HEADINGS: u32 = 6;
+
 impl GroundTrack {
     /// Updates the models by a heading, `turned` (rad) ago. A steady series of headings that contradict the models is right: a gyro
     /// with another bias or scale than estimated leads away from the heading, and no single reading corrects that.
@@ -20,13 +23,23 @@ impl GroundTrack {
             self.refused_headings.end();
         }
         let inlier = self.models.heading_agreement(yaw, turned, sigma);
-        self.refused_headings.accepts(inlier);
+        let is_accepted = self.refused_headings.accepts(inlier);
+        self.agreed_headings = if is_accepted {
+            self.agreed_headings.saturating_add(1)
+        } else {
+            0
+        };
         if self.has_wrong_turn() {
             self.models
                 .restart_heading(yaw, turned, sigma, settings.gyro_bias);
         } else {
             self.models.update_heading(yaw, turned, sigma);
         }
+    }
+
+    /// Do measured headings agree with the turn rate, one after the other?
+    pub(in crate::filter) const fn confirms_turn(&self) -> bool {
+        self.has_heading && self.agreed_headings >= CONFIRMING_HEADINGS
     }
 
     /// Learns the noise of headings from one less the turn by gyro or wheels, and returns the standard deviation of this one.

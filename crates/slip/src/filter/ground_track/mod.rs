@@ -68,6 +68,8 @@ pub(super) const MAX_DELAY_S: f64 = 1.0;
 #[derive(Clone, Copy)]
 pub(super) struct Inertial {
     pub(super) yaw_rate: f64,
+    /// As the sensor has it that the error is of, rad/s.
+    pub(super) turn_rate: f64,
     pub(super) turn_error: TurnError,
 }
 
@@ -128,6 +130,8 @@ pub(super) struct GroundTrack {
     /// Positions and headings that contradict the models one after the other.
     refused: RefusedSeries,
     refused_headings: RefusedSeries,
+    /// Headings in a row that agreed with the turn rate.
+    agreed_headings: u32,
     /// How often the models restarted along the course.
     restarts: u32,
     started_ns: Option<i64>,
@@ -171,6 +175,7 @@ impl GroundTrack {
             repeats_at_rest: false,
             refused: RefusedSeries::default(),
             refused_headings: RefusedSeries::default(),
+            agreed_headings: 0,
             restarts: 0,
             started_ns: None,
             readmitted_ns: None,
@@ -342,7 +347,7 @@ impl GroundTrack {
             dt,
             rim_way: rims.way,
             direction: rims.direction,
-            turn: inertial.yaw_rate * dt,
+            turn: inertial.turn_rate * dt,
             turn_error: inertial.turn_error,
             acceleration: force.map(|force| (force, density)),
             rim: Rim {
