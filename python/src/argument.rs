@@ -3,10 +3,12 @@
 //! PyO3 adds a note with the argument's name to an error of its conversion; the exceptions take the name from it
 //! (`add_note` in `python/grouser/_errors.py`).
 
+use std::path::PathBuf;
+
 use pyo3::PyClass;
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::PyBool;
+use pyo3::types::{PyBool, PyFloat};
 
 use crate::error::{Details, InputTypeError, Limit, input_error};
 
@@ -35,7 +37,11 @@ fn out_of_limits(value: &Bound<'_, PyAny>, limits: (f64, f64)) -> PyErr {
 
 /// A real number.
 pub(crate) fn number(value: &Bound<'_, PyAny>) -> PyResult<f64> {
-    if value.is_instance_of::<PyBool>() {
+    if let Ok(float) = value.cast::<PyFloat>() {
+        return Ok(float.value());
+    }
+    // NumPy's booleans are no `PyBool`, but floats to Python
+    if value.extract::<bool>().is_ok() {
         return Err(wrong_type(value, "a number"));
     }
     value.extract::<f64>().map_err(|error| {
@@ -112,14 +118,64 @@ pub(crate) fn counter(value: &Bound<'_, PyAny>) -> PyResult<u64> {
 
 /// Three real numbers.
 pub(crate) fn vector(value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    let three: [Bound<'_, PyAny>; 3] = value
+        .extract()
+        .map_err(|_| wrong_type(value, "three numbers"))?;
+    let [x, y, z] = three.each_ref().map(number);
+    Ok([x?, y?, z?])
+}
+
+/// `True` or `False`.
+pub(crate) fn flag(value: &Bound<'_, PyAny>) -> PyResult<bool> {
     value
         .extract()
-        .map_err(|_| wrong_type(value, "three numbers"))
+        .map_err(|_| wrong_type(value, "True or False"))
+}
+
+/// A path.
+pub(crate) fn path(value: &Bound<'_, PyAny>) -> PyResult<PathBuf> {
+    value.extract().map_err(|_| wrong_type(value, "a path"))
+}
+
+/// A path, or `None`.
+pub(crate) fn optional_path(value: &Bound<'_, PyAny>) -> PyResult<Option<PathBuf>> {
+    if value.is_none() {
+        Ok(None)
+    } else {
+        path(value).map(Some)
+    }
 }
 
 /// Text.
 pub(crate) fn text(value: &Bound<'_, PyAny>) -> PyResult<String> {
     value.extract().map_err(|_| wrong_type(value, "text"))
+}
+
+/// Text, or `None`.
+pub(crate) fn optional_text(value: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
+    if value.is_none() {
+        Ok(None)
+    } else {
+        text(value).map(Some)
+    }
+}
+
+/// One of `choices` by its name; `None` where no word is given.
+pub(crate) fn choice<T: Copy>(
+    field: &str,
+    word: Option<&str>,
+    choices: &[(&str, T)],
+) -> PyResult<Option<T>> {
+    let Some(word) = word else { return Ok(None) };
+    if let Some((_, choice)) = choices.iter().find(|(name, _)| *name == word) {
+        return Ok(Some(*choice));
+    }
+    let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
+    let message = format!(
+        "{field} is `{word}`, but must be one of {}",
+        names.join(", ")
+    );
+    Err(input_error(message, Details::field(field)))
 }
 
 /// An object of this package.

@@ -9,9 +9,9 @@ use grouser::terra::{
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
 
-use crate::argument;
+use crate::argument::{self, choice};
 use crate::batch::{Column, part, write_codes};
-use crate::error::{Details, input_error, raised};
+use crate::error::raised;
 use crate::operating_point::{Given, OperatingPoint};
 use crate::rows::{BAD, Codes, Floats, at, blocks, column, rows};
 use crate::soil::Soil;
@@ -28,6 +28,12 @@ const SLOPE_BLOCK: usize = 512;
 /// soil : Soil
 /// reference_accuracy : bool
 ///     Integrals to rounding (1e-13) in place of 1e-9.
+/// shear : str, optional
+///     Law of the shear stress where the soil has none of its own: `coupled` by default, `slip-velocity`,
+///     `slip-velocity-regular`, `independent`, `towed-restart` or `towed-wong-reece`.
+/// bulldozing : str, optional
+///     Law of the soil that a drifting wheel ploughs where the soil has none of its own: `scaled` by default, `full`,
+///     `chord`, `disc` or `off`.
 ///
 /// Raises
 /// ------
@@ -65,9 +71,9 @@ impl WheelOnSoil {
     fn new(
         #[pyo3(from_py_with = argument::object)] wheel: Wheel,
         #[pyo3(from_py_with = argument::object)] soil: Soil,
-        reference_accuracy: bool,
-        shear: Option<&str>,
-        bulldozing: Option<&str>,
+        #[pyo3(from_py_with = argument::flag)] reference_accuracy: bool,
+        #[pyo3(from_py_with = argument::optional_text)] shear: Option<String>,
+        #[pyo3(from_py_with = argument::optional_text)] bulldozing: Option<String>,
     ) -> PyResult<Self> {
         let accuracy = if reference_accuracy {
             Accuracy::Reference
@@ -78,12 +84,18 @@ impl WheelOnSoil {
         let ploughing = Bulldozing::ALL;
         let settings = Settings {
             accuracy,
-            shear: choice("shear", shear, &shear_laws.map(|law| (law.key(), law)))?,
+            shear: choice(
+                "shear",
+                shear.as_deref(),
+                &shear_laws.map(|law| (law.key(), law)),
+            )?
+            .unwrap_or_default(),
             bulldozing: choice(
                 "bulldozing",
-                bulldozing,
+                bulldozing.as_deref(),
                 &ploughing.map(|law| (law.key(), law)),
-            )?,
+            )?
+            .unwrap_or_default(),
         };
         let contact = raised(Contact::new(wheel.0, soil.soil, settings))?;
         Ok(Self {
@@ -422,25 +434,6 @@ impl WheelOnSoil {
         keys.set_item("bulldozing", settings.bulldozing.key())?;
         Ok(((self.wheel.clone(), self.soil.clone()), keys))
     }
-}
-
-fn choice<T: Copy + Default>(
-    field: &str,
-    word: Option<&str>,
-    choices: &[(&str, T)],
-) -> PyResult<T> {
-    let Some(word) = word else {
-        return Ok(T::default());
-    };
-    let found = choices.iter().find(|(key, _)| *key == word);
-    found.map(|(_, law)| *law).ok_or_else(|| {
-        let keys: Vec<&str> = choices.iter().map(|(key, _)| *key).collect();
-        let message = format!(
-            "{field} is `{word}`, but must be one of {}",
-            keys.join(", ")
-        );
-        input_error(message, Details::field(field))
-    })
 }
 
 /// Columns of `points` values each, or constants.

@@ -4,6 +4,8 @@ use grouser::figure::{Axis, Chart, Curve, Figure, Points, Style, plain};
 use numpy::{PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 
+use crate::argument;
+
 /// Lines: x, y, label (empty for none), and whether they are points.
 type Lines<'py> = Vec<(
     PyReadonlyArray1<'py, f64>,
@@ -16,9 +18,9 @@ type Lines<'py> = Vec<(
 #[pyfunction]
 pub(crate) fn chart_svg(
     py: Python<'_>,
-    title: &str,
-    x_title: &str,
-    y_title: &str,
+    #[pyo3(from_py_with = argument::text)] title: String,
+    #[pyo3(from_py_with = argument::text)] x_title: String,
+    #[pyo3(from_py_with = argument::text)] y_title: String,
     lines: Lines<'_>,
 ) -> PyResult<String> {
     let mut chart = Chart::new(Axis::new(x_title), Axis::new(y_title));
@@ -36,6 +38,6 @@ pub(crate) fn chart_svg(
             })
         };
     }
-    let figure = Figure::new(plain(title)).panel(chart);
+    let figure = Figure::new(plain(&title)).panel(chart);
     Ok(py.detach(|| figure.svg()))
 }

@@ -32,6 +32,10 @@ mod workers;
 #[pyo3::pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "Python's name")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    #[pymodule_export]
     use super::{
         batch::{instructions, point_cautions, solve_curve, solve_points},
         command::run_command,

@@ -16,7 +16,7 @@ use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::argument;
+use crate::argument::{self, choice};
 use crate::error::{Details, input_error, raised};
 use crate::robot::Robot;
 use crate::sample::{Sample, parts};
@@ -32,27 +32,6 @@ fn open(paths: &[PathBuf], robot: &RobotFile, columns: Option<PathBuf>) -> PyRes
     raised(Recorded::find_any(paths, map, &robot.topics))
 }
 
-/// One of `choices` by its name.
-fn choice<T: Copy>(
-    field: &str,
-    word: Option<&str>,
-    choices: impl Iterator<Item = (&'static str, T)>,
-) -> PyResult<Option<T>> {
-    let Some(word) = word else { return Ok(None) };
-    let all: Vec<(&str, T)> = choices.collect();
-    match all.iter().find(|(name, _)| *name == word) {
-        Some((_, choice)) => Ok(Some(*choice)),
-        None => {
-            let names: Vec<&str> = all.iter().map(|(name, _)| *name).collect();
-            let message = format!(
-                "{field} is `{word}`, but must be one of {}",
-                names.join(", ")
-            );
-            Err(input_error(message, Details::field(field)))
-        }
-    }
-}
-
 /// The options of a run, as keywords.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -66,17 +45,20 @@ pub(crate) struct Choices {
     smooth: bool,
 }
 
+fn references() -> [(&'static str, Reference); 5] {
+    Reference::ALL.map(|reference| (reference.name(), reference))
+}
+
 impl Choices {
     fn options(&self) -> PyResult<Options> {
-        let references = Reference::ALL.iter().map(|r| (r.name(), *r));
         Ok(Options {
-            method: choice("method", self.method.as_deref(), Method::NAMES.into_iter())?,
+            method: choice("method", self.method.as_deref(), &Method::NAMES)?,
             smooth: self.smooth,
-            reference: choice("reference", self.reference.as_deref(), references)?,
+            reference: choice("reference", self.reference.as_deref(), &references())?,
             wheel_sensor: choice(
                 "wheel_sensor",
                 self.wheel_sensor.as_deref(),
-                WheelSensor::NAMES.into_iter(),
+                &WheelSensor::NAMES,
             )?,
             window_s: self.window_s,
             from_s: self.from_s,
@@ -277,14 +259,12 @@ impl Engine {
     #[new]
     fn new(
         #[pyo3(from_py_with = argument::object)] robot: Robot,
-        reference: &str,
-        wheel_sensor: &str,
+        #[pyo3(from_py_with = argument::text)] reference: String,
+        #[pyo3(from_py_with = argument::text)] wheel_sensor: String,
         choices: Choices,
     ) -> PyResult<Self> {
-        let references = Reference::ALL.iter().map(|r| (r.name(), *r));
-        let reference = choice("reference", Some(reference), references)?;
-        let sensors = WheelSensor::NAMES.into_iter();
-        let wheel_sensor = choice("wheel_sensor", Some(wheel_sensor), sensors)?;
+        let reference = choice("reference", Some(&reference), &references())?;
+        let wheel_sensor = choice("wheel_sensor", Some(&wheel_sensor), &WheelSensor::NAMES)?;
         let inputs = Inputs {
             wheel_sensor: wheel_sensor.unwrap_or(WheelSensor::Count),
             reference: reference.unwrap_or(Reference::Grip),

@@ -79,8 +79,10 @@ impl Parts {
     fn measure(&self) -> PyResult<Measure> {
         let (name, parameter) = &self.measure;
         Ok(match name.as_str() {
-            "worst-case" => Measure::WorstCase,
-            "mean-plus-deviations" => Measure::MeanPlusDeviations { kappa: *parameter },
+            "worst-case" | "worst_case" => Measure::WorstCase,
+            "mean-plus-deviations" | "mean_plus_deviations" => {
+                Measure::MeanPlusDeviations { kappa: *parameter }
+            }
             "cvar" => Measure::ConditionalValueAtRisk { alpha: *parameter },
             _ => return Err(unknown("measure", name)),
         })

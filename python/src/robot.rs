@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use grouser::files::Document;
 use grouser::files::robot::{self, RobotFile};
+use grouser::files::Document;
 use grouser::slip::WheelRole;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
@@ -29,7 +29,7 @@ impl Robot {
     /// InputError
     ///     What the file lacks or has wrong, with its line.
     #[staticmethod]
-    fn read(path: PathBuf) -> PyResult<Self> {
+    fn read(#[pyo3(from_py_with = argument::path)] path: PathBuf) -> PyResult<Self> {
         raised(robot::read(&path)).map(Self)
     }
 

@@ -3,7 +3,7 @@
 
 use grouser::files::{Document, TomlText};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyInt, PyString};
+use pyo3::types::{PyDict, PyInt, PyString};
 
 use crate::error::{raised, type_error};
 
@@ -15,8 +15,8 @@ pub(crate) fn document(name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult
         if value.is_none() {
             continue;
         }
-        if let Ok(flag) = value.cast::<PyBool>() {
-            text.line(&format!("{key} = {}", flag.is_true()));
+        if let Ok(flag) = value.extract::<bool>() {
+            text.line(&format!("{key} = {flag}"));
         } else if let Ok(word) = value.cast::<PyString>() {
             text.text(&key, word.to_str()?);
         } else if value.is_instance_of::<PyInt>() {

@@ -53,7 +53,10 @@ impl SlipMap {
     /// InputError
     ///     A damaged file, or another GeoTIFF.
     #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+    fn read(
+        py: Python<'_>,
+        #[pyo3(from_py_with = argument::path)] path: PathBuf,
+    ) -> PyResult<Self> {
         let (layout, cells) = raised(py.detach(|| plan::read_map(&path)))?;
         Ok(Self { layout, cells })
     }

@@ -136,7 +136,7 @@ impl Soil {
     #[staticmethod]
     #[pyo3(signature = (path, *, k_shear_m=None, c_1=None, c_2=None, unit_weight_n_per_m3=None))]
     fn read(
-        path: PathBuf,
+        #[pyo3(from_py_with = argument::path)] path: PathBuf,
         #[pyo3(from_py_with = argument::optional_number)] k_shear_m: Option<f64>,
         #[pyo3(from_py_with = argument::optional_number)] c_1: Option<f64>,
         #[pyo3(from_py_with = argument::optional_number)] c_2: Option<f64>,

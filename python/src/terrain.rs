@@ -138,14 +138,14 @@ impl SlipMapper {
     )]
     fn new(
         py: Python<'_>,
-        robot: PathBuf,
+        #[pyo3(from_py_with = argument::path)] robot: PathBuf,
         #[pyo3(from_py_with = argument::object)] soil: Soil,
         #[pyo3(from_py_with = argument::number)] cell_m: f64,
         headings: Option<Bound<'_, PyAny>>,
         #[pyo3(from_py_with = argument::optional_number)] gravity_m_per_s2: Option<f64>,
         #[pyo3(from_py_with = argument::number)] max_pitch_deg: f64,
         #[pyo3(from_py_with = argument::number)] max_roll_deg: f64,
-        soil_intervals: Option<PathBuf>,
+        #[pyo3(from_py_with = argument::optional_path)] soil_intervals: Option<PathBuf>,
         soil_draws: Option<Bound<'_, PyAny>>,
         seed: Option<Bound<'_, PyAny>>,
         #[pyo3(from_py_with = argument::number)] cvar_level: f64,

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grouser import InputError, InputTypeError, drive, logs, optimize, soils, terrain, wheel
+from grouser import InputError, InputTypeError, drive, figures, identify, logs, optimize, soils, terrain, wheel
 from grouser.slip import OnBoard, Robot, Sample, SlipFilter
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -26,6 +26,11 @@ MAPPER = terrain.SlipMapper(EXAMPLES / "robots" / "skid-steer.toml", soils.find(
 MAP = terrain.slip_map(MAPPER, 0.05 * np.sin(np.arange(80.0)).reshape(8, 10))
 BEKKER = {"name": "a", "n": 1.0, "k_c_kn_per_m_n1": 1, "k_phi_kn_per_m_n2": 1000, "c_1": 0.2, "c_2": 0.3, "k_shear_m": 0.01}
 NAN = float("nan")
+
+
+def robust(**change: Any) -> object:
+    return optimize.robust(**{"objectives": lambda x, world: [(x[0] - world) ** 2], "worlds": [0.0], "start": [0.5], **change})
+
 
 WRONG_TYPES: list[tuple[str, Callable[[Any], object]]] = [
     ("radius_m", lambda x: wheel.Wheel(radius_m=x, width_m=0.1)),
@@ -62,6 +67,39 @@ WRONG_TYPES: list[tuple[str, Callable[[Any], object]]] = [
     ("mapper", lambda x: terrain.slip_map(x, np.zeros((3, 3)))),
     ("found", lambda x: terrain.plan(x, start_m=(1.0, 1.0), goal_m=(2.0, 2.0))),
     ("start", lambda x: optimize.minimax(lambda y: y, start=x)),
+    ("reference_accuracy", lambda x: wheel.WheelOnSoil(RIM, SAND, reference_accuracy=x)),
+    ("shear", lambda x: wheel.WheelOnSoil(RIM, SAND, shear=x or 3)),
+    ("bulldozing", lambda x: wheel.WheelOnSoil(RIM, SAND, bulldozing=x or 3)),
+    ("reference", lambda x: logs.Engine(ROBOT, reference=x)),
+    ("wheel_sensor", lambda x: logs.Engine(ROBOT, reference="grip", wheel_sensor=x)),
+    ("method", lambda x: logs.Engine(ROBOT, reference="grip", method=x or 3)),
+    ("smooth", lambda x: logs.Engine(ROBOT, reference="grip", smooth=x)),
+    ("paths", lambda x: logs.estimate(x, ROBOT)),
+    ("paths", lambda x: logs.read([x], ROBOT)),
+    ("columns", lambda x: logs.read("log.csv", ROBOT, columns=x or 3)),
+    ("reference", lambda x: logs.estimate("log.csv", ROBOT, reference=x or 3)),
+    ("from_s", lambda x: logs.estimate("log.csv", ROBOT, from_s=x or "0.1")),
+    ("smooth", lambda x: logs.estimate("log.csv", ROBOT, smooth=x)),
+    ("path", lambda x: Robot.read(x)),
+    ("path", lambda x: soils.read(x)),
+    ("path", lambda x: terrain.read(x)),
+    ("path", lambda x: identify.run(x)),
+    ("path", lambda x: optimize.solve_file(x)),
+    ("text", lambda x: optimize.solve_text(x)),
+    ("robot", lambda x: terrain.SlipMapper(x, SAND, cell_m=1.0)),
+    ("soil_intervals", lambda x: terrain.SlipMapper("robot.toml", SAND, cell_m=1.0, soil_intervals=x or 3)),
+    ("by_cvar", lambda x: terrain.plan(MAP, start_m=(1.0, 1.0), goal_m=(2.0, 2.0), by_cvar=x)),
+    ("max_risk", lambda x: terrain.plan(MAP, start_m=(1.0, 1.0), goal_m=(2.0, 2.0), max_risk=x)),
+    ("worlds", lambda x: robust(worlds=x if x != b"1" else 3)),
+    ("measure", lambda x: robust(measure=x)),
+    ("parameter", lambda x: robust(parameter=x)),
+    ("step_tolerance", lambda x: robust(settings=optimize.Settings(step_tolerance=x))),
+    ("settings", lambda x: robust(settings=x)),
+    ("linear", lambda x: robust(linear=[x])),
+    ("bound", lambda x: robust(linear=[optimize.Linear([1.0], x)])),
+    ("equal", lambda x: robust(linear=[optimize.Linear([1.0], 1.0, equal=x)])),
+    ("polish", lambda x: optimize.pareto(lambda y: [y[0], -y[0]], start=[0.5], lower=0.0, upper=1.0, polish=x)),
+    ("title", lambda x: figures.lines(x, "x", "y")),
 ]  # fmt: skip
 
 
@@ -111,6 +149,44 @@ def test_a_number_outside_its_limits_is_named_as_it_was_given(
     assert (again.field, again.value, again.limit, again.unit, str(again)) == (
         error.field, error.value, error.limit, error.unit, str(error)
     )  # fmt: skip
+
+
+NUMBERS: list[tuple[str, Callable[[Any], object]]] = [
+    ("radius_m", lambda x: wheel.Wheel(radius_m=x, width_m=0.1)),
+    ("n", lambda x: soils.Soil(**{**BEKKER, "cohesion_kpa": 1.0, "phi_deg": 30.0, "n": x})),
+    ("grouser_tip_share", lambda x: wheel.Wheel(**SIZE, grouser_height_m=0.01, grouser_tip_share=x)),
+    ("load_n", lambda x: CONTACT.under_load(load_n=x, slip=0.1)),
+    ("load_n", lambda x: wheel.under_load(SAND, **SIZE, load_n=x, slip=0.1)),
+    ("force_mps2", lambda x: Sample.inertial(time_ns=0, force_mps2=[0.0, 0.0, x], rate_rad_per_s=[0.0, 0.0, 0.0])),
+    ("parameter", lambda x: robust(measure="mean-plus-deviations", parameter=x)),
+    ("optimality_tolerance", lambda x: robust(settings=optimize.Settings(optimality_tolerance=x))),
+    ("max_values", lambda x: robust(settings=optimize.Settings(max_values=x))),
+    ("to_s", lambda x: logs.estimate("log.csv", ROBOT, to_s=x)),
+    ("max_slip", lambda x: terrain.plan(MAP, start_m=(1.0, 1.0), goal_m=(2.0, 2.0), max_slip=x)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("bad", [True, np.True_, "0.1", "1"], ids=repr)
+@pytest.mark.parametrize(("field", "call"), NUMBERS, ids=lambda x: x if isinstance(x, str) else "")
+def test_booleans_and_text_are_no_numbers(field: str, call: Callable[[Any], object], bad: object) -> None:
+    with pytest.raises(InputTypeError) as caught:
+        call(bad)
+    assert caught.value.field == field
+
+
+@pytest.mark.parametrize("yes", [True, np.True_], ids=repr)
+def test_flags_of_numpy_are_flags(yes: Any) -> None:
+    exact = wheel.WheelOnSoil(RIM, SAND, reference_accuracy=True).under_load(load_n=80.0, slip=0.2)
+    same = wheel.WheelOnSoil(RIM, SAND, reference_accuracy=yes).under_load(load_n=80.0, slip=0.2)
+    assert repr(same) == repr(exact) != repr(CONTACT.under_load(load_n=80.0, slip=0.2))
+    smooth = logs.estimate(EXAMPLES / "five-wheel" / "log.csv", ROBOT, to_s=2.0, smooth=yes).rows.slip
+    assert not np.array_equal(smooth, logs.estimate(EXAMPLES / "five-wheel" / "log.csv", ROBOT, to_s=2.0).rows.slip)
+
+
+def test_a_measure_is_known_by_its_name_in_problem_files() -> None:
+    for name in ("worst-case", "mean-plus-deviations"):
+        ours = robust(measure=name, worlds=[0.0, 1.0], parameter=1.0)
+        assert ours.x == robust(measure=name.replace("-", "_"), worlds=[0.0, 1.0], parameter=1.0).x  # type: ignore[attr-defined]
 
 
 def test_an_integer_beyond_every_float_is_refused() -> None:

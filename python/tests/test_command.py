@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib.metadata
 import json
 import shutil
 import subprocess
@@ -12,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import grouser
 from grouser import soils, wheel
 
 ROOT = Path(__file__).parents[2]
@@ -125,3 +127,7 @@ def test_one_table_of_cases_through_every_door(tmp_path: Path) -> None:
                     for value in (getattr(point, name), getattr(found, name)[j]):
                         worst = max(worst, abs(value - exact) / scales[j])
     assert worst < 1e-9, worst
+
+
+def test_the_version_is_that_of_the_distribution() -> None:
+    assert grouser.__version__ == importlib.metadata.version("grouser")

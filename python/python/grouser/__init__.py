@@ -7,6 +7,7 @@ ValueError) or `InputTypeError` (a TypeError) with field, value, limit and unit.
 """
 
 from . import drive, figures, identify, logs, optimize, slip, soils, terrain, wheel
+from ._core import __version__ as __version__
 from ._errors import InputError, InputTypeError
 
 __all__ = [

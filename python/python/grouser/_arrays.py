@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Union
 
 import numpy as np
@@ -52,10 +53,41 @@ def _converted(field: str, value: Any) -> npt.NDArray[Any]:
     return array
 
 
-def check_kind(field: str, value: Any, kind: type) -> None:
-    """Raises unless ``value`` is an object of ``kind``."""
+def check_kind(field: str, value: Any, kind: type | tuple[type, ...], wanted: str | None = None) -> None:
+    """Raises unless ``value`` is an object of ``kind``, which messages call ``wanted``."""
     if not isinstance(value, kind):
-        raise InputTypeError(f"{field} is {type(value).__name__}, but must be a {kind.__name__}", field, value)
+        wanted = wanted or f"a {getattr(kind, '__name__', kind)}"
+        raise InputTypeError(f"{field} is {type(value).__name__}, but must be {wanted}", field, value)
+
+
+def flag(field: str, value: Any) -> bool:
+    """``value`` where it is True or False."""
+    check_kind(field, value, (bool, np.bool_), "True or False")
+    return bool(value)
+
+
+def path_of(field: str, value: Any) -> str:
+    """``value`` where it is a path."""
+    check_kind(field, value, (str, os.PathLike), "a path")
+    found: str = os.fspath(value)
+    return found
+
+
+def number(field: str, value: Any) -> float:
+    """``value`` where it is one finite number."""
+    array = as_floats(field, value)
+    if array.ndim != 0 or not np.isfinite(array):
+        raise InputError(f"{field} is {value!r}, but must be one finite number", field, value)
+    return float(array)
+
+
+def whole(field: str, value: Any, least: int = 0, most: int = 2**63 - 1) -> int:
+    """``value`` where it is a whole number in [least, most]."""
+    check_kind(field, value, () if isinstance(value, bool) else (int, np.integer), "a whole number")
+    if not least <= value <= most:
+        limits = f"lie in [{least}, {most}]" if most < 2**32 else f"be at least {least}"
+        raise InputError(f"{field} is {value}, but must {limits}", field, value, (least, most), "1")
+    return int(value)
 
 
 def columns(**named: Any) -> tuple[tuple[int, ...], int, list[Column]]:
@@ -85,14 +117,4 @@ def shaped(shape: tuple[int, ...], column: npt.NDArray[Any]) -> Any:
 
 def threads_of(threads: int | None) -> int:
     """The number of threads; 0 leaves the choice to the library."""
-    if threads is None:
-        return 0
-    if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)):
-        raise InputTypeError(
-            f"threads is {type(threads).__name__}, but must be a whole number", "threads", threads
-        )
-    if not 1 <= threads <= 1024:
-        raise InputError(
-            f"threads is {threads}, but must lie in [1, 1024]", "threads", threads, (1, 1024), "1"
-        )
-    return int(threads)
+    return 0 if threads is None else whole("threads", threads, 1, 1024)

@@ -5,6 +5,7 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
+    "__version__",
     "Engine",
     "Fleet",
     "OnBoard",
@@ -35,6 +36,8 @@ __all__ = [
     "solve_many",
     "solve_points",
 ]
+
+__version__: str
 
 _Floats = npt.NDArray[np.float64]
 _Codes = npt.NDArray[np.uint8]

@@ -21,7 +21,7 @@ import numpy as np
 
 from . import _core
 from . import wheel as _wheel
-from ._arrays import FloatArray, as_floats
+from ._arrays import FloatArray, as_floats, flag
 from ._core import Soil, Wheel
 from ._errors import InputError
 
@@ -72,7 +72,7 @@ def lines(title: str, x_title: str, y_title: str, *given: Line) -> Figure:
         x, y = _column("x", line.x), _column("y", line.y)
         if x.size != y.size:
             raise InputError(f"y has {y.size} points, but x has {x.size}", "y", y.size, x.size, "1")
-        drawn.append((x, y, line.label, bool(line.points)))
+        drawn.append((x, y, line.label, flag("points", line.points)))
     return Figure(_core.chart_svg(title, x_title, y_title, drawn))
 
 

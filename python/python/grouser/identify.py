@@ -14,7 +14,7 @@ import os
 from typing import NamedTuple
 
 from . import _core
-from ._arrays import threads_of
+from ._arrays import path_of, threads_of
 from ._core import Soil
 
 __all__ = ["Identification", "Number", "run"]
@@ -57,7 +57,7 @@ def run(path: str | os.PathLike[str], *, threads: int | None = None) -> Identifi
     InputError
         What a file lacks or has wrong.
     """
-    found = _core.identify(path, threads_of(threads))
+    found = _core.identify(path_of("path", path), threads_of(threads))
     text = found["text"]
     open_numbers = [] if text is None else [key for key in ("k_shear_m", "c_1", "c_2") if f"\n{key} = " not in text]
     soil = None if text is None or open_numbers else Soil.from_toml(text)

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arrays import as_floats
+from ._arrays import check_kind, flag, number, path_of
 from ._core import Robot, Sample
 from ._errors import InputError
 
@@ -83,16 +83,15 @@ class Samples(NamedTuple):
 def _paths(paths: Paths) -> list[str]:
     if isinstance(paths, (str, os.PathLike)):
         return [os.fspath(paths)]
-    return [os.fspath(path) for path in paths]
+    check_kind("paths", paths, Iterable, "a path or several")
+    found = [path_of("paths", each) for each in paths]
+    if not found:
+        raise InputError("paths is empty, but one path is needed at least", "paths", 0, (1, np.inf), "1")
+    return found
 
 
-def _optional(field: str, value: float | None) -> float | None:
-    if value is None:
-        return None
-    array = as_floats(field, value)
-    if array.ndim != 0:
-        raise InputError(f"{field} has the shape {array.shape}, but must be one number", field)
-    return float(array)
+def _map_path(columns: str | os.PathLike[str] | None) -> str | None:
+    return None if columns is None else path_of("columns", columns)
 
 
 def _choices(
@@ -104,15 +103,12 @@ def _choices(
     to_s: float | None,
     smooth: bool,
 ) -> dict[str, Any]:
-    return {
-        "method": method,
-        "reference": reference,
-        "wheel_sensor": wheel_sensor,
-        "window_s": _optional("window_s", window_s),
-        "from_s": _optional("from_s", from_s),
-        "to_s": _optional("to_s", to_s),
-        "smooth": bool(smooth),
-    }
+    words = {"method": method, "reference": reference, "wheel_sensor": wheel_sensor}
+    for field, word in words.items():
+        check_kind(field, word, (str, type(None)), "text")
+    numbers = {"window_s": window_s, "from_s": from_s, "to_s": to_s}
+    given = {field: None if value is None else number(field, value) for field, value in numbers.items()}
+    return {**words, **given, "smooth": flag("smooth", smooth)}
 
 
 def estimate(
@@ -160,9 +156,8 @@ def estimate(
     InputError
         A file that is damaged or does not fit the robot; a choice that does not exist.
     """
-    map_path = None if columns is None else os.fspath(columns)
     choices = _choices(method, reference, wheel_sensor, window_s, from_s, to_s, smooth)
-    rows, summary = _core.estimate(_paths(paths), robot, map_path, choices)
+    rows, summary = _core.estimate(_paths(paths), robot, _map_path(columns), choices)
     return Result(Rows(**rows), summary)
 
 
@@ -178,8 +173,7 @@ def read(paths: Paths, robot: Robot, *, columns: str | os.PathLike[str] | None =
     >>> bool(abs(numbers[:, 0].sum() * 0.02 - 0.94) < 0.01)  # 0.15 rad/s for 6 s, and the gyro's bias
     True
     """
-    map_path = None if columns is None else os.fspath(columns)
-    found = _core.read_samples(_paths(paths), robot, map_path)
+    found = _core.read_samples(_paths(paths), robot, _map_path(columns))
     found["numbers"] = found["numbers"].reshape(-1, 6)
     return Samples(**found)
 
@@ -194,6 +188,8 @@ class Engine:
         What measures how fast the robot travels: `displacement`, `pose`, `speed`, `free-wheel` or `grip`.
     wheel_sensor : str
         `count`, `angle` or `rate`.
+    method, window_s, smooth
+        As in `estimate`.
 
     Examples
     --------

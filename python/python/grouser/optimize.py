@@ -20,7 +20,7 @@ Examples
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Sized
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -28,7 +28,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arrays import FloatArray, as_floats, threads_of
+from ._arrays import FloatArray, as_floats, check_kind, flag, number, path_of, threads_of, whole
 from ._errors import InputError, InputTypeError
 
 __all__ = [
@@ -257,6 +257,10 @@ class _Problem:
         measure: tuple[str, float] = ("worst-case", 0.0),
         world_names: Sequence[str] = (),
     ) -> dict[str, Any]:
+        check_kind("settings", settings, Settings)
+        for row in self.linear:
+            check_kind("linear", row, Linear)
+        check_kind("measure", measure[0], str, "text")
         _, inequalities, equalities = self.sizes
         count = self.start.size
         return {
@@ -272,34 +276,26 @@ class _Problem:
                 (
                     row.name or f"linear{k + 1}",
                     _sized("linear", row.coefficients, count).tolist(),
-                    bool(row.equal),
-                    float(row.bound),
+                    flag("equal", row.equal),
+                    number("bound", row.bound),
                 )
                 for k, row in enumerate(self.linear)
             ],
-            "absolute": int(self.absolute),
+            "absolute": whole("absolute", self.absolute),
             "worlds": list(world_names),
             "measure": measure,
             "method": method,
             "tolerances": (
-                float(settings.optimality_tolerance),
-                float(settings.constraint_tolerance),
-                float(settings.step_tolerance),
+                number("optimality_tolerance", settings.optimality_tolerance),
+                number("constraint_tolerance", settings.constraint_tolerance),
+                number("step_tolerance", settings.step_tolerance),
             ),
             "limits": (
-                _count("max_iterations", settings.max_iterations),
-                _count("max_values", settings.max_values),
-                _count("probes", settings.probes),
+                whole("max_iterations", settings.max_iterations),
+                whole("max_values", settings.max_values),
+                whole("probes", settings.probes),
             ),
         }
-
-
-def _count(name: str, value: Any, least: int = 0) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise InputTypeError(f"{name} is {type(value).__name__}, but must be a whole number", name, value)
-    if not least <= value < 2**63:
-        raise InputError(f"{name} is {value}, but must be at least {least}", name, value, (least, 2**63 - 1), "1")
-    return int(value)
 
 
 def _solution(found: dict[str, Any], names: Sequence[str]) -> Solution:
@@ -318,7 +314,7 @@ def _solve(
     seed: int,
     progress: Callable[..., Any] | None,
 ) -> Solution:
-    starts, seed = _count("starts", starts, 1), _count("seed", seed)
+    starts, seed = whole("starts", starts, 1), whole("seed", seed)
     _callable("progress", progress)
     if starts == 1:
         return _solution(_core.solve(parts, progress), problem.names)
@@ -505,10 +501,10 @@ def pareto(
     problem = _Problem(objectives, start, lower, upper, inequalities, equalities, gradients, linear)
     found = _core.solve_front(
         problem.as_parts(settings),
-        _count("population", population),
-        _count("generations", generations),
-        bool(polish),
-        _count("seed", seed),
+        whole("population", population),
+        whole("generations", generations),
+        flag("polish", polish),
+        whole("seed", seed),
         1,
     )
     return _front(found, problem.names)
@@ -542,7 +538,8 @@ def robust(
         The worlds: soils, loads, anything.
     measure : str
         `worst-case`; `mean-plus-deviations` (mean + parameter times the deviation over the worlds);
-        `cvar` (mean over the worst share 1 - parameter of the worlds).
+        `cvar` (mean over the worst share 1 - parameter of the worlds). Problem files write them with `_`, which is
+        accepted here, too.
     parameter : float
         Of the measure.
 
@@ -553,13 +550,14 @@ def robust(
     >>> s.x.round(6)
     array([2.])
     """
+    check_kind("worlds", worlds, Sized, "a list")
     if len(worlds) == 0:
         raise InputError("worlds is empty, but one is needed at least", "worlds", 0, 1, "1")
     problem = _Problem(
         objectives, start, lower, upper, inequalities, equalities, gradients, linear, worlds=worlds
     )
     names = _names("world_names", world_names, "world ", len(worlds))
-    parts = problem.as_parts(settings, measure=(measure, float(parameter)), world_names=names)
+    parts = problem.as_parts(settings, measure=(measure, number("parameter", parameter)), world_names=names)
     return _solve(problem, parts, starts, seed, None)
 
 
@@ -586,9 +584,10 @@ def solve_file(path: str | os.PathLike[str], *, threads: int | None = None) -> S
 
     The same numbers as the command `grouser optimize`.
     """
-    return _answer(_core.solve_file(path, None, threads_of(threads)))
+    return _answer(_core.solve_file(path_of("path", path), None, threads_of(threads)))
 
 
 def solve_text(text: str, *, threads: int | None = None) -> Solution | Front:
     """Solves the text of a problem file, as `solve_file`."""
+    check_kind("text", text, str, "text")
     return _answer(_core.solve_file(None, text, threads_of(threads)))

@@ -25,9 +25,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import as_floats, check_kind, threads_of
+from ._arrays import as_floats, check_kind, flag, number, threads_of, whole
 from ._core import SlipMap, SlipMapper
-from ._errors import InputError, InputTypeError
+from ._errors import InputError
 
 __all__ = ["QUANTITIES", "STATES", "Plan", "Route", "SlipMap", "SlipMapper", "plan", "read", "slip_map"]
 
@@ -147,26 +147,20 @@ def plan(
         A place outside the map or on unknown ground, a number outside its limits.
     """
     check_kind("found", found, SlipMap)
-    if isinstance(alternatives, bool) or not isinstance(alternatives, (int, np.integer)):
-        raise InputTypeError("alternatives must be a whole number", "alternatives", alternatives)
-    if not 0 <= alternatives <= 20:
-        raise InputError(
-            f"alternatives is {alternatives}, but must lie in [0, 20]", "alternatives", alternatives, (0, 20), "1"
-        )
     answer = found._plan(
         _place("start_m", start_m),
         _place("goal_m", goal_m),
-        _number("max_risk", max_risk),
-        _number("max_slip", max_slip),
-        _number("min_tip_over_deg", min_tip_over_deg),
-        _number("rim_speed_mps", rim_speed_mps),
-        _number("turn_energy_j", turn_energy_j),
-        bool(by_cvar),
+        number("max_risk", max_risk),
+        number("max_slip", max_slip),
+        number("min_tip_over_deg", min_tip_over_deg),
+        number("rim_speed_mps", rim_speed_mps),
+        number("turn_energy_j", turn_energy_j),
+        flag("by_cvar", by_cvar),
         (
-            None if start_heading_deg is None else _number("start_heading_deg", start_heading_deg),
-            None if goal_heading_deg is None else _number("goal_heading_deg", goal_heading_deg),
+            None if start_heading_deg is None else number("start_heading_deg", start_heading_deg),
+            None if goal_heading_deg is None else number("goal_heading_deg", goal_heading_deg),
         ),
-        int(alternatives),
+        whole("alternatives", alternatives, 0, 20),
     )
     route = answer["route"]
     return Plan(
@@ -174,13 +168,6 @@ def plan(
         alternatives=[Route(**other) for other in answer["alternatives"]],
         least_risk=answer["least_risk"],
     )
-
-
-def _number(field: str, value: Any) -> float:
-    array = as_floats(field, value)
-    if array.ndim != 0 or not np.isfinite(array):
-        raise InputError(f"{field} is {value!r}, but must be one finite number", field, value)
-    return float(array)
 
 
 def _place(field: str, place: Any) -> tuple[float, float]:
