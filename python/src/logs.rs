@@ -27,6 +27,14 @@ use crate::workers;
 fn open(paths: &[PathBuf], robot: &RobotFile, columns: Option<PathBuf>) -> PyResult<Recorded> {
     let map = match columns {
         Some(path) => Some(raised(columns::read(&path))?),
+        None if robot.columns.is_none() && raised(Recorded::needs_columns(paths))? => {
+            return Err(input_error(
+                "columns is None, but the log is a table: `columns` is the path of its column map, which a robot file or \
+                 `columns.toml` beside it may hold, too"
+                    .to_owned(),
+                Details::field("columns"),
+            ));
+        }
         None => robot.columns.clone(),
     };
     raised(Recorded::find_any(paths, map, &robot.topics))

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use grouser::files::robot::{self, RobotFile};
-use grouser::files::Document;
+use grouser::files::{Document, columns};
 use grouser::slip::WheelRole;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
@@ -20,7 +20,7 @@ pub(crate) struct Robot(pub(crate) RobotFile);
 
 #[pymethods]
 impl Robot {
-    /// Reads a robot file (TOML).
+    /// Reads a robot file (TOML). Where it does not say what the columns of tables mean, `columns.toml` beside it does.
     ///
     /// Raises
     /// ------
@@ -30,7 +30,12 @@ impl Robot {
     ///     What the file lacks or has wrong, with its line.
     #[staticmethod]
     fn read(#[pyo3(from_py_with = argument::path)] path: PathBuf) -> PyResult<Self> {
-        raised(robot::read(&path)).map(Self)
+        let mut file = raised(robot::read(&path))?;
+        let beside = path.with_file_name("columns.toml");
+        if file.columns.is_none() && beside.exists() {
+            file.columns = Some(raised(columns::read(&beside))?);
+        }
+        Ok(Self(file))
     }
 
     /// A robot from the text of a robot file.

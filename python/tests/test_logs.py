@@ -135,6 +135,29 @@ def test_bad_choices_are_refused(change: dict[str, object], kind: type[Exception
     assert caught.value.field == field  # type: ignore[attr-defined]
 
 
+def test_columns_beside_the_robot_file_are_used_as_the_command_does(tmp_path: Path) -> None:
+    given = logs.estimate(FIVE / "log.csv", ROBOT, columns=COLUMNS, to_s=5.0)
+    np.testing.assert_array_equal(logs.estimate(FIVE / "log.csv", ROBOT, to_s=5.0).rows.slip, given.rows.slip)
+    again = pickle.loads(pickle.dumps(ROBOT))
+    np.testing.assert_array_equal(logs.estimate(FIVE / "log.csv", again, to_s=5.0).rows.slip, given.rows.slip)
+    alone = tmp_path / "robot.toml"
+    alone.write_text((FIVE / "robot.toml").read_text())
+    robot = Robot.read(alone)
+    for call in (logs.estimate, logs.read):
+        with pytest.raises(InputError, match="column map") as caught:
+            call(FIVE / "log.csv", robot)
+        assert caught.value.field == "columns"
+        # a recording needs none
+        call(FIVE / "log.mcap", robot)
+        with pytest.raises(InputError, match="paths is empty") as caught:
+            call([], robot)
+        assert caught.value.field == "paths"
+    # one that is damaged is an error of its own place
+    (tmp_path / "columns.toml").write_text("format = 1\ntables = 3\n")
+    with pytest.raises((InputError, InputTypeError), match="columns.toml:1"):
+        Robot.read(alone)
+
+
 def test_messages_have_no_flags_of_the_command() -> None:
     with pytest.raises(InputError, match="smoothing") as caught:
         logs.Engine(ROBOT, reference="grip", method="window", smooth=True)

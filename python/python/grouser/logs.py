@@ -132,7 +132,7 @@ def estimate(
         Files of one log, or folders of them.
     robot : Robot
     columns : path, optional
-        The column map of tables; the robot file's own by default.
+        The column map of tables; by default the robot file's own, or `columns.toml` beside it.
     method : str, optional
         `filter` or `window`.
     reference : str, optional
