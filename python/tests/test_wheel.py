@@ -396,3 +396,13 @@ def test_cautions_of_points_are_those_of_single_points() -> None:
         wheel.cautions(SAND, points, **SIZE, slip=[0.1, 0.2])
     with pytest.raises(InputTypeError):
         wheel.cautions(SAND, one.sinkage_m, **SIZE, slip=0.9)  # type: ignore[arg-type]
+
+
+def test_a_point_without_derivatives_is_bad_input() -> None:
+    loads = np.array([0.0, -0.0, 5e-324, 1e-300, 1e-30, 1e-9, 1.0, 80.0])
+    for slip in (-0.3, 0.0, 0.2, 1.0):
+        found = wheel.jacobian(wheel.WheelOnSoil(wheel.Wheel(radius_m=0.125, width_m=0.1), SAND), load_n=loads, slip=slip)
+        assert found.status[:2].tolist() == [3, 3] and found.status[-3:].tolist() == [0, 0, 0]
+        for numbers in found[1:]:
+            is_finite = np.isfinite(numbers).reshape(loads.size, -1)
+            assert is_finite[found.status == 0].all() and not is_finite[found.status != 0].any()

@@ -4,7 +4,7 @@ use grouser_real::Dual;
 
 use crate::bulldozing::Bulldozing;
 use crate::contact::{Contact, Motion, WheelSize, sinkage_from_entry_angle};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
 use crate::shear::ShearLaw;
@@ -93,7 +93,8 @@ impl<const N: usize> DualInputs<N> {
     /// dθ_1 = (dW_load − ∂W)/(∂W/∂θ_1). `None` where nothing carries the load.
     ///
     /// # Errors
-    /// As [`WheelOnSoil::under_load`].
+    /// As [`WheelOnSoil::under_load`]; [`Error::NotAbove`] for a load of 0, at which the entry angle has no
+    /// derivative: it grows with a power of the load below 1.
     pub fn under_load(
         &self,
         wheel_on_soil: &WheelOnSoil,
@@ -108,9 +109,17 @@ impl<const N: usize> DualInputs<N> {
             .contact(Dual::<1>::variable(angle, 0), kinematics)
             .forces()
             .vertical_force;
+        let angle_per_load = 1.0 / slope.gradient[0];
+        if !angle_per_load.is_finite() {
+            return Err(Error::NotAbove {
+                field: "load",
+                value: load.value,
+                limit: 0.0,
+                unit: "N",
+            });
+        }
         let here = self.forces(Dual::constant(angle)).vertical_force;
-        let theta_1 =
-            Dual::constant(angle) + (load - here) * Dual::constant(1.0 / slope.gradient[0]);
+        let theta_1 = Dual::constant(angle) + (load - here) * Dual::constant(angle_per_load);
         Ok(Some(self.at_entry_angle(theta_1)))
     }
 

@@ -304,3 +304,24 @@ fn a_solved_sinkages_derivatives_agree_too() {
         }
     }
 }
+
+#[test]
+fn a_load_of_zero_has_no_derivatives() {
+    let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
+    let wheel = RigidWheel::new(POINT[0], POINT[1]).unwrap();
+    let contact = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+    let motion = Kinematics::straight(Slip::new(0.2).unwrap());
+    let inputs = DualInputs::<1>::new(&contact, &motion);
+    let at = |load| inputs.under_load(&contact, &motion, Dual::variable(load, 0));
+    let error = at(0.0).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "load is 0 N, but must be greater than 0 N"
+    );
+    // the sinkage of a power of the load: its derivative grows as the load vanishes
+    let slopes = [1e-9, 1e-6, 1e-3].map(|load| at(load).unwrap().unwrap().sinkage.gradient[0]);
+    assert!(
+        slopes.is_sorted_by(|a, b| a > b && a.is_finite()),
+        "{slopes:?}"
+    );
+}

@@ -494,6 +494,8 @@ def jacobian(
 ) -> Derivatives:
     """Sinkage, drawbar pull and torque with exact derivatives in slip, radius, width and load.
 
+    A load of 0 is bad input: there the derivatives in the load are infinite.
+
     Examples
     --------
     >>> from grouser import soils, wheel
