@@ -170,7 +170,7 @@ impl<'a> Section<'a> {
         matches!(value, Some(DeValue::String(text)) if text != PLACEHOLDER)
     }
 
-    fn missing(&self, key: &'static str) -> Error {
+    pub(crate) fn missing(&self, key: &'static str) -> Error {
         // A key that nobody knows and that looks like the missing one is the better message; one beside it may be read later.
         let known = self.known.borrow();
         let mistyped = self.table.keys().find(|given| {
@@ -239,6 +239,13 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// As [`Section::optional_number`], for numbers that the caller checks: NaN and infinities, too.
+    pub(crate) fn optional_unchecked_number(&self, key: &'static str) -> Result<Option<f64>> {
+        self.find(key)
+            .map(|value| self.unchecked_number_of(key, value))
+            .transpose()
+    }
+
     /// `value` as a number in [low, high].
     pub(crate) fn number_of(
         &self,
@@ -246,6 +253,16 @@ impl<'a> Section<'a> {
         value: &Spanned<DeValue<'_>>,
         (low, high): (f64, f64),
     ) -> Result<f64> {
+        let number = self.unchecked_number_of(key, value)?;
+        OutOfRange::check(key, number, (low, high), "").map_err(|range| Error::OutOfRange {
+            at: self.document.place(value.span().start),
+            range,
+        })?;
+        Ok(number)
+    }
+
+    /// `value` as a number.
+    fn unchecked_number_of(&self, key: &str, value: &Spanned<DeValue<'_>>) -> Result<f64> {
         let digits: String = match value.get_ref() {
             DeValue::Float(float) => float.as_str().replace('_', ""),
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().replace('_', ""),
@@ -257,14 +274,9 @@ impl<'a> Section<'a> {
             }
             _ => return Err(self.wrong_type(key, value, "a number")),
         };
-        let number: f64 = digits
+        digits
             .parse()
-            .map_err(|_| self.wrong_type(key, value, "a number"))?;
-        OutOfRange::check(key, number, (low, high), "").map_err(|range| Error::OutOfRange {
-            at: self.document.place(value.span().start),
-            range,
-        })?;
-        Ok(number)
+            .map_err(|_| self.wrong_type(key, value, "a number"))
     }
 
     /// `value` as two numbers, the lower one first.

@@ -56,10 +56,67 @@ fn bad_numbers_and_keys_are_refused_with_their_place() {
     );
     for (from, to) in [
         ("n = 1.1", "n = 0.0"),
-        ("c_1 = 0.18", "c_1 = nan"),
-        ("0.9", "inf"),
+        ("c_1 = 0.18", "c_1 = 3"),
+        ("0.9", "1e10"),
     ] {
         assert!(parse(&SAND.replace(from, to)).is_err(), "{to}");
+    }
+    // by the limits of the soil, whatever is no finite number
+    for (from, to, message) in [
+        (
+            "n = 1.1",
+            "n = nan",
+            "sand.toml:4:5: `n` is NaN, but must lie in [0.1, 3]",
+        ),
+        (
+            "c_2 = 0.32",
+            "c_2 = -nan",
+            "sand.toml:11:7: `c_2` is NaN, but must lie in [-2, 2]",
+        ),
+        (
+            "phi_deg = 30.0",
+            "phi_deg = inf",
+            "sand.toml:8:11: `phi_deg` is inf, but must lie in [0, 89]",
+        ),
+        (
+            "cohesion_kpa = 1.0",
+            "cohesion_kpa = -inf",
+            "sand.toml:7:16: `cohesion_kpa` is -inf, but must lie in [0, 100000]",
+        ),
+        (
+            "0.025",
+            "1e400",
+            "sand.toml:9:13: `k_shear_m` is inf, but must lie in [0.000001, 10]",
+        ),
+    ] {
+        let error = parse(&SAND.replace(from, to)).unwrap_err();
+        assert_eq!(error.to_string(), message);
+    }
+    let keys = [
+        "n_1",
+        "n_2",
+        "k_c_kn_per_m_n1",
+        "k_phi_kn_per_m_n2",
+        "k_shear_1_m_per_rad",
+        "k_shear_side_m",
+        "k_shear_side_1_m_per_rad",
+        "rebound",
+        "unit_weight_n_per_m3",
+        "rear_driving",
+        "rear_drift",
+        "transport_layer_m",
+        "sideways_support",
+    ];
+    for key in keys {
+        let rest = SAND.lines().filter(|line| !line.starts_with(key));
+        let text = rest
+            .chain([format!("{key} = nan").as_str()])
+            .fold(String::new(), |text, line| text + line + "\n");
+        let error = parse(&text).unwrap_err().to_string();
+        assert!(
+            error.contains(&format!("`{key}` is NaN, but must lie in [")),
+            "{error}"
+        );
     }
     let unknown = parse(&SAND.replace("cohesion_kpa", "cohesion_pa")).unwrap_err();
     assert!(unknown.to_string().contains("cohesion_pa"), "{unknown}");

@@ -4,8 +4,8 @@ use core::fmt::{self, Debug, Display, Formatter};
 
 /// A number lies outside its limits (NaN always does).
 ///
-/// The message omits the unit of a pure number, and an upper limit of `f64::MAX`, which is none; `{:#}` puts the
-/// field's name in backticks.
+/// The message omits the unit of a pure number, and an upper limit of `f64::MAX`, which is none; where `-f64::MAX` is the
+/// lower limit it asks for a finite number. `{:#}` puts the field's name in backticks.
 ///
 /// ```
 /// use grouser_real::OutOfRange;
@@ -106,7 +106,10 @@ impl<Field: Display> Display for OutOfRange<Field> {
             Plain(self.value)
         )?;
         let [low, high] = [self.low, self.high].map(Plain);
-        if self.high >= f64::MAX {
+        if self.low <= f64::MIN && self.high >= f64::MAX {
+            let finite = if self.low.is_finite() { "finite " } else { "" };
+            write!(f, "be a {finite}number")
+        } else if self.high >= f64::MAX {
             write!(f, "be at least {low}{space}{unit}")
         } else {
             write!(f, "lie in [{low}, {high}]{space}{unit}")
@@ -162,6 +165,26 @@ mod tests {
             least.to_string(),
             "load is -3 N, but must be at least 0.5 N"
         );
+        for (value, low, message) in [
+            (
+                f64::INFINITY,
+                f64::MIN,
+                "load is inf N, but must be a finite number",
+            ),
+            (
+                f64::NAN,
+                f64::MIN,
+                "load is NaN N, but must be a finite number",
+            ),
+            (
+                f64::NAN,
+                f64::NEG_INFINITY,
+                "load is NaN N, but must be a number",
+            ),
+        ] {
+            let error = check(value, (low, -low)).expect_err("outside");
+            assert_eq!(error.to_string(), message);
+        }
         let below = OutOfRange::<&str>::check("share", 3.0, (0.0, 1.0), "1").expect_err("outside");
         assert_eq!(below.to_string(), "share is 3, but must lie in [0, 1]");
         let huge = check(1e308, (f64::MIN_POSITIVE, 1e18)).expect_err("outside");

@@ -59,9 +59,6 @@ pub fn names_file(name: &OsStr) -> bool {
     bytes.iter().any(|byte| matches!(byte, b'/' | b'.'))
 }
 
-/// Any finite number; the soil itself checks more closely.
-const FINITE: (f64, f64) = (f64::MIN, f64::MAX);
-
 /// What a soil file says.
 ///
 /// ```
@@ -109,7 +106,8 @@ pub fn parse(document: &Document) -> Result<SoilFile> {
             name: root.text("name")?.to_owned(),
             source: text("source")?,
             note: text("note")?,
-            soil: read_numbers(root, |key| root.number(key, FINITE).map(Some))?,
+            // the soil checks them, below
+            soil: read_numbers(root, false, |key| root.optional_unchecked_number(key))?,
         };
         // Everything given is checked here, where its place is known; what may still come from elsewhere
         // is checked with harmless numbers in its place.
@@ -133,15 +131,20 @@ pub fn parse(document: &Document) -> Result<SoilFile> {
 /// # Errors
 /// A value that is no number, or a law that does not exist, with its place.
 pub fn read_open(section: &Section<'_>) -> Result<OpenSoil> {
-    read_numbers(section, |key| section.optional_number(key, FINITE))
+    let finite = (f64::MIN, f64::MAX);
+    read_numbers(section, true, |key| section.optional_number(key, finite))
 }
 
-/// Reads a soil whose strength and moduli `number` reads, or leaves open.
+/// Reads a soil, each number by `optional`; strength and moduli may be absent where `is_open`.
 fn read_numbers(
     root: &Section<'_>,
-    number: impl Fn(&'static str) -> Result<Option<f64>>,
+    is_open: bool,
+    optional: impl Fn(&'static str) -> Result<Option<f64>>,
 ) -> Result<OpenSoil> {
-    let optional = |key| root.optional_number(key, FINITE);
+    let number = |key| match optional(key)? {
+        None if !is_open => Err(root.missing(key)),
+        found => Ok(found),
+    };
     let zero = |key| Ok::<_, Error>(optional(key)?.unwrap_or(0.0));
     let kilo = |value: Option<f64>| value.map(|kilo| 1e3 * kilo);
     let n = number("n")?;
