@@ -28,7 +28,8 @@ pub struct ReferenceUse {
     pub used: u64,
 }
 
-/// Ways while the reference was known, m, between the same times, each along the direction in which the wheels drove.
+/// Ways while the reference was known, m, between the same times, each along the direction in which the wheels drove. Their slips
+/// are 1 − way / wheels, and wheels / way − 1 of a robot that goes farther than its wheels.
 ///
 /// ```
 /// let mut ways = grouser_replay::WayCheck::default();
@@ -51,13 +52,23 @@ impl WayCheck {
     /// Slip of the whole way by the filter; `None` of a way too short to compare.
     #[must_use]
     pub fn slip_by_filter(&self) -> Option<f64> {
-        (self.wheels > MIN_WAY_M).then(|| 1.0 - self.filter / self.wheels)
+        self.slip(self.filter)
     }
 
     /// Slip of the whole way by the reference; `None` of a way too short to compare.
     #[must_use]
     pub fn slip_by_reference(&self) -> Option<f64> {
-        (self.wheels > MIN_WAY_M).then(|| 1.0 - self.reference / self.wheels)
+        self.slip(self.reference)
+    }
+
+    /// 1 − way / wheels, of a robot that goes farther than its wheels wheels / way − 1; above 1 where it goes against them.
+    fn slip(&self, way: f64) -> Option<f64> {
+        let slip = if way > self.wheels {
+            self.wheels / way - 1.0
+        } else {
+            1.0 - way / self.wheels
+        };
+        (self.wheels > MIN_WAY_M).then_some(slip)
     }
 }
 
@@ -269,5 +280,23 @@ mod tests {
         assert_eq!(found.len(), 2);
         assert!(found[0].to_string().contains("24 of 306"), "{}", found[0]);
         assert!(found[1].to_string().contains("0.400"), "{}", found[1]);
+    }
+
+    #[test]
+    fn slips_of_a_robot_that_goes_farther_than_its_wheels_are_compared_as_braking() {
+        let ways = |filter, reference| WayCheck {
+            wheels: 7.216,
+            filter,
+            reference,
+        };
+        let found = doubts(None, &ways(8.820, 7.000));
+        let text = found[0].to_string();
+        // 7.216/8.820 − 1 and 1 − 7.000/7.216
+        assert!(
+            text.contains("-0.182 by the filter") && text.contains("0.030 by the reference"),
+            "{text}"
+        );
+        // −0.167 and −0.213; as 1 − way / wheels they would be −0.20 and −0.27
+        assert!(doubts(None, &ways(1.20 * 7.216, 1.27 * 7.216)).is_empty());
     }
 }
