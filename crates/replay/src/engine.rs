@@ -8,7 +8,7 @@ use grouser_slip::{
     Health, Invalid, Measurement, Motion, Reference, Robot, Sample, Slip, WheelRole,
 };
 
-use crate::axes::AxisWatch;
+use crate::axes::{AxisCheck, AxisWatch};
 use crate::choice::Inputs;
 use crate::encoder_signs::EncoderSigns;
 use crate::error::{Error, Result};
@@ -19,11 +19,13 @@ use crate::method::Method;
 use crate::moment::{Moment, Travel, side_slip_angle};
 use crate::odometry::Odometry;
 use crate::options::Options;
+use crate::place_way::PlaceWay;
 use crate::pose_watch::PoseWatch;
 use crate::reckoning::Reckoning;
 use crate::reference_delay::ReferenceDelay;
 use crate::samples::{is_used, rotating_wheel};
 use crate::sink::{Row, Sink, Step};
+use crate::smooth::latency_ns;
 use crate::speed_sign::SignWatch;
 use crate::steering::WheelSteering;
 use crate::steering_watch::SteeringWatch;
@@ -161,6 +163,14 @@ impl Slips {
         }
     }
 
+    /// The common slip of the powered wheels by the filter.
+    fn common_slip(&self) -> Option<Slip> {
+        match self {
+            Self::Filter(fusion, _) => fusion.common_slip(),
+            Self::Window(_) => None,
+        }
+    }
+
     /// The mean rim speed of a wheel over the window, m/s.
     fn rim_speed(&self, wheel: usize) -> Option<f64> {
         let speed = match self {
@@ -194,6 +204,10 @@ impl Engine {
             Method::Window if options.smooth => return Err(Error::NothingToSmooth),
             Method::Window => Slips::Window(Box::new(WindowEstimator::new(&robot, settings)?)),
         };
+        // beside a free wheel the filter uses their displacements
+        let goes_by_places = method == Method::Filter
+            && inputs.reference == Reference::Displacement
+            && (robot.wheels().iter()).all(|wheel| wheel.role == WheelRole::Powered);
         let of_ways = WindowSettings {
             dropout: settings.dropout.max(WAYS_DROPOUT_S),
             ..settings
@@ -223,7 +237,10 @@ impl Engine {
             ground: GroundWatch::new(&robot, settings.low_speed),
             corrections: file.corrections,
             steering,
-            reckoning: Reckoning::new(settings.window),
+            reckoning: Reckoning::new(
+                settings.window,
+                goes_by_places.then(|| PlaceWay::new(&settings, latency_ns(&file.filter))),
+            ),
             odometry: None,
             span: (
                 options.from_s.unwrap_or(f64::NEG_INFINITY),
@@ -296,6 +313,9 @@ impl Engine {
                 exchange.take(&sample);
             }
             self.ground.take(&sample);
+            if let Measurement::Position { x, y } = sample.measurement {
+                self.reckoning.take_place(sample.time_ns, [x, y]);
+            }
             if let Some(steering) = &self.steering {
                 for steered in steering.angles(&sample) {
                     let _refused = self.ways_means.update(steered);
@@ -368,9 +388,12 @@ impl Engine {
         };
         self.is_open = false;
         let read = std::mem::take(&mut self.read);
-        let Some(body) = self.slips.body() else {
+        let Some(mut body) = self.slips.body() else {
             return Ok(());
         };
+        if self.reckoning.is_by_places() {
+            body.along = self.slips.common_slip();
+        }
         let of_ways = self.ways_means.latest();
         let travel = of_ways.map_or((0.0, 0.0), |body| {
             (body.travel_wheels, body.travel_reference)
@@ -503,6 +526,8 @@ impl Engine {
 
     fn summary(self) -> Summary {
         let reference = self.inputs.reference;
+        let by_places = self.reckoning.ways_by_places();
+        let axes = self.axes.summary();
         let (method, fused, rejected, soil) = match &self.slips {
             Slips::Filter(fusion, _) => {
                 let summary = fusion.summary(self.reckoning.ways());
@@ -541,11 +566,18 @@ impl Engine {
                     tally.summary(wheel, is_free && reference == Reference::FreeWheel)
                 })
                 .collect(),
-            along: self.ways.along(reference != Reference::Grip && !is_unused),
+            along: (self.ways).along(
+                reference != Reference::Grip && !is_unused,
+                by_places.as_ref(),
+            ),
             yaw: self.ways.yaw(),
             turns,
             exchange,
-            axes: self.axes.summary(),
+            axes: AxisCheck {
+                // places without a heading do not show that the robot begins forwards
+                reference: axes.reference.filter(|_| by_places.is_none()),
+                ..axes
+            },
             has_other_acceleration: self.axes.has_other_scale(),
             pose: self.pose.summary(),
             speed_without_sign_m: (self.speed_sign.backwards())

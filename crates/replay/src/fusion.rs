@@ -5,7 +5,9 @@ use grouser_slip::detect::{Change, DetectSettings, Detector};
 use grouser_slip::filter::{FilterSettings, Learnt, SlipFilter};
 use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::window::{WindowBody, WindowSettings};
-use grouser_slip::{Degraded, Health, Measurement, Reference, Rejected, Robot, Sample, WheelRole};
+use grouser_slip::{
+    Degraded, Health, Measurement, Reference, Rejected, Robot, Sample, Slip, WheelRole,
+};
 
 use crate::checks::{Doubt, ReferenceUse, WayCheck, doubts};
 use crate::consistency::{Consistency, Kind, Residuals};
@@ -225,6 +227,11 @@ impl Fusion {
     pub(crate) fn turn_acceleration(&self) -> f64 {
         let body = self.filter.latest().body;
         body.forward.value * body.yaw_rate.value
+    }
+
+    /// The common slip of the powered wheels.
+    pub(crate) fn common_slip(&self) -> Option<Slip> {
+        Slip::new(self.filter.latest().body.common_slip.value).ok()
     }
 
     /// How much of the reference was used so far; `None` before its first reading.

@@ -43,6 +43,7 @@ mod moment;
 mod odometry;
 mod options;
 mod path_smoother;
+mod place_way;
 mod pose_watch;
 mod quantiles;
 mod reckoning;

@@ -8,6 +8,7 @@ use grouser_slip::BodyMotion;
 use crate::checks::WayCheck;
 use crate::moment::{Moment, Travel};
 use crate::odometry::{Odometry, sandwich};
+use crate::place_way::PlaceWay;
 use crate::ways::along_rims;
 
 /// The robot's odometry: the filter's own where it runs alone, else the motion integrated, by the reference or by the
@@ -27,15 +28,18 @@ pub(crate) struct Reckoning {
     covariance: [[f64; 3]; 3],
     distances: [f64; 2],
     ways: WaysBeside,
+    /// Where the filter goes by places, if there are any.
+    by_places: Option<PlaceWay>,
     /// The filter's odometry at the first step.
     origin: Option<Odometry>,
 }
 
 impl Reckoning {
     /// Begins at the origin; `window` is that of the estimates, s.
-    pub(crate) fn new(window: f64) -> Self {
+    pub(crate) fn new(window: f64, by_places: Option<PlaceWay>) -> Self {
         Self {
             window,
+            by_places,
             until_ns: None,
             pose: [0.0; 3],
             covariance: [[0.0; 3]; 3],
@@ -62,7 +66,10 @@ impl Reckoning {
             self.distances[1] += by_wheels * seconds;
             covariance[0][0] += Real::powi(wheels.velocity[0] - motion.velocity[0], 2);
         }
-        self.ways.step((until_ns, seconds), &motion, moment);
+        let filter = self.ways.step((until_ns, seconds), &motion, moment);
+        if let Some(by_places) = &mut self.by_places {
+            by_places.step(until_ns, moment.rim_path, filter);
+        }
         let [distance, distance_of_wheels] = self.distances;
         if let Some(odometry) = &moment.odometry {
             return Some(Odometry {
@@ -82,9 +89,26 @@ impl Reckoning {
         })
     }
 
+    /// Takes a place without a heading, m, with its stamp.
+    pub(crate) fn take_place(&mut self, stamp_ns: i64, place: [f64; 2]) {
+        if let Some(by_places) = &mut self.by_places {
+            by_places.take(stamp_ns, place);
+        }
+    }
+
     /// Ways so far, for comparison.
-    pub(crate) const fn ways(&self) -> WayCheck {
-        self.ways.check
+    pub(crate) fn ways(&self) -> WayCheck {
+        self.ways_by_places().unwrap_or(self.ways.check)
+    }
+
+    /// The ways by places without a heading, where these are the reference.
+    pub(crate) fn ways_by_places(&self) -> Option<WayCheck> {
+        self.by_places.as_ref().and_then(PlaceWay::ways)
+    }
+
+    /// Does the filter go by places without a heading?
+    pub(crate) fn is_by_places(&self) -> bool {
+        self.by_places.as_ref().is_some_and(PlaceWay::has_places)
     }
 
     fn advance(&mut self, motion: &BodyMotion, covariance: &[[f64; 3]; 3], seconds: f64) {
@@ -124,11 +148,13 @@ struct WaysBeside {
 }
 
 impl WaysBeside {
-    fn step(&mut self, (now_ns, seconds): (i64, f64), motion: &BodyMotion, moment: &Moment) {
+    /// Counts the ways up to a time; gives the filter's since the last time.
+    fn step(&mut self, (now_ns, seconds): (i64, f64), motion: &BodyMotion, moment: &Moment) -> f64 {
         self.wheels = moment.wheels_motion.or(self.wheels);
         let along = (self.wheels).map_or(0.0, |wheels| along_the_wheels(&wheels, motion).1);
         let before = self.by_filter.back().map_or(0.0, |(_, way)| *way);
-        self.by_filter.push_back((now_ns, before + along * seconds));
+        let by_filter = along * seconds;
+        self.by_filter.push_back((now_ns, before + by_filter));
         let until_ns = moment.travel.map_or(now_ns, |travel| travel.until_ns);
         let passed = self
             .by_filter
@@ -136,13 +162,13 @@ impl WaysBeside {
         self.by_filter.drain(..passed.saturating_sub(1));
         let Some(travel) = moment.travel else {
             self.last = None;
-            return;
+            return by_filter;
         };
         let filter = self.filter_at(until_ns);
         let (last, filter_before) = *self.last.get_or_insert((travel, filter));
         // they grow in steps
         if travel.wheels == last.wheels && travel.reference == last.reference {
-            return;
+            return by_filter;
         }
         let (wheels, reference) = along_rims((
             travel.wheels - last.wheels,
@@ -152,6 +178,7 @@ impl WaysBeside {
         self.check.reference += reference;
         self.check.filter += filter - filter_before;
         self.last = Some((travel, filter));
+        by_filter
     }
 
     /// The filter's way up to a time, m.
@@ -180,7 +207,6 @@ fn along_the_wheels(wheels: &BodyMotion, motion: &BodyMotion) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
     fn moment(until_s: i64, velocity: [f64; 3], wheels: [f64; 3], variance: f64) -> Moment {
         let motion = |velocity| BodyMotion {
             velocity,
@@ -202,7 +228,7 @@ mod tests {
 
     #[test]
     fn a_circle_closes_and_slip_shows_in_the_covariance() {
-        let mut reckoning = Reckoning::new(1.0);
+        let mut reckoning = Reckoning::new(1.0, None);
         let turn = std::f64::consts::TAU / 100.0;
         let mut last = None;
         for second in 0..=100 {
@@ -225,7 +251,7 @@ mod tests {
 
     #[test]
     fn nothing_known_is_nothing_said() {
-        let mut reckoning = Reckoning::new(0.5);
+        let mut reckoning = Reckoning::new(0.5, None);
         let nothing = Moment {
             motion: None,
             ..moment(0, [0.0; 3], [0.0; 3], 1.0)

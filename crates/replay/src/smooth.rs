@@ -147,7 +147,7 @@ impl After {
     clippy::cast_possible_truncation,
     reason = "a latency is at most a second"
 )]
-fn latency_ns(settings: &FilterSettings) -> i64 {
+pub(crate) fn latency_ns(settings: &FilterSettings) -> i64 {
     (settings.reference_latency * 1e9).round() as i64
 }
 

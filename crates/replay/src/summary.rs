@@ -74,7 +74,8 @@ pub struct AlongSummary {
     pub overall: Option<f64>,
     /// The way by the wheels, m, forwards and back added up: the distance without compensation.
     pub travel_wheels: f64,
-    /// The way by the reference in the direction in which the wheels ran, m; `None` where no absolute reference was measured.
+    /// The way by the reference in the direction in which the wheels ran, m; `None` where no absolute reference was measured, and
+    /// where places without a heading do not show it.
     pub travel_reference: Option<f64>,
 }
 

@@ -2,6 +2,7 @@
 
 use grouser_slip::window::WindowBody;
 
+use crate::checks::WayCheck;
 use crate::quantiles::Quantiles;
 use crate::summary::{AlongSummary, Spread, YawSummary, overall};
 
@@ -68,17 +69,26 @@ impl Ways {
     }
 
     /// The robot along its track. Without an absolute reference a slip common to all wheels is not observable: then there
-    /// is no way but the wheels', and no slip.
-    pub(crate) fn along(&self, is_observable: bool) -> AlongSummary {
-        let (travel_wheels, travel_reference) = self.travel;
-        if !is_observable {
+    /// is no way but the wheels', and no slip. Ways `by_places` are those of places without a heading.
+    pub(crate) fn along(&self, is_observable: bool, by_places: Option<&WayCheck>) -> AlongSummary {
+        let only_wheels = AlongSummary {
+            travel_wheels: self.travel.0,
+            ..AlongSummary::default()
+        };
+        let (travel_wheels, travel_reference) = match by_places {
+            _ if !is_observable => return only_wheels,
+            Some(ways) => (ways.wheels, ways.reference),
+            None => self.travel,
+        };
+        let slip = Spread::from(&self.along);
+        if by_places.is_some() && !(travel_wheels > 0.0) {
             return AlongSummary {
-                travel_wheels,
-                ..AlongSummary::default()
+                slip,
+                ..only_wheels
             };
         }
         AlongSummary {
-            slip: Spread::from(&self.along),
+            slip,
             overall: overall(travel_reference, travel_wheels),
             travel_wheels,
             travel_reference: Some(travel_reference),

@@ -25,6 +25,7 @@ mod logs_that_say_nothing;
 mod measured_poses;
 mod observability;
 mod path_smoothing;
+mod places;
 mod reference_delay;
 mod robotino;
 mod robotino_free_wheel;

@@ -41,6 +41,12 @@ pub(super) fn text(
             travel_reference,
             slip(Some(overall)),
         );
+    } else if along.travel_reference.is_none() && uses_reference(summary) {
+        let _ = writeln!(
+            text,
+            "\nwhole way: the wheels ran {:.3} m; how far the robot went, the places alone do not show",
+            along.travel_wheels,
+        );
     }
     if let Some(yaw) = &summary.yaw
         && let Some(median) = yaw.residual.median
@@ -95,6 +101,12 @@ pub(super) fn text(
         text.push_str(&table.table(readings));
     }
     text
+}
+
+/// Did a reading of the reference change the filter's state?
+fn uses_reference(summary: &Summary) -> bool {
+    let reference = summary.fused.as_ref().and_then(|fused| fused.reference);
+    reference.is_some_and(|of| of.used > 0)
 }
 
 /// What the log can show, and why the result is doubtful.
