@@ -26,10 +26,7 @@ fn robot() -> String {
 fn said(arguments: &[&str]) -> (Value, bool) {
     let said = grouser([arguments, &["--json"]].concat());
     let json = said.json();
-    let warnings = json["warnings"].as_array().unwrap();
-    let warns = warnings
-        .iter()
-        .any(|one| one.as_str().unwrap().contains(DEEP));
+    let warns = said.err.contains(DEEP);
     (json, warns)
 }
 

@@ -52,7 +52,7 @@ fn a_negative_seed_of_a_scenario_is_refused() {
     );
     assert_eq!(
         (&error["field"], &error["value"]),
-        (&json!("seed"), &json!(-1))
+        (&json!("seed"), &json!(-1.0))
     );
 }
 

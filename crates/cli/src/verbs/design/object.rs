@@ -71,6 +71,8 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Designed<'a>> {
         "present" "the present wheel, its mass by the formula" group(point()) = Point(of.present, of);
         "present_mass_kg" "mass of the present wheel by the robot file" = of.carrier.present_mass;
         "difference" "greatest difference of an energy from the solver of climb, share of it" = of.checked.difference;
+        "cautions" "what to keep in mind about the chosen wheel on any slope" =
+            of.checked.cautions.keys().map(|caution| caution.key()).collect::<Vec<_>>();
         "tip_over_deg" "tilt left before the robot with the chosen wheel tips over" = of.checked.tip_over.map(f64::to_degrees);
         "unsolved" "solves without a solution" = of.front.unsolved;
     }

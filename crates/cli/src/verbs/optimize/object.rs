@@ -3,6 +3,7 @@
 use grouser_design::{Answer, Compromise, Design, FrontProof, Optimum, Start, Trade};
 use grouser_opt::{Certificate, Counts, Kkt, Status};
 use grouser_report::{Fields, fields};
+use grouser_terra::Caution;
 
 use super::certificate::Certified;
 
@@ -142,6 +143,8 @@ pub(super) fn fields<'a>() -> Fields<'a, Solved<'a>> {
         "status" "how the solve ended" = solved.status();
         "x" "the variables; of a front those of its knee" values =
             solved.of(|o| variables(solved.design, &o.x), |p| Some(variables(p.design, &p.part.x)));
+        "cautions" "what to keep in mind about the wheel there" =
+            solved.of(|o| keys(solved.design, &o.x), |p| Some(keys(p.design, &p.part.x)));
         "objectives" "the objectives there, without scaling" values =
             solved.of(|o| o.objectives.clone(), |p| Some(objectives(p.design, &p.part.objectives)));
         "max" "the objective that decides, without its scale: the one that is greatest with it; where all are maximised, the least" =
@@ -186,6 +189,11 @@ fn kkt<'a>() -> Fields<'a, &'a Kkt> {
         "complementarity" "greatest multiplier times distance" = kkt.complementarity;
         "violation" "greatest violation" = kkt.violation;
     }
+}
+
+/// The keys of the cautions at a point.
+fn keys(design: &Design, x: &[f64]) -> Vec<&'static str> {
+    design.cautions(x).iter().map(Caution::key).collect()
 }
 
 fn certificate<'a>() -> Fields<'a, (&'a Certified, &'a Certificate)> {
