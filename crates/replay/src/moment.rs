@@ -13,6 +13,8 @@ pub(crate) struct Travel {
     pub(crate) until_ns: i64,
     pub(crate) wheels: f64,
     pub(crate) reference: f64,
+    /// The motion by the wheels over the last step.
+    pub(crate) motion: Option<BodyMotion>,
 }
 
 impl Travel {
@@ -21,6 +23,7 @@ impl Travel {
             until_ns: body.until_ns?,
             wheels: body.travel_wheels,
             reference: body.travel_reference,
+            motion: body.wheels_motion,
         })
     }
 }

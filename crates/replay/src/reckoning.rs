@@ -150,7 +150,9 @@ struct WaysBeside {
 impl WaysBeside {
     /// Counts the ways up to a time; gives the filter's since the last time.
     fn step(&mut self, (now_ns, seconds): (i64, f64), motion: &BodyMotion, moment: &Moment) -> f64 {
-        self.wheels = moment.wheels_motion.or(self.wheels);
+        // a reference that is read more seldom than the window of the estimates has none in it
+        let seldom = moment.travel.and_then(|travel| travel.motion);
+        self.wheels = moment.wheels_motion.or(seldom).or(self.wheels);
         let along = (self.wheels).map_or(0.0, |wheels| along_the_wheels(&wheels, motion).1);
         let before = self.by_filter.back().map_or(0.0, |(_, way)| *way);
         let by_filter = along * seconds;

@@ -52,13 +52,16 @@ fn robot_text(wheels: &[Wheel]) -> String {
     text
 }
 
-fn map_text(wheels: &[Wheel]) -> String {
+fn map_text(wheels: &[Wheel], has_yaw: bool) -> String {
     let mut text = String::from(
         "format = 1\n[[table]]\ntime = { column = \"t\", unit = \"s\" }\ncolumns = [\n\
          { column = \"gyro\", meaning = \"yaw_rate\", unit = \"rad/s\" },\n\
          { column = \"x\", meaning = \"pose_x\", unit = \"m\" },\n\
          { column = \"y\", meaning = \"pose_y\", unit = \"m\" },\n",
     );
+    if has_yaw {
+        text += "{ column = \"yaw\", meaning = \"pose_yaw\", unit = \"rad\" },\n";
+    }
     for (name, ..) in wheels {
         writeln!(
             text,
@@ -89,10 +92,11 @@ fn drive(
     wheels: &[Wheel],
     seconds: u32,
     outage_s: [f64; 2],
+    (rows, has_yaw): (u32, bool),
     motion: impl Fn(f64) -> Motion,
 ) -> (Summary, f64) {
     let mut noise = Noise::new(11);
-    let mut table = String::from("t,gyro,x,y");
+    let mut table = String::from("t,gyro,x,y,yaw");
     for (name, ..) in wheels {
         write!(table, ",{name}").unwrap();
     }
@@ -110,11 +114,11 @@ fn drive(
             *now += (wanted - *now) * DT_S / 0.4;
         }
         let is_out = (outage_s[0]..outage_s[1]).contains(&time_s);
-        let at = if row % 10 == 0 && !is_out {
+        let at = if row % rows == 0 && !is_out {
             let [x, y] = place.map(|part| part + SIGMA_M * noise.normal());
-            format!("{x:.5},{y:.5}")
+            format!("{x:.5},{y:.5},{:.5}", yaw + 0.01 * noise.normal())
         } else {
-            ",".to_owned()
+            ",,".to_owned()
         };
         let gyro = turn + BIAS_RAD_PER_S + 0.003 * noise.normal();
         write!(table, "\n{time_s:.3},{gyro:.5},{at}").unwrap();
@@ -139,7 +143,7 @@ fn drive(
         }
     }
     let document = |name: &str, text: String| Document::from_text(name, text).unwrap();
-    let map = columns::parse(&document("map.toml", map_text(wheels))).unwrap();
+    let map = columns::parse(&document("map.toml", map_text(wheels, has_yaw))).unwrap();
     let robot = robot::parse(&document("robot.toml", robot_text(wheels))).unwrap();
     let bytes = Cursor::new(table);
     let log = Log::over("log.csv".as_ref(), bytes, Some(map), &Topics::default()).unwrap();
@@ -165,6 +169,9 @@ fn assert_known(situation: &str, (summary, expected): (Summary, f64)) {
     }
 }
 
+/// Rows between places, which have no yaw.
+const FIVE_A_SECOND: (u32, bool) = (10, false);
+
 /// Bends to both sides.
 fn bends(time_s: f64) -> f64 {
     in_turn(&[0.0, 0.3, 0.0, -0.3, 0.3], 7.0, time_s)
@@ -172,7 +179,7 @@ fn bends(time_s: f64) -> f64 {
 
 #[test]
 fn the_whole_way_is_known_after_an_outage_in_which_the_heading_is_lost() {
-    let found = drive(&SKID, 580, [90.0, 490.0], |time_s| {
+    let found = drive(&SKID, 580, [90.0, 490.0], FIVE_A_SECOND, |time_s| {
         [0.5, 0.0, bends(time_s)]
     });
     assert_known("outage", found);
@@ -180,7 +187,7 @@ fn the_whole_way_is_known_after_an_outage_in_which_the_heading_is_lost() {
 
 #[test]
 fn the_whole_way_of_a_robot_that_begins_in_reverse_is_known() {
-    let found = drive(&SKID, 120, [0.0; 2], |time_s| {
+    let found = drive(&SKID, 120, [0.0; 2], FIVE_A_SECOND, |time_s| {
         let back = time_s < 25.0 || (60.0..75.0).contains(&time_s);
         let speed = if back { -0.4 } else { 0.5 };
         [if time_s < 3.0 { 0.0 } else { speed }, 0.0, bends(time_s)]
@@ -190,9 +197,22 @@ fn the_whole_way_of_a_robot_that_begins_in_reverse_is_known() {
 
 #[test]
 fn the_whole_way_of_a_robot_that_drives_in_every_direction_is_known() {
-    let found = drive(&OMNI, 120, [0.0; 2], |time_s| {
+    let found = drive(&OMNI, 120, [0.0; 2], FIVE_A_SECOND, |time_s| {
         let course = in_turn(&[0.0, 1.57, -0.7, 0.35, -1.57, 3.0], 8.0, time_s);
         [if time_s < 3.0 { 0.0 } else { 0.5 }, course, bends(time_s)]
     });
     assert_known("every direction", found);
+}
+
+/// Places and poses that come more seldom than the window of the estimates.
+#[test]
+fn the_whole_way_beside_a_seldom_reference_is_known() {
+    for rows in [65, 80, 100] {
+        for has_yaw in [true, false] {
+            let found = drive(&SKID, 120, [0.0; 2], (rows, has_yaw), |time_s| {
+                [if time_s < 3.0 { 0.0 } else { 0.5 }, 0.0, bends(time_s)]
+            });
+            assert_known("seldom", found);
+        }
+    }
 }
