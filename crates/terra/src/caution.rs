@@ -115,7 +115,7 @@ impl fmt::Display for Caution {
 /// Does a wheel of `radius` sink by more than a sixth of its diameter, where [`Caution::DeepSinkage`] applies?
 ///
 /// ```
-/// assert!(grouser_terra::is_deep(0.06, 0.15) && !grouser_terra::is_deep(0.05, 0.15));
+/// assert!(grouser_terra::is_deep(0.06, 0.15) && !grouser_terra::is_deep(0.04, 0.15));
 /// ```
 #[must_use]
 pub const fn is_deep(sinkage: f64, radius: f64) -> bool {
