@@ -349,10 +349,7 @@ impl Design {
     pub fn cautions(&self, x: &[f64]) -> Cautions {
         let mut all = Cautions::default();
         for world in &self.worlds {
-            let inputs = self.program.scope.inputs(x, &world.fixed);
-            for caution in inputs.cautions().iter() {
-                all.insert(caution);
-            }
+            all.insert_all(self.program.scope.inputs(x, &world.fixed).cautions());
         }
         all
     }

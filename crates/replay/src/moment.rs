@@ -7,6 +7,11 @@ use grouser_slip::{BodyMotion, Measured, Wheel, WheelEstimate};
 
 use crate::odometry::Odometry;
 
+/// From one time to another, s.
+pub(crate) fn seconds(from_ns: i64, to_ns: i64) -> f64 {
+    to_ns.saturating_sub(from_ns) as f64 * 1e-9
+}
+
 /// Ways by the powered wheels and by the reference up to a time, m, along the way of the wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Travel {

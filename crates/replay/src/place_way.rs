@@ -7,6 +7,7 @@ use grouser_slip::filter::RimPath;
 use grouser_slip::window::WindowSettings;
 
 use crate::checks::WayCheck;
+use crate::moment::seconds;
 
 /// A span is at least this long by the rims, m, and this many standard deviations of a place: then noise adds less than
 /// 2 % even to the way of a robot that is stuck.
@@ -218,10 +219,6 @@ impl Span {
         ways.filter += self.filter;
         ways.reference += if self.filter < 0.0 { -way } else { way };
     }
-}
-
-fn seconds(from_ns: i64, to_ns: i64) -> f64 {
-    to_ns.saturating_sub(from_ns) as f64 * 1e-9
 }
 
 #[cfg(test)]

@@ -155,22 +155,26 @@ impl WaysBeside {
         self.wheels = moment.wheels_motion.or(seldom).or(self.wheels);
         let along = (self.wheels).map_or(0.0, |wheels| along_the_wheels(&wheels, motion).1);
         let before = self.by_filter.back().map_or(0.0, |(_, way)| *way);
-        let by_filter = along * seconds;
-        self.by_filter.push_back((now_ns, before + by_filter));
+        self.by_filter.push_back((now_ns, before + along * seconds));
         let until_ns = moment.travel.map_or(now_ns, |travel| travel.until_ns);
         let passed = self
             .by_filter
             .partition_point(|(time, _)| *time <= until_ns);
         self.by_filter.drain(..passed.saturating_sub(1));
-        let Some(travel) = moment.travel else {
-            self.last = None;
-            return by_filter;
-        };
-        let filter = self.filter_at(until_ns);
+        match moment.travel {
+            Some(travel) => self.count(travel),
+            None => self.last = None,
+        }
+        along * seconds
+    }
+
+    /// Counts the ways up to that of wheels and reference.
+    fn count(&mut self, travel: Travel) {
+        let filter = self.filter_at(travel.until_ns);
         let (last, filter_before) = *self.last.get_or_insert((travel, filter));
         // they grow in steps
         if travel.wheels == last.wheels && travel.reference == last.reference {
-            return by_filter;
+            return;
         }
         let (wheels, reference) = along_rims((
             travel.wheels - last.wheels,
@@ -180,7 +184,6 @@ impl WaysBeside {
         self.check.reference += reference;
         self.check.filter += filter - filter_before;
         self.last = Some((travel, filter));
-        by_filter
     }
 
     /// The filter's way up to a time, m.
@@ -209,6 +212,7 @@ fn along_the_wheels(wheels: &BodyMotion, motion: &BodyMotion) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
     fn moment(until_s: i64, velocity: [f64; 3], wheels: [f64; 3], variance: f64) -> Moment {
         let motion = |velocity| BodyMotion {
             velocity,

@@ -72,7 +72,7 @@ fn map_text(wheels: &[Wheel], has_yaw: bool) -> String {
     text + "]\n"
 }
 
-/// The value of a time of which each holds for so long, s.
+/// The value at a time, where each holds for `each_s`.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -87,7 +87,7 @@ fn slip(time_s: f64) -> f64 {
     in_turn(&[0.05, 0.3, 0.1, 0.5, 0.15], 9.0, time_s)
 }
 
-/// What is found of a drive of so many seconds, and the true slip of its whole way, without that of the outage.
+/// What is found of a drive, and the true slip of its whole way, without that of the outage.
 fn drive(
     wheels: &[Wheel],
     seconds: u32,

@@ -147,6 +147,11 @@ pub(crate) struct Judged {
 /// cautions.insert(Caution::DeepSinkage);
 /// cautions.insert_if(false, Caution::WorkGained);
 /// assert!(cautions.contains(Caution::DeepSinkage) && cautions.iter().count() == 1);
+///
+/// let mut both = Cautions::default();
+/// both.insert(Caution::WorkGained);
+/// both.insert_all(cautions);
+/// assert_eq!(both.iter().count(), 2);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cautions(u16);
@@ -168,6 +173,11 @@ impl Cautions {
     /// Adds one.
     pub fn insert(&mut self, caution: Caution) {
         self.0 |= 1 << caution as u16;
+    }
+
+    /// Adds those of another result.
+    pub fn insert_all(&mut self, others: Self) {
+        self.0 |= others.0;
     }
 
     /// Adds one if `condition` holds.

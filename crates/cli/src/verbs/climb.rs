@@ -366,12 +366,10 @@ impl Climbed {
             list.push("steeper slopes were not tried".to_owned());
         }
         let mut cautions = BTreeMap::<_, &ClimbStep>::new();
-        for (step, caution) in self
-            .steps
-            .iter()
-            .flat_map(|step| step.cautions.iter().map(move |caution| (step, caution)))
-        {
-            cautions.entry(caution).or_insert(step);
+        for step in &self.steps {
+            for caution in step.cautions.iter() {
+                cautions.entry(caution).or_insert(step);
+            }
         }
         list.extend(cautions.iter().map(|(caution, step)| {
             format!(

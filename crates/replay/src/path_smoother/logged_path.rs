@@ -7,7 +7,7 @@ use grouser_slip::filter::{FilterSettings, RimPath};
 use grouser_slip::{BodyMotion, Measured, Measurement, Sample, Slip};
 
 use super::{INTERVAL_S, Interval, Position, Ratio, smooth_ratio};
-use crate::moment::Moment;
+use crate::moment::{Moment, seconds};
 
 /// Positions are used at most this often, s: errors of faster ones are correlated.
 const POSITION_PERIOD_S: f64 = 0.1;
@@ -33,10 +33,6 @@ pub(crate) struct LoggedPath {
     /// Are they sums of displacements?
     is_summed: bool,
     forces: Vec<(i64, f64)>,
-}
-
-fn seconds(from_ns: i64, to_ns: i64) -> f64 {
-    to_ns.saturating_sub(from_ns) as f64 * 1e-9
 }
 
 impl LoggedPath {

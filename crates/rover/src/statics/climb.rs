@@ -144,9 +144,7 @@ fn pulled(
         };
         sum.pull += point.forces.drawbar_pull;
         sum.sinkage = sum.sinkage.max(point.sinkage);
-        for caution in point.cautions.iter() {
-            sum.cautions.insert(caution);
-        }
+        sum.cautions.insert_all(point.cautions);
         if mount.motor.is_some() {
             sum.energy_per_metre += point.energy_per_metre().unwrap_or(f64::INFINITY);
         }

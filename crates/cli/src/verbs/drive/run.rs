@@ -29,7 +29,7 @@ pub(super) fn count(runs: &[Run], pilot: Pilot, outcome: Outcome) -> usize {
 /// A balance of energy that is off by more than this share is said.
 const BAD_BALANCE: f64 = 0.02;
 
-/// Wheels that are sunk too deep for the laws for more than this share of the time are said.
+/// Wheels that are sunk too deep for the laws for more than this share of the time are a caution.
 const DEEP_SHARE: f64 = 0.01;
 
 /// The worst balance of energy, where it belies the numbers of its drive.

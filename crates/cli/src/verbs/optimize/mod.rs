@@ -245,32 +245,20 @@ fn warnings(optimum: &Optimum) -> Vec<String> {
 
 /// What to keep in mind about the wheels that were found.
 fn cautions(design: &Design, answer: &Answer) -> Vec<String> {
+    let points: Vec<&[f64]> = match answer {
+        Answer::Trade(trade) => trade.points.iter().map(|point| &point.x[..]).collect(),
+        Answer::Optimum(optimum) => vec![&optimum.x],
+        _ => Vec::new(),
+    };
     let mut counts = BTreeMap::<Caution, usize>::new();
-    let mut count = |x: &[f64]| {
-        for caution in design.cautions(x).iter() {
-            *counts.entry(caution).or_default() += 1;
-        }
+    for caution in points.iter().flat_map(|x| design.cautions(x).iter()) {
+        *counts.entry(caution).or_default() += 1;
+    }
+    let said = |(caution, count)| match answer {
+        Answer::Trade(_) => format!("caution at {count} of {} points: {caution}", points.len()),
+        _ => format!("caution: {caution}"),
     };
-    let of = match answer {
-        Answer::Trade(trade) => {
-            trade.points.iter().for_each(|point| count(&point.x));
-            format!(" of {}", trade.points.len())
-        }
-        Answer::Optimum(optimum) => {
-            count(&optimum.x);
-            String::new()
-        }
-        _ => return Vec::new(),
-    };
-    let said = counts.iter().map(|(caution, count)| {
-        let at = if of.is_empty() {
-            String::new()
-        } else {
-            format!(" at {count}{of} points")
-        };
-        format!("caution{at}: {caution}")
-    });
-    said.collect()
+    counts.into_iter().map(said).collect()
 }
 
 /// The JSON schema.
