@@ -6,7 +6,7 @@ use grouser_real::Real;
 use grouser_slip::BodyMotion;
 
 use crate::checks::WayCheck;
-use crate::moment::{Moment, Travel};
+use crate::moment::{Moment, Travel, seconds};
 use crate::odometry::{Odometry, sandwich};
 use crate::place_way::PlaceWay;
 use crate::ways::along_rims;
@@ -58,7 +58,12 @@ impl Reckoning {
             return None;
         }
         // A gap is no motion that was seen.
-        let seconds = ((until_ns - last_ns) as f64 * 1e-9).min(self.window);
+        let passed = seconds(last_ns, until_ns);
+        let is_gap = passed > self.window;
+        if is_gap {
+            self.ways.forget();
+        }
+        let seconds = passed.min(self.window);
         let mut covariance = motion.covariance;
         if let Some(wheels) = moment.wheels_motion {
             let (by_wheels, along) = along_the_wheels(&wheels, &motion);
@@ -68,7 +73,7 @@ impl Reckoning {
         }
         let filter = self.ways.step((until_ns, seconds), &motion, moment);
         if let Some(by_places) = &mut self.by_places {
-            by_places.step(until_ns, moment.rim_path, filter);
+            by_places.step(until_ns, moment.rim_path.filter(|_| !is_gap), filter);
         }
         let [distance, distance_of_wheels] = self.distances;
         if let Some(odometry) = &moment.odometry {
@@ -161,11 +166,20 @@ impl WaysBeside {
             .by_filter
             .partition_point(|(time, _)| *time <= until_ns);
         self.by_filter.drain(..passed.saturating_sub(1));
-        match moment.travel {
+        let is_known = |travel: &Travel| {
+            (self.by_filter.front()).is_some_and(|(from, _)| travel.until_ns >= *from)
+        };
+        match moment.travel.filter(is_known) {
             Some(travel) => self.count(travel),
             None => self.last = None,
         }
         along * seconds
+    }
+
+    /// Begins anew after a gap, over which the filter's way is not known but the counts of wheels and reference go on.
+    fn forget(&mut self) {
+        self.by_filter.clear();
+        self.last = None;
     }
 
     /// Counts the ways up to that of wheels and reference.

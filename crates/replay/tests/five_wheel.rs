@@ -71,6 +71,38 @@ fn the_mcap_gives_the_same_slips_as_the_table() {
     assert_eq!(rows("log.csv"), rows("log.mcap"));
 }
 
+/// A recorder that writes nothing for 0.8 s of every 4 s: over a gap wheels and reference count on, the filter does not.
+#[test]
+fn gaps_of_a_log_are_no_slip_of_the_whole_way() {
+    let five = example("five-wheel");
+    let text = std::fs::read_to_string(log()).unwrap();
+    let is_kept = |line: &&str| {
+        let time_ms = line.split(',').next().and_then(|time| time.parse().ok());
+        time_ms.is_none_or(|time: u32| time % 4000 >= 800)
+    };
+    let kept: Vec<&str> = text.lines().filter(is_kept).collect();
+    let folder = std::env::temp_dir().join(format!("grouser-gaps-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("log.csv");
+    std::fs::write(&path, kept.join("\n")).unwrap();
+    let summary = run(
+        &five.log(path),
+        &five.robot,
+        &Options::default(),
+        |_| Ok(()),
+    )
+    .unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    let ways = summary.fused.as_ref().unwrap().ways;
+    println!("{ways:?} {:?}", summary.along);
+    let found = (
+        ways.slip_by_filter().unwrap(),
+        ways.slip_by_reference().unwrap(),
+    );
+    assert!((found.0 - found.1).abs() < 0.02, "{found:?}");
+    assert!(summary.doubts().is_empty(), "{:?}", summary.doubts());
+}
+
 #[test]
 fn slip_is_the_truth_but_for_the_free_wheels_own_skid() {
     let truth = FiveWheel::default().generate().truth;

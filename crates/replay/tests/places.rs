@@ -95,6 +95,18 @@ fn drive(
     (rows, has_yaw): (u32, bool),
     motion: impl Fn(f64) -> Motion,
 ) -> (Summary, f64) {
+    let (table, expected) = recorded(wheels, seconds, outage_s, rows, motion);
+    (replayed(wheels, has_yaw, table), expected)
+}
+
+/// The table of a drive, and the true slip of its whole way.
+fn recorded(
+    wheels: &[Wheel],
+    seconds: u32,
+    outage_s: [f64; 2],
+    rows: u32,
+    motion: impl Fn(f64) -> Motion,
+) -> (String, f64) {
     let mut noise = Noise::new(11);
     let mut table = String::from("t,gyro,x,y,yaw");
     for (name, ..) in wheels {
@@ -142,13 +154,16 @@ fn drive(
             rims += passed / share;
         }
     }
+    (table, 1.0 - way / rims)
+}
+
+fn replayed(wheels: &[Wheel], has_yaw: bool, table: String) -> Summary {
     let document = |name: &str, text: String| Document::from_text(name, text).unwrap();
     let map = columns::parse(&document("map.toml", map_text(wheels, has_yaw))).unwrap();
     let robot = robot::parse(&document("robot.toml", robot_text(wheels))).unwrap();
     let bytes = Cursor::new(table);
     let log = Log::over("log.csv".as_ref(), bytes, Some(map), &Topics::default()).unwrap();
-    let summary = run(&log, &robot, &Options::default(), |_| Ok(())).unwrap();
-    (summary, 1.0 - way / rims)
+    run(&log, &robot, &Options::default(), |_| Ok(())).unwrap()
 }
 
 fn assert_known(situation: &str, (summary, expected): (Summary, f64)) {
@@ -214,5 +229,22 @@ fn the_whole_way_beside_a_seldom_reference_is_known() {
             });
             assert_known("seldom", found);
         }
+    }
+}
+
+/// A recorder that writes nothing for 0.9 s of every 4 s: the slip of the whole way is that of the rest.
+#[test]
+fn the_whole_way_of_a_log_with_gaps_is_known() {
+    for has_yaw in [true, false] {
+        let (table, expected) = recorded(&SKID, 120, [0.0; 2], 10, |time_s| {
+            [if time_s < 3.0 { 0.0 } else { 0.5 }, 0.0, bends(time_s)]
+        });
+        let is_kept = |line: &&str| {
+            let time_s = line.split(',').next().and_then(|time| time.parse().ok());
+            time_s.is_none_or(|time: f64| time % 4.0 > 0.9)
+        };
+        let kept: Vec<&str> = table.lines().filter(is_kept).collect();
+        let found = replayed(&SKID, has_yaw, kept.join("\n"));
+        assert_known("gaps", (found, expected));
     }
 }
