@@ -130,3 +130,34 @@ fn without_a_reference_the_prior_speaks_and_says_how_wide_it_is() {
         assert!(s.silent == 0.0);
     }
 }
+
+/// A robot that starts and stops within 0.3 s, beside a free wheel and without an accelerometer: all its counters show the stop.
+#[test]
+fn brisk_starts_and_stops_are_no_fault_of_the_free_wheel() {
+    for (speed, time) in [(0.5, 0.3), (0.8, 0.3), (0.8, 0.6), (1.5, 0.6)] {
+        let mut sum = Score::default();
+        for seed in 0..10 {
+            let world = World {
+                seed,
+                speed,
+                slip: (0.2, 0.2),
+                legs: [1.0, time, 4.0, time],
+                accelerometer: false,
+                ..World::default()
+            };
+            let score = score(&world, FilterSettings::any_ground(), 1.0, |_, sample| {
+                Some(sample)
+            });
+            sum.readings += score.readings;
+            sum.squares += score.squares;
+            sum.scaled += score.scaled;
+            sum.silent = sum.silent.max(score.silent);
+        }
+        let [rms, nees, silent] = [sum.rms(), sum.nees(), sum.silent];
+        println!("{speed} m/s within {time} s: {rms:.3}, {nees:.2}, {silent:.2} s");
+        assert!(
+            rms < 0.03 && nees < 1.0 && silent < 0.1,
+            "{rms} {nees} {silent}"
+        );
+    }
+}

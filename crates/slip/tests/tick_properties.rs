@@ -124,7 +124,7 @@ fn any_ground(noise: &mut Noise) -> Ground {
             0.99 * noise.uniform()
         },
         torque: if kind > 0.8 { 0.98 } else { 0.3 },
-        pitch: if kind < 0.3 { -0.15 } else { 0.0 },
+        pitch: if noise.uniform() < 0.3 { -0.15 } else { 0.0 },
         roll: if kind > 0.97 { 0.8 } else { 0.0 },
     }
 }

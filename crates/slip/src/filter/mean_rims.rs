@@ -4,7 +4,7 @@ use grouser_real::Real;
 
 use super::MAX_FILTER_WHEELS;
 use super::multiple_model::MIN_RIM_SHARE;
-use super::wheel_bank::WheelBank;
+use super::wheel_bank::{WheelBank, median};
 use super::wheel_channel::WheelChannel;
 use crate::body::Observations;
 use crate::speed::Measured;
@@ -82,28 +82,14 @@ pub(super) fn mean_rims(
             variance: rim.variance,
         })
     };
-    let mut sorted = [0.0; MAX_FILTER_WHEELS];
-    let mut count = 0;
-    for rim in wheels
-        .iter()
-        .filter(|wheel| is_used(wheel))
-        .filter_map(level)
-    {
-        sorted[count] = rim.value;
-        count += 1;
-    }
-    let sorted = &mut sorted[..count];
-    sorted.sort_unstable_by(f64::total_cmp);
-    let median = 0.5 * (sorted.get(count.max(1) / 2)? + sorted[count.max(1).div_ceil(2) - 1]);
+    let levels = || (wheels.iter().filter(|wheel| is_used(wheel))).filter_map(level);
+    let count = levels().count();
+    let median = median(levels().map(|rim| rim.value))?;
     let is_near = |rim: Measured| {
         let limit = (INLIER_SHARE * median.abs()).max(INLIER_SIGMA * rim.sigma());
         (rim.value - median).abs() <= limit
     };
-    let any_near = wheels
-        .iter()
-        .filter(|wheel| is_used(wheel))
-        .filter_map(level)
-        .any(is_near);
+    let any_near = levels().any(is_near);
     // two sides that run apart have no wheel near their middle
     let agrees = |rim: Measured| !parallel || count < 3 || !any_near || is_near(rim);
     let mut by_way = Observations::default();

@@ -23,6 +23,9 @@ const TURN_VARIANCE_FACTOR: f64 = 25.0;
 /// One component of a measured motion: its jacobian, residual and variance.
 type Component = ([(usize, f64); 3], f64, f64);
 
+/// The share of the rims' changes of speed that an accelerometer does not predict: at 5 m/s² stamps 10 ms apart are 0.05 m/s.
+const MEASURED_PACE_SHARE: f64 = 0.25;
+
 impl Core {
     /// Gates a reading of the reference that was stamped `stamp_ns`, and updates the state by it.
     pub(super) fn update_reference(
@@ -95,14 +98,25 @@ impl Core {
     pub(super) fn process_noise_density(&self) -> f64 {
         let settings = &self.settings;
         let unaided = UNAIDED_NOISE_FACTOR * settings.speed_walk;
-        if self.is_lost(self.now_ns.unwrap_or(0)) {
-            unaided
-        } else if self.accelerometer.last.is_some() && self.accelerometer.is_useful(settings) {
-            let scale = Real::sqrt(self.accelerometer.noise_scale);
-            (settings.accelerometer_noise * scale).min(unaided)
-        } else {
-            settings.speed_walk
+        let now_ns = self.now_ns.unwrap_or(0);
+        if self.is_lost(now_ns) {
+            return unaided;
         }
+        // a robot that starts or stops briskly does so with its wheels
+        let pace = if self.ground.is_none() {
+            self.wheels.pace(now_ns, settings.dropout)
+        } else {
+            0.0
+        };
+        let is_measured =
+            self.accelerometer.last.is_some() && self.accelerometer.is_useful(settings);
+        let (density, share) = if is_measured {
+            let scale = Real::sqrt(self.accelerometer.noise_scale);
+            (settings.accelerometer_noise * scale, MEASURED_PACE_SHARE)
+        } else {
+            (settings.speed_walk, 1.0)
+        };
+        Real::hypot(density, share * pace).min(unaided)
     }
 
     /// A measured motion as measurements of the present state: the change since then is added to the variance.

@@ -213,6 +213,16 @@ impl WheelBank {
         (count > 0).then(|| rims().sum::<f64>() / count as f64)
     }
 
+    /// How much the speeds of most powered rims change, as a process noise density, m/s per √s: so may the robot's. The median
+    /// is neither a wheel that breaks away nor a turn.
+    pub(super) fn pace(&self, now_ns: i64, dropout_s: f64) -> f64 {
+        let paces = self
+            .powered()
+            .filter(|wheel| wheel.is_received(now_ns, dropout_s))
+            .map(WheelChannel::pace);
+        median(paces).map_or(0.0, f64::abs)
+    }
+
     /// The rim that runs fastest, m/s.
     pub(super) fn fastest_rim(&self) -> Option<f64> {
         let rims = self.iter().filter_map(|wheel| Some(wheel.rim?.0.value));
@@ -221,23 +231,13 @@ impl WheelBank {
 
     /// Are most powered wheels off to one side, and the median by much? One wheel alone, however far off, is its own slip.
     pub(super) fn slips_change_together(&self) -> bool {
-        let mut means = [0.0; MAX_FILTER_WHEELS];
-        let mut count = 0;
-        for wheel in self.powered() {
-            means[count] = wheel.mean_innovation;
-            count += 1;
-        }
-        let means = &mut means[..count];
-        means.sort_unstable_by(f64::total_cmp);
-        let (Some(low), Some(high)) = (means.get((count.max(1) - 1) / 2), means.get(count / 2))
-        else {
+        let means = || self.powered().map(|wheel| wheel.mean_innovation);
+        let Some(median) = median(means()) else {
             return false;
         };
-        let median = 0.5 * (low + high);
-        let same_side = means
-            .iter()
-            .filter(|mean| **mean * median > 0.5 * COMMON_CHANGE_SIGMA * median.abs());
-        median.abs() > COMMON_CHANGE_SIGMA && 2 * same_side.count() > count
+        let same_side =
+            means().filter(|mean| *mean * median > 0.5 * COMMON_CHANGE_SIGMA * median.abs());
+        median.abs() > COMMON_CHANGE_SIGMA && 2 * same_side.count() > means().count()
     }
 
     /// Do the powered wheels' mean innovations oppose that of the free wheel at `free`: half of them by much, or all of them?
@@ -276,6 +276,19 @@ fn lateral(channels: &[WheelChannel]) -> Option<[f64; 3]> {
     let [x, y, _] = powered.next()?.row;
     let parallel = powered.all(|wheel| (x * wheel.row[1] - y * wheel.row[0]).abs() < PARALLEL_SINE);
     parallel.then_some([-y, x, 0.0])
+}
+
+/// The median of one number per wheel.
+pub(super) fn median(of_wheels: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut sorted = [0.0; MAX_FILTER_WHEELS];
+    let mut count = 0;
+    for (slot, value) in sorted.iter_mut().zip(of_wheels) {
+        *slot = value;
+        count += 1;
+    }
+    let sorted = &mut sorted[..count];
+    sorted.sort_unstable_by(f64::total_cmp);
+    Some(0.5 * (sorted.get(count / 2)? + sorted[count.div_ceil(2) - 1]))
 }
 
 #[cfg(test)]

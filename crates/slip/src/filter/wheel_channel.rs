@@ -28,6 +28,8 @@ const MIN_WINDOW_DEVIATIONS: f64 = 10.4;
 pub(super) const MAX_WINDOW_FACTOR: f64 = 4.0;
 /// A high rim speed is remembered for this long, s.
 const TOP_RIM_MEMORY_S: f64 = 60.0;
+/// A rim speed has changed where two windows are apart by more than this many sigma.
+const CHANGE_SIGMA: f64 = 3.0;
 /// Weight of a new window in the smoothed rim speed.
 const RIM_SMOOTHING: f64 = 0.3;
 
@@ -53,6 +55,8 @@ pub(super) struct WheelChannel {
     pub(super) read_before_ns: i64,
     /// Length of the last whole window, s.
     pub(super) rim_window: f64,
+    /// By how much its rim speed changed from the window before to the last, beyond their noise, m/s.
+    change: f64,
     /// The rim speed smoothed over the windows before the last, m/s; and that of the last.
     smoothed_rim: f64,
     last_rim: f64,
@@ -106,6 +110,7 @@ impl WheelChannel {
                 has_ended: false,
                 read_before_ns: i64::MIN,
                 rim_window: 0.0,
+                change: 0.0,
                 smoothed_rim: 0.0,
                 last_rim: 0.0,
                 top_rim: 0.0,
@@ -183,6 +188,16 @@ impl WheelChannel {
             value: rim.value + turned,
             ..rim
         };
+        self.change = self.rim.map_or(0.0, |(before, until_ns)| {
+            let change = rim.value - before.value;
+            let noise = CHANGE_SIGMA * Real::sqrt(rim.variance + before.variance);
+            let is_next = until_ns == from;
+            if is_next && change.abs() > noise {
+                change
+            } else {
+                0.0
+            }
+        });
         self.rim = Some((rim, now_ns));
         self.rim_window = age;
         self.top_rim -= self.top_rim * (age / TOP_RIM_MEMORY_S).min(1.0);
@@ -194,6 +209,15 @@ impl WheelChannel {
             self.rolling.runs(rim.value);
         }
         Some((rim, from))
+    }
+
+    /// How much its rim speed changes, as a process noise density, m/s per √s; negative where it becomes slower.
+    pub(super) fn pace(&self) -> f64 {
+        if self.rim_window > 0.0 {
+            self.change / Real::sqrt(self.rim_window)
+        } else {
+            0.0
+        }
     }
 
     /// By how much the middle of the last whole window lies before `now_ns`, s.
