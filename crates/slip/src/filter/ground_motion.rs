@@ -56,6 +56,14 @@ impl Core {
         if !ground.force.awaits(time_ns) {
             ground.step(time_ns, &self.wheels, inertial, &self.settings);
         }
+        self.follow_ground_motion(time_ns, by_wheels);
+    }
+
+    /// Puts the motion of the models in the state; `by_wheels` is the turn by the wheels where no gyro is trusted, rad/s.
+    fn follow_ground_motion(&mut self, time_ns: i64, by_wheels: Option<f64>) {
+        let Some(ground) = &self.ground else {
+            return;
+        };
         let motion = ground.motion(time_ns);
         self.is_led = motion.is_some();
         let Some((motion, direction, rim)) = motion else {
@@ -178,6 +186,9 @@ impl Core {
                 self.learn_gyro_bias(now_ns);
             }
         }
+        // the next sample may come as late as the next row of a table
+        let by_wheels = self.wheels.yaw_rate().filter(|_| !has_gyro);
+        self.follow_ground_motion(now_ns, by_wheels);
     }
 
     /// Takes on what the models have learnt of the gyro's bias, where they know it better.
