@@ -281,7 +281,10 @@ fn a_reference_that_lags_is_reported_used_and_calibrated() {
     };
     let hint = printed(&folder.path("coarse"));
     assert!(
-        hint.contains("measures no powered wheel") && hint.contains("[[topics.field]]"),
+        hint.contains("measures no powered wheel")
+            && hint.contains("`wheel_distance`")
+            && !hint.contains("topics")
+            && !hint.contains("JointState"),
         "{hint}"
     );
     let coarse: Vec<String> = coarse.collect();

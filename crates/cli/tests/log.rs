@@ -341,6 +341,29 @@ fn speeds_of_rims_measure_wheels() {
 }
 
 #[test]
+fn joints_have_no_readings_in_metres_or_amperes() {
+    let folder = Folder::new("log-metres");
+    let (table, map) = (folder.path("log.csv"), folder.path("columns.toml"));
+    fs::write(&table, "t,v\n0,1\n1,2\n").unwrap();
+    for (meaning, unit) in [
+        ("wheel_distance", "m"),
+        ("wheel_speed", "m/s"),
+        ("motor_current", "A"),
+    ] {
+        let text = format!(
+            "format = 1\n[[table]]\ntime = {{ column = \"t\", unit = \"s\" }}\n\
+             columns = [{{ column = \"v\", meaning = \"{meaning}\", wheel = \"w\", unit = \"{unit}\" }}]\n"
+        );
+        fs::write(&map, text).unwrap();
+        let mcap = folder.path("log.mcap");
+        refused(
+            &["log", "convert", &table, &mcap],
+            &format!("`{meaning}` of wheel `w`"),
+        );
+    }
+}
+
+#[test]
 fn types_stand_whole_in_their_lines_when_piped() {
     let output = grouser(&["log", "info", MCAP]);
     let printed = String::from_utf8(output.stdout).unwrap();

@@ -43,6 +43,7 @@ pub const UNITS: &[(&str, Quantity, f64)] = &[
     ("cm", Quantity::Length, 1e-2),
     ("mm", Quantity::Length, 1e-3),
     ("in", Quantity::Length, 0.0254),
+    ("ft", Quantity::Length, 0.3048),
     ("rad", Quantity::Angle, 1.0),
     ("deg", Quantity::Angle, std::f64::consts::PI / 180.0),
     ("turn", Quantity::Angle, std::f64::consts::TAU),

@@ -23,6 +23,11 @@ pub trait Measures {
     /// Is a quantity of that meaning measured for that wheel?
     fn measures_wheel(&self, meaning: Meaning, wheel: &str) -> bool;
 
+    /// Is all of it columns of tables, and nothing messages?
+    fn is_of_tables(&self) -> bool {
+        false
+    }
+
     /// The standard deviation of a place by the reference, m, where the messages state it.
     fn position_sigma(&self) -> Option<f64>;
 }

@@ -43,11 +43,12 @@ pub(crate) enum Poses {
 const MAX_APART_S: f64 = 60.0;
 
 impl Samples {
-    /// `places` is the track by the places of a table without a heading, and their standard deviation, m.
-    pub(crate) fn new(places: Option<(Track, f64)>) -> Self {
+    /// `places` is the track by the places of a table without a heading, and their standard deviation, m; `angles` are those of
+    /// the wheels.
+    pub(crate) fn new(places: Option<(Track, f64)>, angles: Angles) -> Self {
         Self {
             files: Vec::new(),
-            angles: Angles::default(),
+            angles,
             places,
             beside: None,
             failed: false,

@@ -139,7 +139,8 @@ impl Slots {
                 Slot::Wheel(Meaning::WheelCount, wheel, part) => {
                     count(part)?.map(|raw| Measurement::WheelCount { wheel, raw })
                 }
-                Slot::Wheel(Meaning::WheelAngle, wheel, part) => {
+                // A way is an angle once the radius is known.
+                Slot::Wheel(Meaning::WheelAngle | Meaning::WheelDistance, wheel, part) => {
                     number(part)?.map(|angle| Measurement::WheelAngle { wheel, angle })
                 }
                 // A current is a torque once the motor is known.

@@ -10,7 +10,7 @@ use grouser_files::{PLACEHOLDER, TomlText};
 
 use crate::message::short;
 use crate::recording::speed_of_number;
-use crate::sheet::{Guess, Sheet, SheetColumn, guess, open_question, perhaps_of_wheels};
+use crate::sheet::{Guess, Sheet, SheetColumn, guess, is_beyond_radians, open_question, perhaps};
 use crate::survey::{Survey, Topic, Use};
 
 /// More wheels than a robot has.
@@ -246,6 +246,7 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
         }
     }
     table.push_str("columns = [\n");
+    let lacks_yaw = sheet.has(Meaning::PoseX) && !sheet.has(Meaning::PoseYaw);
     let time = sheet.time.as_ref().map(|time| time.column);
     for (index, column) in sheet.columns.iter().enumerate() {
         let Some(guess) = &column.guess else {
@@ -256,29 +257,20 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
                     TomlText::quoted(&column.name),
                     TomlText::quoted(&wheel)
                 );
-            } else if let Some(guess) = perhaps_of_wheels(column) {
-                let _ = writeln!(
-                    table,
-                    "    # {{ column = {}, meaning = \"{}\", unit = \"{}\" }},  # if it measures the ground (camera, \
-                     GNSS, lidar); not if it was made of the wheels",
-                    TomlText::quoted(&column.name),
-                    guess.meaning.name(),
-                    guess.unit
-                );
+            } else if let Some((guess, condition)) = perhaps(column)
+                && (guess.meaning != Meaning::PoseYaw || lacks_yaw || column.name.starts_with('/'))
+            {
+                let _ = writeln!(table, "    # {}  # {condition}", entry(column, &guess));
             }
             continue;
         };
-        let wheel = guess.wheel.as_ref();
-        let wheel = wheel.map_or_else(String::new, |wheel| {
-            format!(", wheel = {}", TomlText::quoted(wheel))
-        });
-        let _ = writeln!(
-            table,
-            "    {{ column = {}, meaning = \"{}\"{wheel}, unit = \"{}\" }},",
-            TomlText::quoted(&column.name),
-            guess.meaning.name(),
-            guess.unit
-        );
+        let is_by_size = guess.meaning == Meaning::YawRate && is_beyond_radians(column);
+        let comment = if is_by_size {
+            "  # its numbers are more than a robot turns in rad/s"
+        } else {
+            ""
+        };
+        let _ = writeln!(table, "    {}{comment}", entry(column, guess));
     }
     table.push_str("]\n");
     if sheet.columns.iter().all(|column| column.guess.is_none()) {
@@ -287,6 +279,20 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
         table = lines.collect();
     }
     table
+}
+
+/// What a column map says of a column.
+fn entry(column: &SheetColumn, guess: &Guess) -> String {
+    let wheel = guess.wheel.as_ref();
+    let wheel = wheel.map_or_else(String::new, |wheel| {
+        format!(", wheel = {}", TomlText::quoted(wheel))
+    });
+    format!(
+        "{{ column = {}, meaning = \"{}\"{wheel}, unit = \"{}\" }},",
+        TomlText::quoted(&column.name),
+        guess.meaning.name(),
+        guess.unit
+    )
 }
 
 /// The joints that are wheels: those that say so, else all.

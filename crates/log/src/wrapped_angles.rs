@@ -29,6 +29,16 @@ pub(crate) struct Angle {
 }
 
 impl Angle {
+    /// One that no angle of whole turns wraps: the way of a rim, m.
+    const WAY: Self = Self {
+        last: None,
+        step: 0.0,
+        least: f64::NEG_INFINITY,
+        most: f64::INFINITY,
+        turns: 0.0,
+        wraps: false,
+    };
+
     /// Takes an angle, rad, and returns the one that counts on.
     pub(crate) fn unwrapped(&mut self, angle: f64) -> f64 {
         if !angle.is_finite() {
@@ -70,6 +80,12 @@ impl Angle {
 pub(crate) struct Angles(Vec<Angle>);
 
 impl Angles {
+    /// Of wheels of which it is known whether they are read as ways.
+    pub(crate) fn new(are_ways: impl Iterator<Item = bool>) -> Self {
+        let of = |is_way| if is_way { Angle::WAY } else { Angle::default() };
+        Self(are_ways.map(of).collect())
+    }
+
     /// Puts a wheel's angle together; other samples stay as they are.
     pub(crate) fn unwrap(&mut self, sample: &mut Sample) {
         if let Measurement::WheelAngle { wheel, angle } = &mut sample.measurement {

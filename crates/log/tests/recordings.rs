@@ -673,6 +673,40 @@ fn a_distance_from_the_ground_is_a_sinkage() {
     );
 }
 
+/// 20.5 ft and 0.1 ft are a turn apart but for 0.07 rad, taken for radians.
+#[test]
+fn ways_of_rims_keep_their_unit_and_are_not_put_together_as_angles() {
+    let map = |second: &str| {
+        let text = format!(
+            "format = 1\n[[table]]\ntime = {{ column = \"t\", unit = \"s\" }}\ncolumns = [\n\
+             {{ column = \"way\", meaning = \"wheel_distance\", wheel = \"left\", unit = \"ft\" }},\n{second}]\n"
+        );
+        grouser_files::columns::parse(&Document::from_text("map", text).unwrap())
+    };
+    let table = std::io::Cursor::new(&b"t,way\n0,20.0\n1,20.5\n2,0.1\n"[..]);
+    let topics = grouser_files::topics::Topics::default();
+    let log = Log::over("log.csv".as_ref(), table, Some(map("").unwrap()), &topics).unwrap();
+    assert!(log.measures_wheel(Meaning::WheelDistance, "left"));
+    let ways = log.samples(&[]).unwrap().map(|sample| sample.unwrap());
+    let ways: Vec<f64> = ways
+        .map(|sample| match sample.measurement {
+            Measurement::WheelAngle { wheel: 0, angle } => angle,
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    let expected = [6.096, 6.2484, 0.03048]; // m
+    let error = |(way, expected): (&f64, f64)| (way - expected).abs();
+    assert!(
+        ways.iter().zip(expected).map(error).all(|e| e < 1e-12),
+        "{ways:?}"
+    );
+    let angle =
+        "{ column = \"angle\", meaning = \"wheel_angle\", wheel = \"left\", unit = \"rad\" }";
+    let error = map(angle).unwrap_err().to_string();
+    assert!(error.contains("are the same reading"), "{error}");
+    assert!(map(&angle.replace("\"left\"", "\"right\"")).is_ok());
+}
+
 #[test]
 fn dates_are_times_and_rim_speeds_keep_their_unit() {
     let map = "format = 1\n[[table]]\ntime = { column = \"t\", unit = \"date\" }\ncolumns = [\n\

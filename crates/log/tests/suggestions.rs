@@ -548,3 +548,123 @@ fn names_that_leave_it_open_are_asked_about() {
     let table = rows("t,x,y,theta", &["0,0.1,0.2,6.5", "1,0.1,0.2,6.5"]);
     assert!(!for_table("log.csv", &table).contains("pose_x"));
 }
+
+/// Columns as loggers of robots name them: what is known is a line, what is probable a comment with its condition.
+#[test]
+fn ways_poses_and_rates_as_they_are_logged() {
+    let ground =
+        "# if it measures the ground (camera, GNSS, lidar); not if it was made of the wheels";
+    let way = "# if it is the way of the wheels since some start: `wheel` names one";
+    let yaw = "# if it is the heading of the pose and counts to the left; `scale = -1.0` if it counts to the right";
+    let too_fast = "# its numbers are more than a robot turns in rad/s";
+    let rim = "# `wheel_distance`, if it is the way of a rim since some start, and its unit?";
+    for (header, numbers, line) in [
+        (
+            "WENC.Dist0",
+            [0.1, 0.2],
+            "{ column = \"WENC.Dist0\", meaning = \"wheel_distance\", wheel = \"wheel_0\", unit = \"m\" },",
+        ),
+        (
+            "odo_left_m",
+            [0.1, 0.2],
+            "{ column = \"odo_left_m\", meaning = \"wheel_distance\", wheel = \"left\", unit = \"m\" },",
+        ),
+        (
+            "left_distance_mm",
+            [100.0, 200.0],
+            &format!(
+                "# {{ column = \"left_distance_mm\", meaning = \"\", wheel = \"left\", unit = \"\" }},  {rim}"
+            ),
+        ),
+        (
+            "distance_m",
+            [0.1, 0.2],
+            &format!(
+                "# {{ column = \"distance_m\", meaning = \"wheel_distance\", wheel = \"wheels\", unit = \"m\" }},  {way}"
+            ),
+        ),
+        (
+            "RPM_FL",
+            [0.0, 20.0],
+            "{ column = \"RPM_FL\", meaning = \"wheel_rate\", wheel = \"fl\", unit = \"rpm\" },",
+        ),
+        (
+            "TY_mm,RZ_deg,TX_mm",
+            [0.0, 20.0],
+            "{ column = \"TX_mm\", meaning = \"pose_x\", unit = \"mm\" },",
+        ),
+        (
+            "TX_mm,TY_mm,RZ_deg",
+            [0.0, 20.0],
+            "{ column = \"RZ_deg\", meaning = \"pose_yaw\", unit = \"deg\" },",
+        ),
+        (
+            "posX,posY,heading",
+            [0.0, 20.0],
+            &format!(
+                "# {{ column = \"heading\", meaning = \"pose_yaw\", unit = \"deg\" }},  {yaw}"
+            ),
+        ),
+        (
+            "posX,posY,heading",
+            [0.0, 2.0],
+            &format!(
+                "# {{ column = \"heading\", meaning = \"pose_yaw\", unit = \"rad\" }},  {yaw}"
+            ),
+        ),
+        (
+            "vel_m_s",
+            [0.0, 2.0],
+            &format!(
+                "# {{ column = \"vel_m_s\", meaning = \"speed_size\", unit = \"m/s\" }},  {ground}"
+            ),
+        ),
+        (
+            "vel_m_s",
+            [-0.1, 2.0],
+            &format!(
+                "# {{ column = \"vel_m_s\", meaning = \"speed_forward\", unit = \"m/s\" }},  {ground}"
+            ),
+        ),
+        (
+            "gyroZ",
+            [-17.0, 17.0],
+            &format!(
+                "{{ column = \"gyroZ\", meaning = \"yaw_rate\", unit = \"deg/s\" }},  {too_fast}"
+            ),
+        ),
+        (
+            "gyroZ",
+            [-6.0, 6.0],
+            "{ column = \"gyroZ\", meaning = \"yaw_rate\", unit = \"rad/s\" },",
+        ),
+    ] {
+        let columns = 1 + header.matches(',').count();
+        let row = |time: usize, number: f64| {
+            format!("{time},{}", vec![number.to_string(); columns].join(","))
+        };
+        let table = [row(0, numbers[0]), row(1, numbers[1]), row(2, numbers[0])].join("\n");
+        let text = for_table("log.csv", &format!("time,{header}\n{table}\n"));
+        assert!(
+            text.lines()
+                .any(|own| own.strip_prefix("# ").unwrap_or(own).trim_start() == line),
+            "{line}\n{text}"
+        );
+    }
+}
+
+/// One wrong reading of 200 is no unit; a heading without a place is none of a pose.
+#[test]
+fn units_and_headings_are_not_guessed_from_little() {
+    let rates = (0..200).map(|row| format!("{row},{}\n", if row == 7 { 50.0 } else { 0.5 }));
+    let text = for_table(
+        "log.csv",
+        &format!("time,gyroZ\n{}", rates.collect::<String>()),
+    );
+    assert!(
+        text.contains("meaning = \"yaw_rate\", unit = \"rad/s\" },\n"),
+        "{text}"
+    );
+    let text = for_table("log.csv", "time,heading,left_ticks\n0,1,2\n1,2,3\n");
+    assert!(!text.contains("heading"), "{text}");
+}

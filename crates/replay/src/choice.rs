@@ -81,7 +81,9 @@ impl Inputs {
 pub(crate) struct LogWheel {
     /// Its index in the robot's order.
     pub(crate) index: usize,
-    /// The rate of its sensor's shaft for one unit that the log holds.
+    /// The angle of its sensor's shaft for one unit that the log holds.
+    pub(crate) angle: f64,
+    /// The rate of that shaft for one unit that the log holds.
     pub(crate) rate: f64,
     /// The torque for one unit that the log holds; `None` of a current whose motor is not known.
     pub(crate) torque: Option<f64>,
@@ -101,12 +103,19 @@ pub(crate) fn robot_wheels(log: &impl Measures, file: &RobotFile) -> Result<Vec<
                     meant: nearest(name, names).map(Into::into),
                 }
             })?;
-            let in_metres = log.measures_wheel(Meaning::WheelSpeed, name);
             let per_metre = 1.0 / robot.wheels()[index].travel_per_radian();
+            let per_unit = |in_metres| {
+                if log.measures_wheel(in_metres, name) {
+                    per_metre
+                } else {
+                    1.0
+                }
+            };
             let is_current = log.measures_wheel(Meaning::MotorCurrent, name);
             Ok(LogWheel {
                 index,
-                rate: if in_metres { per_metre } else { 1.0 },
+                angle: per_unit(Meaning::WheelDistance),
+                rate: per_unit(Meaning::WheelSpeed),
                 torque: if is_current {
                     torque_per_ampere(file, index)
                 } else {
@@ -145,7 +154,7 @@ pub fn unused_currents(log: &Log, file: &RobotFile) -> Vec<String> {
 const fn meanings(sensor: WheelSensor) -> &'static [Meaning] {
     match sensor {
         WheelSensor::Count => &[Meaning::WheelCount],
-        WheelSensor::Angle => &[Meaning::WheelAngle],
+        WheelSensor::Angle => &[Meaning::WheelAngle, Meaning::WheelDistance],
         WheelSensor::Rate => &[Meaning::WheelRate, Meaning::WheelSpeed],
     }
 }
@@ -175,6 +184,7 @@ fn wheel_sensor(
         })
         .ok_or_else(|| Error::NoWheels {
             robot: robot.name().into(),
+            is_of_tables: log.is_of_tables(),
         })?;
     for wheel in robot
         .wheels()

@@ -45,6 +45,8 @@ pub enum Error {
     NoWheels {
         /// The robot.
         robot: String,
+        /// Is the log of tables alone?
+        is_of_tables: bool,
     },
     /// A powered wheel of the robot is not measured.
     #[error("the log does not measure wheel `{wheel}` by {sensor}")]
@@ -158,6 +160,14 @@ impl Error {
             } => Some(
                 "where motor currents or torques are logged and the grounds were met before with a reference, \
                  `--known-ground` bounds the slip"
+                    .into(),
+            ),
+            Self::NoWheels {
+                is_of_tables: true, ..
+            } => Some(
+                "`meaning` and `wheel` of a column in the column map make it a wheel's: `wheel_count`, `wheel_angle`, \
+                 `wheel_distance` (an odometer), `wheel_rate` or `wheel_speed`; `grouser log info LOG --suggest-robot` proposes \
+                 them"
                     .into(),
             ),
             Self::NoWheels { .. } => Some(

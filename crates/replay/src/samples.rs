@@ -55,6 +55,10 @@ pub(crate) fn of_robot(sample: Sample, wheels: &[LogWheel]) -> Sample {
     let of = wheels[wheel];
     let wheel = of.index;
     let measurement = match sample.measurement {
+        Measurement::WheelAngle { angle, .. } => Measurement::WheelAngle {
+            wheel,
+            angle: angle * of.angle,
+        },
         Measurement::WheelRate { rate, .. } => Measurement::WheelRate {
             wheel,
             rate: rate * of.rate,

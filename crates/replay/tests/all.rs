@@ -27,6 +27,7 @@ mod observability;
 mod path_smoothing;
 mod places;
 mod reference_delay;
+mod rim_ways;
 mod robotino;
 mod robotino_free_wheel;
 mod robotino_without_reference;

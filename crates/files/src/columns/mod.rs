@@ -38,6 +38,8 @@ pub enum Meaning {
     WheelCount,
     /// The angle of a wheel's sensor shaft.
     WheelAngle,
+    /// The way of a wheel's rim since some start, as odometers count it; [`Self::WheelAngle`] by the wheel's radius.
+    WheelDistance,
     /// The rate of a wheel's sensor shaft.
     WheelRate,
     /// The speed of a wheel's rim; [`Self::WheelRate`] by the wheel's radius.
@@ -99,9 +101,10 @@ pub enum Meaning {
 
 impl Meaning {
     /// Every meaning: its name in files, and what it measures.
-    pub const ALL: [(&'static str, Self, Quantity); 30] = [
+    pub const ALL: [(&'static str, Self, Quantity); 31] = [
         ("wheel_count", Self::WheelCount, Quantity::Ticks),
         ("wheel_angle", Self::WheelAngle, Quantity::Angle),
+        ("wheel_distance", Self::WheelDistance, Quantity::Length),
         ("wheel_rate", Self::WheelRate, Quantity::AngularRate),
         ("wheel_speed", Self::WheelSpeed, Quantity::Speed),
         ("wheel_torque", Self::WheelTorque, Quantity::Torque),
@@ -155,6 +158,7 @@ impl Meaning {
             self,
             Self::WheelCount
                 | Self::WheelAngle
+                | Self::WheelDistance
                 | Self::WheelRate
                 | Self::WheelSpeed
                 | Self::WheelTorque
@@ -163,6 +167,16 @@ impl Meaning {
                 | Self::EntryAngle
                 | Self::WheelSteering
         )
+    }
+
+    /// The meaning that readings have once radius and motor of the wheel are known.
+    const fn reading(self) -> Self {
+        match self {
+            Self::WheelDistance => Self::WheelAngle,
+            Self::WheelSpeed => Self::WheelRate,
+            Self::MotorCurrent => Self::WheelTorque,
+            other => other,
+        }
     }
 
     /// The meaning without which this one says nothing.
@@ -471,13 +485,20 @@ fn check_columns(section: &Section<'_>, columns: &[Column]) -> Result<()> {
 /// Is every meaning there once, with those that it needs beside it?
 pub(crate) fn check_together(at: &Place, columns: &[Column]) -> Result<()> {
     for (index, column) in columns.iter().enumerate() {
-        let twice = columns[..index]
-            .iter()
-            .any(|other| other.meaning == column.meaning && other.wheel == column.wheel);
-        if twice {
+        let twice = columns[..index].iter().find(|other| {
+            other.meaning.reading() == column.meaning.reading() && other.wheel == column.wheel
+        });
+        if let Some(other) = twice {
+            let (name, other) = (column.meaning.name(), other.meaning.name());
             return Err(Error::Contradiction {
                 at: at.clone(),
-                message: format!("`{}` is given by two columns", column.meaning.name()),
+                message: if name == other {
+                    format!("`{name}` is given by two columns")
+                } else {
+                    format!(
+                        "`{other}` and `{name}` of one wheel are the same reading: leave one of them out"
+                    )
+                },
             });
         }
         let is_there = |meaning| columns.iter().any(|other| other.meaning == meaning);

@@ -16,6 +16,7 @@ use crate::recording::navigation::{FixColumns, Track};
 use crate::recording::{Recording, RecordingReader, UsedTopic};
 use crate::slots::{Slots, measured};
 use crate::source::Source;
+use crate::wrapped_angles::Angles;
 
 /// The files of one run with what their columns or topics mean.
 ///
@@ -234,7 +235,9 @@ impl Log {
     /// What is wrong with a file's header.
     pub fn samples(&self, shift_ns: &[i64]) -> Result<Samples> {
         let track = |(_, sigma)| (Track::new(self.antenna), sigma);
-        let mut samples = Samples::new(self.places.map(track));
+        let wheels = self.wheels.iter();
+        let are_ways = wheels.map(|wheel| self.measures_wheel(Meaning::WheelDistance, wheel));
+        let mut samples = Samples::new(self.places.map(track), Angles::new(are_ways));
         self.counts.begin();
         for (clock, (file, table)) in self.files.iter().enumerate() {
             let table = &self.map.tables[*table];
@@ -280,6 +283,10 @@ impl Measures for Log {
 
     fn measures_wheel(&self, meaning: Meaning, wheel: &str) -> bool {
         self.measures_wheel(meaning, wheel)
+    }
+
+    fn is_of_tables(&self) -> bool {
+        self.recording.is_none()
     }
 
     fn position_sigma(&self) -> Option<f64> {

@@ -115,8 +115,10 @@ impl Intake {
 
     /// Without a reader of files around it.
     pub(super) fn alone(choice: Choice) -> Self {
+        let wheels = choice.wheels.iter();
+        let are_ways = wheels.map(|wheel| choice.measures_wheel(Meaning::WheelDistance, wheel));
         Self {
-            angles: Some(Angles::default()),
+            angles: Some(Angles::new(are_ways)),
             ..Self::new(Arc::new(choice), Vec::new())
         }
     }

@@ -3,8 +3,8 @@
 use grouser_files::columns::Meaning;
 use grouser_files::unit::{Quantity, UNITS};
 
-use super::SheetColumn;
 use super::words::{UNIT_WORDS, split_unit, words};
+use super::{MAX_YAW_RAD, SheetColumn};
 use crate::recording::is_over_ground;
 
 /// What a column probably means.
@@ -87,6 +87,9 @@ fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -> Option<Gu
     if let Some((meaning, unit)) = of_fix(words) {
         return of(meaning, unit);
     }
+    if let Some(found) = of_wheel_encoder(words) {
+        return Some(found);
+    }
     let command = is(&["cmd", "command", "commanded", "setpoint", "target", "set"]);
     let other = [
         "covariance",
@@ -103,7 +106,8 @@ fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -> Option<Gu
     ];
     let of_a_wheel = is(&["wheel", "motor", "left", "right", "joint"])
         || words.iter().any(|word| is_numbered(word))
-        || (stated.is_some() && words.iter().any(|word| word.len() == 2 && is_corner(word)));
+        || ((stated.is_some() || is(&["rpm"]))
+            && words.iter().any(|word| word.len() == 2 && is_corner(word)));
     if !command && let Some(found) = stated.and_then(|stated| by_unit(words, stated, of_a_wheel)) {
         return Some(found);
     }
@@ -161,6 +165,20 @@ fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -> Option<Gu
     } else {
         None
     }
+}
+
+/// The ways of ArduPilot's encoders of wheels, m: `WENC.Dist0`.
+fn of_wheel_encoder(words: &[String]) -> Option<Guess> {
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    let ["w", "enc", way] = words.as_slice() else {
+        return None;
+    };
+    let index = way.strip_prefix("dist")?;
+    Some(Guess {
+        meaning: Meaning::WheelDistance,
+        wheel: Some(format!("wheel_{index}")),
+        unit: "m",
+    })
 }
 
 /// What a satellite receiver says of its fix, with the usual unit.
@@ -253,6 +271,9 @@ fn by_unit(words: &[String], stated: Quantity, of_a_wheel: bool) -> Option<Guess
         Quantity::Current if of_a_wheel && is(&["current", "amps"]) => {
             of(Meaning::MotorCurrent, "A")
         }
+        Quantity::Length if of_a_wheel && is(&["odo", "odometer"]) => {
+            of(Meaning::WheelDistance, "m")
+        }
         Quantity::Angle if is(&["steering", "steer"]) && of_a_wheel => {
             of(Meaning::WheelSteering, "rad")
         }
@@ -277,16 +298,79 @@ fn by_unit(words: &[String], stated: Quantity, of_a_wheel: bool) -> Option<Guess
     }
 }
 
-/// What a column means if the topic that it was taken of measures the ground: tools name columns by topics, and most
-/// odometry is computed from the wheels.
-pub(crate) fn perhaps_of_wheels(column: &SheetColumn) -> Option<Guess> {
+/// If it measures the ground: most odometry is computed from the wheels.
+const OF_GROUND: &str =
+    "if it measures the ground (camera, GNSS, lidar); not if it was made of the wheels";
+
+/// What a column means on a condition, and the condition.
+pub(crate) fn perhaps(column: &SheetColumn) -> Option<(Guess, &'static str)> {
     let name = &column.name;
-    if !name.starts_with('/') || is_over_ground(name) || column.others > 0 {
+    if column.others > 0 || column.numbers == 0 {
         return None;
     }
-    let found = guess(name, None, column.whole)?;
-    let of_pose = [Meaning::PoseX, Meaning::PoseY, Meaning::PoseYaw];
-    of_pose.contains(&found.meaning).then_some(found)
+    // tools name columns by topics
+    if name.starts_with('/') && !is_over_ground(name) {
+        let found = guess(name, None, column.whole)?;
+        let of_pose = [Meaning::PoseX, Meaning::PoseY, Meaning::PoseYaw];
+        return (of_pose.contains(&found.meaning)).then_some((found, OF_GROUND));
+    }
+    let (words, stated) = split_unit(name);
+    let of = |meaning, wheel: Option<&str>, unit| Guess {
+        meaning,
+        wheel: wheel.map(str::to_owned),
+        unit,
+    };
+    let size = column.max.max(-column.min);
+    let known = |own: Quantity, unit: Option<&'static str>| {
+        let units = own.units().into_iter();
+        unit.filter(|unit| units.map(|(known, _)| known).any(|known| known == *unit))
+    };
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    match words.as_slice() {
+        ["distance" | "dist" | "odometer" | "odo" | "mileage"] => Some((
+            of(
+                Meaning::WheelDistance,
+                Some("wheels"),
+                known(Quantity::Length, stated.or(Some("m")))?,
+            ),
+            "if it is the way of the wheels since some start: `wheel` names one",
+        )),
+        ["heading" | "yaw" | "theta"] => {
+            let by_size = if size > MAX_YAW_RAD { "deg" } else { "rad" };
+            let unit = known(Quantity::Angle, stated.or(Some(by_size)))?;
+            Some((
+                of(Meaning::PoseYaw, None, unit),
+                "if it is the heading of the pose and counts to the left; `scale = -1.0` if it counts to the right",
+            ))
+        }
+        ["vel" | "velocity" | "speed"] => {
+            let meaning = if column.min < 0.0 {
+                Meaning::SpeedForward
+            } else {
+                Meaning::SpeedSize
+            };
+            Some((
+                of(meaning, None, known(Quantity::Speed, stated)?),
+                OF_GROUND,
+            ))
+        }
+        _ => None,
+    }
+}
+
+/// A yaw rate whose unit nothing states and whose numbers are often more than a turn a second, taken for rad/s, is in deg/s.
+pub(super) fn of_turning(column: &SheetColumn, guess: Guess) -> Guess {
+    let unit = if is_beyond_radians(column) && guess.meaning == Meaning::YawRate {
+        "deg/s"
+    } else {
+        guess.unit
+    };
+    Guess { unit, ..guess }
+}
+
+/// Are its numbers often more than a turn a second in rad/s, and is no unit in its name?
+pub(crate) fn is_beyond_radians(column: &SheetColumn) -> bool {
+    split_unit(&column.name).1.is_none() && 100 * column.beyond_a_turn > column.numbers
 }
 
 /// Is it the name of a gyro of one axis, with its unit at most?
@@ -310,7 +394,18 @@ pub(crate) fn open_question(column: &SheetColumn) -> Option<(String, &'static st
     let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
     let says_unit = split_unit(&column.name).1.is_some() || is(&["rad", "deg", "rpm", "m"]);
     let size = column.max.max(-column.min);
-    if column.others > 0 || column.numbers == 0 || says_unit {
+    if column.others > 0 || column.numbers == 0 {
+        return None;
+    }
+    if is(&["odo", "odometer", "distance", "dist"])
+        && is(&["wheel", "left", "right", "motor"])
+        && guess(&column.name, None, column.whole).is_none()
+    {
+        let question =
+            "`wheel_distance`, if it is the way of a rim since some start, and its unit?";
+        return Some((wheel(&words)?, question));
+    }
+    if says_unit {
         return None;
     }
     let rate = Some(Meaning::WheelRate);
@@ -345,7 +440,8 @@ fn wheel(words: &[String]) -> Option<String> {
         "field", "wheel", "tick", "ticks", "count", "counts", "encoder", "enc", "velocity", "vel",
         "speed", "rate", "omega", "rpm", "position", "pos", "angle", "joint", "rad", "deg", "per",
         "s", "data", "msg", "raw", "degrees", "motor", "m", "mps", "torque", "effort", "current",
-        "steering", "steer", "state", "states",
+        "steering", "steer", "state", "states", "odo", "odometer", "distance", "dist", "mm", "cm",
+        "ft",
     ];
     let kept: Vec<&str> = words
         .iter()
@@ -471,6 +567,10 @@ mod tests {
         use Meaning as M;
         for (name, meaning, wheel, unit) in [
             ("pose_x_mm", M::PoseX, None, "mm"),
+            ("pose_x_ft", M::PoseX, None, "ft"),
+            ("odo_left_m", M::WheelDistance, Some("left"), "m"),
+            ("rl_odometer [ft]", M::WheelDistance, Some("rl"), "ft"),
+            ("RPM_FL", M::WheelRate, Some("fl"), "rpm"),
             ("pos_x_cm", M::PoseX, None, "cm"),
             ("position_x_in", M::PoseX, None, "in"),
             ("WheelSpeed_FL [km/h]", M::WheelSpeed, Some("fl"), "km/h"),
@@ -520,7 +620,9 @@ mod tests {
         // units that no column map has, or that do not fit
         for name in [
             "yaw_rate_mrad_s",
-            "pose_x_ft",
+            "pose_x_km",
+            "odo_left_km",
+            "left_distance_m",
             "wheel_speed_fl_mph",
             "acc_x_mg",
             "pose_x_deg",

@@ -6,6 +6,7 @@ mod layout;
 mod time_column;
 mod words;
 
+use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -18,8 +19,8 @@ use crate::error::Result;
 use crate::recording::is_of_wheels;
 use crate::source::Source;
 pub use guess::Guess;
-use guess::of_fix_numbers;
-pub(crate) use guess::{guess, open_question, perhaps_of_wheels};
+pub(crate) use guess::{guess, is_beyond_radians, open_question, perhaps};
+use guess::{of_fix_numbers, of_turning};
 use layout::Layout;
 use time_column::{seconds_and_nanoseconds, time_rank, time_unit};
 use words::bare_unit;
@@ -68,6 +69,8 @@ pub struct SheetColumn {
     pub max_step: f64,
     /// What it probably means.
     pub guess: Option<Guess>,
+    /// How many numbers are larger than a turn, taken for radians.
+    beyond_a_turn: u64,
 }
 
 /// The times of a table.
@@ -280,10 +283,13 @@ fn guess_columns(columns: &mut [SheetColumn], time: Option<usize>, units: &[Stri
         let unit = units.get(index).map(String::as_str);
         column.guess = guess(&column.name, unit, column.whole);
         let is_stated = unit.is_some_and(|unit| !unit.is_empty());
-        if !is_stated && open_question(column).is_some() || perhaps_of_wheels(column).is_some() {
+        if !is_stated && open_question(column).is_some() || perhaps(column).is_some() {
             column.guess = None;
         }
         column.guess = (column.guess.take()).and_then(|guess| of_fix_numbers(column, guess));
+        if !is_stated {
+            column.guess = column.guess.take().map(|guess| of_turning(column, guess));
+        }
         // a speed that is negative at times has a sign
         if let Some(guess) = &mut column.guess
             && guess.meaning == Meaning::SpeedSize
@@ -337,7 +343,8 @@ fn guess_pose(columns: &mut [SheetColumn]) {
             Some((index, unit))
         })
     };
-    let yaw = find(&["theta", "yaw", "heading"], None);
+    // `TX_mm`, `TY_mm`, `RZ_deg`: how Vicon exports a pose
+    let yaw = find(&["theta", "yaw", "heading", "rz"], None);
     // in degrees, or counted on over several turns: the numbers do not say which
     let in_radians = |(index, _): &(usize, _)| {
         let column: &SheetColumn = &columns[*index];
@@ -351,7 +358,8 @@ fn guess_pose(columns: &mut [SheetColumn]) {
         if has(columns, Meaning::Latitude) {
             return;
         }
-        let places = (find(&["x"], Some("m")), find(&["y"], Some("m")), yaw);
+        let place = |bare, of_vicon| find(&[bare], Some("m")).or_else(|| find(&[of_vicon], None));
+        let places = (place("x", "tx"), place("y", "ty"), yaw);
         let (Some(x), Some(y), Some(yaw)) = places else {
             return;
         };
@@ -433,6 +441,7 @@ impl SheetColumn {
             falls: 0,
             max_step: 0.0,
             guess: None,
+            beyond_a_turn: 0,
         }
     }
 
@@ -452,6 +461,7 @@ impl SheetColumn {
         self.min = self.min.min(number);
         self.max = self.max.max(number);
         self.whole &= number.fract() == 0.0;
+        self.beyond_a_turn += u64::from(number.abs() > TAU);
         self.falls += u64::from(number < *last);
         if last.is_finite() {
             self.max_step = self.max_step.max((number - *last).abs());

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use grouser_files::columns;
+use grouser_files::columns::{self, Meaning};
 use grouser_log::Log;
 use grouser_log::container::{Container, Event, Format};
 use grouser_log::write::{SampleWriter, Table, copy, verify, write_table};
@@ -213,6 +213,22 @@ fn begins_a_name(file: &Path) -> bool {
     names.any(|entry| entry.file_name().as_encoded_bytes().starts_with(name))
 }
 
+/// A reading of a wheel that joints of a message have once its radius or its motor is known.
+fn of_robot_file(log: &Log) -> Option<(Meaning, &String)> {
+    let all = [
+        Meaning::WheelDistance,
+        Meaning::WheelSpeed,
+        Meaning::MotorCurrent,
+    ];
+    all.into_iter().find_map(|meaning| {
+        let mut wheels = log.wheels().iter();
+        Some((
+            meaning,
+            wheels.find(|wheel| log.measures_wheel(meaning, wheel))?,
+        ))
+    })
+}
+
 /// A table through its column map.
 fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let (file, path) = (&arguments.file, &arguments.output);
@@ -230,6 +246,15 @@ fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let columns = columns::read(map)?;
     session.used_file(map)?;
     let log = Log::find(std::slice::from_ref(file), columns)?;
+    if let Some((meaning, wheel)) = of_robot_file(&log) {
+        return Err(Error::usage(
+            format!(
+                "`{}` of wheel `{wheel}` is in no unit of a joint: radius and motor are in the robot file",
+                meaning.name()
+            ),
+            "`grouser estimate` reads the table as it stands",
+        ));
+    }
     let mut output = OutputFile::create(path)?;
     let written = |error| Error::file("write", path, &error);
     let mut writer = SampleWriter::new(&mut output, log.wheels()).map_err(written)?;

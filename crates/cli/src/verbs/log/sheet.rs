@@ -29,6 +29,7 @@ fn lacks(sheet: &Sheet) -> Vec<&'static str> {
     let wheels = [
         Meaning::WheelCount,
         Meaning::WheelAngle,
+        Meaning::WheelDistance,
         Meaning::WheelRate,
         Meaning::WheelSpeed,
     ];
@@ -41,7 +42,7 @@ fn lacks(sheet: &Sheet) -> Vec<&'static str> {
     ];
     let needs = [
         (sheet.time.is_some(), "a column of time"),
-        (has(&wheels), "wheel counts, angles or rates"),
+        (has(&wheels), "wheel counts, angles, ways or rates"),
         (has(&[Meaning::YawRate]), "a yaw rate"),
         (
             has(&motion),
