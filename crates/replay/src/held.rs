@@ -25,6 +25,11 @@ const STEADY_SHARE: f64 = 0.9;
 /// A value that repeats for longer than this number of intervals is a reading: the robot stands, or the sensor is frozen. One
 /// update may be missing.
 const MAX_INTERVALS: f64 = 2.2;
+/// A speed is silent after this number of periods: 1.1 to 3 keep as many rows `Ok`, readings scatter.
+const SILENT_PERIODS: f64 = 1.5;
+/// A speed that is read more seldom is silent in between, s. Sigmas held for random drives up to this; at 10 s the whole way did
+/// not.
+const MAX_PERIOD_S: f64 = 3.0;
 /// Only so much of a log is read for it, s.
 const MAX_LOG_S: f64 = 1800.0;
 
@@ -76,6 +81,8 @@ pub(crate) struct Held {
     /// When a sample was kept last, and whether it was a repetition.
     kept_ns: i64,
     repeats: bool,
+    /// Median time between two readings, s.
+    period_s: Option<f64>,
 }
 
 impl Held {
@@ -94,6 +101,7 @@ impl Held {
             last: None,
             kept_ns: 0,
             repeats: false,
+            period_s: None,
         };
         if matches!(reference, Reference::FreeWheel | Reference::Grip) {
             return Ok(found);
@@ -107,12 +115,21 @@ impl Held {
                 break;
             }
         }
+        let period_s = updates.period_s();
         found.counts = updates.interval_s().map(|interval_s| HeldReference {
             rows: 0,
             updates: 0,
             interval_s,
         });
+        found.period_s = (found.counts.map(|counts| counts.interval_s)).or(period_s);
         Ok(found)
+    }
+
+    /// The time after which the reference is silent, s, where it is read more seldom than others. Of a speed nothing else
+    /// bridges the time between two readings.
+    pub(crate) fn dropout_s(&self) -> Option<f64> {
+        let period_s = (self.period_s).filter(|_| self.reference == Reference::Speed)?;
+        Some(SILENT_PERIODS * period_s.min(MAX_PERIOD_S))
     }
 
     /// Is a sample a reading?
@@ -149,12 +166,20 @@ struct Updates {
     last: Option<([u64; 2], i64)>,
     rows: u64,
     intervals: Vec<(u64, f64)>,
+    /// The time of the last row, and those between the first rows, s.
+    row_ns: Option<i64>,
+    periods_s: Vec<f64>,
 }
 
 impl Updates {
     /// Takes a row; are there enough of them?
     fn is_done(&mut self, time_ns: i64, bits: [u64; 2]) -> bool {
         let seconds = |from: i64| time_ns.saturating_sub(from) as f64 * 1e-9;
+        if let Some(last) = self.row_ns.replace(time_ns)
+            && self.periods_s.len() < UPDATES
+        {
+            self.periods_s.push(seconds(last));
+        }
         let is_over = seconds(*self.start_ns.get_or_insert(time_ns)) > MAX_LOG_S;
         self.rows += 1;
         match self.last {
@@ -168,6 +193,12 @@ impl Updates {
             }
         }
         is_over || self.intervals.len() >= UPDATES
+    }
+
+    /// The median time between rows, s.
+    fn period_s(&mut self) -> Option<f64> {
+        self.periods_s.sort_by(f64::total_cmp);
+        self.periods_s.get(self.periods_s.len() / 2).copied()
     }
 
     /// The median interval of updates, s; `None` where rows are readings.
@@ -223,6 +254,7 @@ mod tests {
             last: None,
             kept_ns: 0,
             repeats: false,
+            period_s: None,
         };
         let kept: Vec<i64> = (0..1200).filter(|i| held.keeps(&row(*i))).collect();
         let (driving, resting) = kept.split_at(41);

@@ -143,6 +143,8 @@ fn run_once(
     let mut delay = clocks.reference_delay;
     let early_ns = (delay.as_mut()).map_or(0, |delay| delay.apply(&mut file, method));
     let mut held = clocks.held.clone();
+    let dropout_s = held.dropout_s().unwrap_or(0.0);
+    file.filter.dropout = file.filter.dropout.max(dropout_s);
     let mut engine = Engine::new(&file, inputs, options)?;
     engine.set_clocks(clocks.gyro_offset_s, delay);
     let mut postponed = Postponed::by(early_ns);

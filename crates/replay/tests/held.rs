@@ -203,3 +203,27 @@ fn readings_that_are_equal_are_readings() {
         assert_eq!(drive(case).1.held_reference, None, "{case:?}");
     }
 }
+
+/// A speed each second is not lost between two readings; one each 8 s is.
+#[test]
+fn a_speed_is_silent_after_more_than_its_period() {
+    for (rows, is_held) in [(50, false), (50, true), (400, false)] {
+        let (_, summary) = drive(Case {
+            kind: Kind::Speed,
+            rows,
+            is_held,
+            sigma: 0.03,
+            digits: 6,
+        });
+        for wheel in &summary.wheels {
+            let share = |health| wheel.healths.get(health).copied().unwrap_or(0.0);
+            let (ok, lost) = (share("Ok"), share("Degraded(ReferenceLost)"));
+            println!("each {rows} rows: Ok {ok:.3}, lost {lost:.3}");
+            if rows == 50 {
+                assert!(ok > 0.9 && lost < 0.02, "{rows} {is_held}: {ok} {lost}");
+            } else {
+                assert!(lost > 0.2, "{lost}"); // 3.5 s of 8 s, less the rests
+            }
+        }
+    }
+}
