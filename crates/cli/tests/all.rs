@@ -7,6 +7,7 @@
 )]
 
 mod repository;
+mod reservations;
 
 mod command;
 mod dependencies;

@@ -158,8 +158,8 @@ impl Error {
             Self::NoReference {
                 reference: "any", ..
             } => Some(
-                "where motor currents or torques are logged and the grounds were met before with a reference, \
-                 `--known-ground` bounds the slip"
+                "log a pose, a speed over ground or a free wheel as well; a gyro alone shows how the wheels differ. Where motor currents \
+                 or torques are logged and the grounds were met before with a reference, `--known-ground` bounds the slip"
                     .into(),
             ),
             Self::NoWheels {

@@ -13,6 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use grouser_files::columns::Meaning;
 use grouser_files::topics::Topics;
+use grouser_slip::Reference;
 
 use crate::error::Result;
 use crate::messages::LeftOut;
@@ -34,6 +35,8 @@ pub struct UsedTopic {
     pub type_name: String,
     /// What it is used for, in words.
     pub used_for: String,
+    /// The references that it measures; an estimate uses one.
+    pub references: Vec<Reference>,
 }
 
 impl Choice {
@@ -53,6 +56,14 @@ impl Choice {
             topic: chosen.topic.clone(),
             type_name: chosen.type_name.clone(),
             used_for: chosen.words.join(", "),
+            references: (chosen.measures.iter())
+                .filter_map(|(meaning, _)| match meaning {
+                    Meaning::DisplacementForward => Some(Reference::Displacement),
+                    Meaning::PoseX => Some(Reference::Pose),
+                    Meaning::SpeedForward | Meaning::SpeedSize => Some(Reference::Speed),
+                    _ => None,
+                })
+                .collect(),
         })
     }
 }

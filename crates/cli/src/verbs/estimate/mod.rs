@@ -7,6 +7,8 @@ mod mcap;
 mod object;
 mod output;
 mod request;
+mod reservations;
+mod row_watch;
 mod text;
 
 use std::ffi::OsString;
@@ -26,16 +28,18 @@ use grouser_replay::{
 use grouser_slip::{Reference, Rejected};
 
 use self::calibration::Job;
-use self::object::Found;
+use self::object::{Found, is_other_reference};
 use self::output::Outputs;
 use self::request::Request;
+use self::reservations::seldom_read;
+use self::row_watch::WheelRows;
 use self::text::{beside_truth, text};
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::progress::Progress;
 use crate::report_file::ReportFlag;
 use crate::session::Session;
-use crate::soil_choice::{self, Overrides};
+use crate::soil_choice::{self, Chosen, Overrides};
 use crate::soil_text;
 use crate::verb_report::Report;
 use grouser_report::number::parse_finite;
@@ -143,12 +147,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let Some(report) = job_beside(arguments, &request, session)? {
         return Ok(report);
     }
-    let soil = arguments.soil.as_deref().map(|soil| {
-        let chosen = soil_choice::choose(soil, &arguments.overrides)?;
-        chosen.note(&arguments.overrides, session);
-        Ok::<_, Error>(chosen)
-    });
-    let soil = soil.transpose()?;
+    let soil = known_soil(arguments, session)?;
     let known = soil.as_ref().filter(|_| arguments.learn_soil);
     request.options.learn_soil = known.map(|known| known.soil);
     let log = request.log(&arguments.logs)?;
@@ -167,9 +166,16 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         outputs: &mut outputs,
         seen: report.as_ref().map(|_| LogRecorder::new(wheels.len())),
         compared: truth(arguments, &log, &request.robot, session)?.map(Truth::compare),
+        rows: vec![WheelRows::new(); wheels.len()],
+        gap_s: (request.options.window_s).unwrap_or(request.robot.settings.window),
     };
     let summary = run_into(&log, &request.robot, &request.options, &mut watched);
-    let Watched { compared, seen, .. } = watched;
+    let Watched {
+        compared,
+        seen,
+        rows,
+        ..
+    } = watched;
     let errors = compared.as_ref().map(Compared::errors);
     let truths = compared.as_ref().map(Compared::lines).unwrap_or_default();
     drop(progress);
@@ -186,11 +192,19 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         Some(chosen) => soil_readings(&summary, &request.robot.robot, &chosen.soil)?,
         None => Vec::new(),
     };
+    let found = Found {
+        summary: &summary,
+        log: &log,
+        readings: &readings,
+        rows: &rows,
+        start,
+        errors: errors.as_deref(),
+    };
     let mut text = text(
         &request.robot,
-        &summary,
+        found,
         soil.as_ref().map(|s| s.name.as_str()),
-        &readings,
+        &request.options,
     );
     if let Some(soil) = &summary.soil {
         text.push('\n');
@@ -203,7 +217,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let Some(errors) = &errors {
         text.push_str(&beside_truth(errors));
     }
-    text.push_str(&topics(&log));
+    text.push_str(&topics(&log, summary.reference));
     text.push_str(&outputs.finish(&request.robot, &summary, &truths)?);
     if let (Some(file), Some(seen)) = (report, seen) {
         let title = title(&log);
@@ -222,18 +236,22 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             Status::Done => Outcome::Doubtful,
             _ => Outcome::NoResult,
         },
-        object: object::fields().object(Found {
-            summary: &summary,
-            log: &log,
-            readings: &readings,
-            start,
-            errors: errors.as_deref(),
-        }),
+        object: object::fields().object(found),
         text,
         is_aside: false,
-        failure: failure(&summary),
+        failure: failure(&summary, &rows),
         warnings: warnings(&summary, &log, &request, &arguments.logs, &readings),
     })
+}
+
+/// The soil of `--soil`.
+fn known_soil(arguments: &Arguments, session: &mut Session) -> Result<Option<Chosen>> {
+    let soil = arguments.soil.as_deref().map(|soil| {
+        let chosen = soil_choice::choose(soil, &arguments.overrides)?;
+        chosen.note(&arguments.overrides, session);
+        Ok(chosen)
+    });
+    soil.transpose()
 }
 
 /// A calibration, or what the motors show of grounds: instead of an estimate.
@@ -289,11 +307,17 @@ struct Watched<'a> {
     outputs: &'a mut Outputs,
     seen: Option<LogRecorder>,
     compared: Option<Compared>,
+    rows: Vec<WheelRows>,
+    /// A longer time without a row is a gap of the log, s.
+    gap_s: f64,
 }
 
 impl Sink for Watched<'_> {
     fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
         self.progress.reach(self.log.bytes_read());
+        if let Some(rows) = self.rows.get_mut(row.wheel) {
+            rows.take(row, self.gap_s);
+        }
         if let Some(compared) = &mut self.compared {
             compared.row(row)?;
         }
@@ -381,8 +405,15 @@ fn column_map(
 }
 
 /// The topics that were used of bags and MCAP files; of tables the column map says it.
-fn topics(log: &Log) -> String {
-    let one = |used: UsedTopic| format!("{}: {}\n", printable(&used.topic), used.used_for);
+fn topics(log: &Log, reference: Reference) -> String {
+    let one = |used: UsedTopic| {
+        let unused = if is_other_reference(&used, reference) {
+            format!(" (not used beside the reference `{}`)", reference.name())
+        } else {
+            String::new()
+        };
+        format!("{}: {}{unused}\n", printable(&used.topic), used.used_for)
+    };
     let lines: Vec<String> = log.topics().map(one).collect();
     if lines.is_empty() {
         String::new()
@@ -401,10 +432,12 @@ fn start_words(start: &StartOutcome) -> String {
     }
 }
 
-fn failure(summary: &Summary) -> Option<String> {
+fn failure(summary: &Summary, rows: &[WheelRows]) -> Option<String> {
     let is_unused = summary.doubts().contains(&Doubt::ReferenceUnused);
     (summary.status == Status::NoSlip).then(|| {
-        if is_unused {
+        if let Some(seldom) = seldom_read(summary, rows) {
+            format!("no wheel has a slip: {seldom}")
+        } else if is_unused {
             "no wheel has a slip: no reading of the reference could be used".to_owned()
         } else {
             format!(
@@ -450,7 +483,9 @@ fn warnings(
         ));
     }
     let left_out = log.left_out();
-    out.extend(rejected(&summary.rejected, &left_out));
+    let steps = summary.fused.as_ref().map_or(0, |fused| fused.clock_steps);
+    let at_steps = steps.saturating_mul(summary.wheels.len() as u64 + OTHER_SENSORS);
+    out.extend(rejected(&summary.rejected, at_steps, &left_out));
     out.extend(log.notes().iter().cloned());
     if left_out.zero_poses > 0 {
         out.push(format!(
@@ -500,8 +535,12 @@ fn warnings(
     out
 }
 
-/// How many samples were rejected, and why.
-fn rejected(rejected: &Rejected, left_out: &LeftOut) -> Option<String> {
+/// Sensors that are stamped with the wheels: gyro, accelerometer, reference, command.
+const OTHER_SENSORS: u64 = 4;
+
+/// How many samples were rejected, and why. As many as `at_steps` may be those of the times at which the clock stepped: the
+/// filter begins anew behind these.
+fn rejected(rejected: &Rejected, at_steps: u64, left_out: &LeftOut) -> Option<String> {
     let not_later = if 2 * left_out.same_time > left_out.rows {
         format!(
             "not later than the one before, since {} of {} rows of the tables have the time of the row before (if it is rounded, to \
@@ -513,7 +552,14 @@ fn rejected(rejected: &Rejected, left_out: &LeftOut) -> Option<String> {
     };
     let reasons = [
         (rejected.bad_value, "with a value that no sensor has"),
-        (rejected.not_later, not_later.as_str()),
+        (
+            rejected.not_later.saturating_sub(at_steps),
+            not_later.as_str(),
+        ),
+        (
+            rejected.not_later.min(at_steps),
+            "at the first time after a pause of the recording or a jump of its clock",
+        ),
         (rejected.jump, "faster than the robot moves"),
         (rejected.unknown, "of no wheel of the robot"),
     ];
@@ -523,7 +569,12 @@ fn rejected(rejected: &Rejected, left_out: &LeftOut) -> Option<String> {
         .map(|(count, why)| format!("{count} {why}"))
         .collect();
     let total = rejected.total();
-    (total > 0).then(|| format!("{total} samples were rejected: {}", reasons.join(", ")))
+    let were = if total == 1 {
+        "sample was"
+    } else {
+        "samples were"
+    };
+    (total > 0).then(|| format!("{total} {were} rejected: {}", reasons.join(", ")))
 }
 
 /// The last line of a table is cut off.

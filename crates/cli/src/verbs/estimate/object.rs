@@ -1,5 +1,7 @@
 //! What `estimate` found, as a list of fields.
 
+use super::reservations::reservations;
+use super::row_watch::WheelRows;
 use crate::soil_text;
 use grouser_log::{Log, UsedTopic};
 use grouser_replay::{
@@ -16,6 +18,8 @@ pub(super) struct Found<'a> {
     pub(super) summary: &'a Summary,
     pub(super) log: &'a Log,
     pub(super) readings: &'a [SoilReading],
+    /// One per wheel.
+    pub(super) rows: &'a [WheelRows],
     /// With `--check`.
     pub(super) start: Option<StartOutcome>,
     pub(super) errors: Option<&'a [TruthError]>,
@@ -68,7 +72,7 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
         "longest_gap_s" "longest time between two samples" = found.summary.longest_gap_s;
         "window_s" "time over which means are taken" = found.summary.window_s;
         "wheels" "each wheel" named(wheel()) =
-            found.summary.wheels.iter().map(move |wheel| (wheel.name.as_str(), (wheel, found.readings)));
+            found.summary.wheels.iter().zip(found.rows).map(move |(wheel, rows)| (wheel.name.as_str(), (wheel, rows, found.readings)));
         "along" "slip along the track" group(along()) = &found.summary.along;
         "yaw" "turn by the wheels beside the turn as measured" group(yaw()) =
             Part::with(found.summary, found.summary.yaw.as_ref());
@@ -82,6 +86,7 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
             not_observable(found.summary.reference);
         "doubts" "why the result is doubtful" =
             found.summary.doubts().iter().map(ToString::to_string).collect::<Vec<_>>();
+        "reservations" "what holds of parts of the result, or of one wheel" = reservations(found);
         "odometry" "odometry" group(odometry()) = found.summary.odometry.as_ref();
         "soil" "what was learnt of the soil; null without `--learn-soil`" group(soil_text::soil()) =
             found.summary.soil.as_ref();
@@ -91,25 +96,31 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
         "files" "files that were read" = found.log.files().map(shown).collect::<Vec<_>>();
         "unused_files" "files that fit no table of the column map" =
             found.log.unused().iter().map(|path| shown(path)).collect::<Vec<_>>();
-        "topics" "topics that were used of bags and MCAP files" rows(topic()) = found.log.topics();
+        "topics" "topics that were used of bags and MCAP files" rows(topic()) =
+            found.log.topics().map(move |used| (used, found.summary.reference));
         "notes" "remarks about the log" = found.log.notes().to_vec();
         "left_out" "what was left out" group(left_out()) = found.log;
         "start_check" "whether units, signs and axes of the sensors agree" group(start_check()).optional() = found.start;
     }
 }
 
-fn wheel<'a>() -> Fields<'a, (&'a WheelSummary, &'a [SoilReading])> {
-    fields! { |of: (&'a WheelSummary, &'a [SoilReading])|
+fn wheel<'a>() -> Fields<'a, (&'a WheelSummary, &'a WheelRows, &'a [SoilReading])> {
+    fields! { |of: (&'a WheelSummary, &'a WheelRows, &'a [SoilReading])|
         join(spread()) = &of.0.slip;
         "states" "share of the time in each motion" values = Some(of.0.states.iter().copied());
         "healths" "share of the time in each health" values =
             Some(of.0.healths.iter().map(|(name, share)| (name.as_str(), *share)));
+        "healths_moving" "share of the time in which it moves in each health" values =
+            Some(of.1.healths_moving().map(|(health, share)| (health.to_string(), share)));
+        "inconsistent_s" "begin and end of the longest span in which it contradicts the others; null without" =
+            of.1.inconsistent_s().map(|span| span.to_vec());
+        "period_s" "median time between its readings" = of.1.period_s();
         "window_slip" "slip by the window estimator, where the filter's is doubtful" group(spread()) =
             of.0.window_slip.as_ref();
         "side_slip_angle_deg" "side slip angle" group(angle()) = &of.0.side_slip_angle;
         "is_reference" "whether the others are measured by it" = of.0.is_reference;
         "soil" "the wheel at its median slip and load on the soil" group(soil()) =
-            of.1.iter().find(|reading| reading.wheel == of.0.name);
+            of.2.iter().find(|reading| reading.wheel == of.0.name);
     }
 }
 
@@ -293,12 +304,20 @@ fn start_check<'a>() -> Fields<'a, StartOutcome> {
     }
 }
 
-fn topic<'a>() -> Fields<'a, UsedTopic> {
-    fields! { |used: UsedTopic|
-        "topic" "topic" = used.topic;
-        "type" "type" = used.type_name;
-        "used_for" "what it is used for" = used.used_for;
+/// A topic, and the reference of the estimate.
+fn topic<'a>() -> Fields<'a, (UsedTopic, Reference)> {
+    fields! { |of: (UsedTopic, Reference)|
+        "topic" "topic" = of.0.topic;
+        "type" "type" = of.0.type_name;
+        "used_for" "what it is used for" = of.0.used_for;
+        "is_other_reference" "whether it measures the motion of the robot, and the estimate uses another reference" =
+            is_other_reference(&of.0, of.1);
     }
+}
+
+/// Does a topic measure the robot's motion alone, beside the reference that is used?
+pub(super) fn is_other_reference(used: &UsedTopic, reference: Reference) -> bool {
+    !used.references.is_empty() && !used.references.contains(&reference)
 }
 
 fn left_out<'a>() -> Fields<'a, &'a Log> {

@@ -3,10 +3,13 @@
 use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_files::robot::RobotFile;
-use grouser_replay::{FusedSummary, SoilReading, Spread, Summary, TruthError, TurnCheck, UNKNOWN};
+use grouser_replay::{
+    EventAt, FusedSummary, Options, SoilReading, Spread, Summary, TruthError, TurnCheck, UNKNOWN,
+};
 use grouser_slip::{Motion, Reference};
 
-use super::object::{self, cause, event_name};
+use super::object::{self, Found, cause, event_name};
+use super::reservations::reservations;
 use grouser_report::{Fields, Table};
 
 /// At most this many events are printed; a file has all of them.
@@ -14,14 +17,15 @@ const EVENTS: usize = 10;
 
 pub(super) fn text(
     robot: &RobotFile,
-    summary: &Summary,
+    found: Found<'_>,
     soil: Option<&str>,
-    readings: &[SoilReading],
+    options: &Options,
 ) -> String {
+    let (summary, readings) = (found.summary, found.readings);
     let mut text = format!(
-        "{}: slip of {:.1} s, wheels by {}, reference: {}, {}\n\n",
+        "{}: slip of {}, wheels by {}, reference: {}, {}\n\n",
         robot.robot.name(),
-        summary.duration_s,
+        span(summary.duration_s, options),
         summary.wheel_sensor,
         summary.reference.name(),
         match &summary.fused {
@@ -30,7 +34,7 @@ pub(super) fn text(
             None => format!("windows of {} s", summary.window_s),
         },
     );
-    text.push_str(&observability(summary));
+    text.push_str(&observability(found));
     text.push_str(&wheels(summary));
     let along = &summary.along;
     if let Some((overall, travel_reference)) = along.overall.zip(along.travel_reference) {
@@ -103,6 +107,17 @@ pub(super) fn text(
     text
 }
 
+/// How much of a log was estimated.
+fn span(duration_s: f64, options: &Options) -> String {
+    let from_s = options.from_s.unwrap_or(0.0).max(0.0);
+    let to_s = options.to_s.unwrap_or(duration_s).min(duration_s);
+    if (from_s, to_s) == (0.0, duration_s) {
+        format!("{duration_s:.1} s")
+    } else {
+        format!("{:.1} s of {duration_s:.1} s", (to_s - from_s).max(0.0))
+    }
+}
+
 /// Did a reading of the reference change the filter's state?
 fn uses_reference(summary: &Summary) -> bool {
     let reference = summary.fused.as_ref().and_then(|fused| fused.reference);
@@ -110,9 +125,12 @@ fn uses_reference(summary: &Summary) -> bool {
 }
 
 /// What the log can show, and why the result is doubtful.
-fn observability(summary: &Summary) -> String {
+fn observability(found: Found<'_>) -> String {
+    let summary = found.summary;
     let doubts = summary.doubts();
     let doubts = doubts.iter().map(|doubt| format!("DOUBTFUL: {doubt}\n"));
+    let reservations = reservations(found).into_iter();
+    let doubts = doubts.chain(reservations.map(|line| format!("NOTE: {line}\n")));
     let delay = summary
         .reference_delay
         .filter(|delay| delay.is_clear && !delay.is_beyond_correction());
@@ -194,13 +212,22 @@ fn filter(fused: &FusedSummary, summary: &Summary) -> String {
         let (name, wheel) = event_name(at.change.event);
         let wheel = wheel.and_then(|wheel| summary.wheels.get(wheel));
         let of = wheel.map_or_else(String::new, |wheel| format!(" of {}", wheel.name));
-        let _ = writeln!(text, "{name}{of} from {:.1} s", at.time_s);
+        let end =
+            end(at, &fused.events).map_or_else(String::new, |end_s| format!(" to {end_s:.1} s"));
+        let _ = writeln!(text, "{name}{of} from {:.1} s{end}", at.time_s);
     }
     let more = begun.count().saturating_sub(EVENTS);
     if more > 0 {
         let _ = writeln!(text, "and {more} events more (`--json` lists them)");
     }
     text
+}
+
+/// When an event ended, s; `None` where no end is known.
+fn end(begun: &EventAt, events: &[EventAt]) -> Option<f64> {
+    let mut later = events.iter().filter(|at| at.time_s >= begun.time_s);
+    let ends = |at: &&EventAt| !at.change.begins && at.change.event == begun.change.event;
+    Some(later.find(ends)?.time_s)
 }
 
 /// A number with a true minus sign.

@@ -1,0 +1,75 @@
+//! What the rows of each wheel show beyond the summary.
+
+use grouser_replay::{Quantiles, Row};
+use grouser_slip::{Health, Invalid, Motion};
+
+/// Times between readings of a wheel are told apart up to this, s.
+const MAX_PERIOD_S: f64 = 10.0;
+
+/// The rows of one wheel.
+#[derive(Clone, Debug)]
+pub(super) struct WheelRows {
+    last_s: Option<f64>,
+    periods_s: Quantiles,
+    /// The time in each health while it moves, s.
+    healths: Vec<(Health, f64)>,
+    /// Spans in which it contradicts the others: the one that goes on, and the longest, s.
+    inconsistent: [Option<[f64; 2]>; 2],
+}
+
+impl WheelRows {
+    pub(super) fn new() -> Self {
+        Self {
+            last_s: None,
+            periods_s: Quantiles::new(0.0, MAX_PERIOD_S),
+            healths: Vec::new(),
+            inconsistent: [None; 2],
+        }
+    }
+
+    /// Takes a row; a longer time than `gap_s` since the last is a gap in the log, and no time in a health.
+    pub(super) fn take(&mut self, row: &Row<'_>, gap_s: f64) {
+        if let Some(last) = self.last_s.replace(row.time_s) {
+            let since = row.time_s - last;
+            self.periods_s.add(since);
+            if row.motion != Some(Motion::Standstill) && row.health != Health::Uninitialised {
+                self.add(row.health, since.min(gap_s));
+            }
+        }
+        let [now, longest] = &mut self.inconsistent;
+        if row.health == Health::Invalid(Invalid::Inconsistent) {
+            let since = now.map_or(row.time_s, |[since, _]| since);
+            *now = Some([since, row.time_s]);
+            let length = |span: Option<[f64; 2]>| span.map_or(-1.0, |[from, to]| to - from);
+            if length(*now) > length(*longest) {
+                *longest = *now;
+            }
+        } else {
+            *now = None;
+        }
+    }
+
+    fn add(&mut self, health: Health, seconds: f64) {
+        match self.healths.iter_mut().find(|(known, _)| *known == health) {
+            Some((_, sum)) => *sum += seconds,
+            None => self.healths.push((health, seconds)),
+        }
+    }
+
+    /// Share of the time in which it moves in each health.
+    pub(super) fn healths_moving(&self) -> impl Iterator<Item = (Health, f64)> {
+        let total: f64 = self.healths.iter().map(|(_, seconds)| seconds).sum();
+        let share = move |(health, seconds): &(Health, f64)| (*health, seconds / total);
+        self.healths.iter().filter(|(_, s)| *s > 0.0).map(share)
+    }
+
+    /// The longest span in which it contradicts the others, s.
+    pub(super) const fn inconsistent_s(&self) -> Option<[f64; 2]> {
+        self.inconsistent[1]
+    }
+
+    /// The median time between its readings, s.
+    pub(super) fn period_s(&self) -> Option<f64> {
+        self.periods_s.at(0.5)
+    }
+}
