@@ -326,7 +326,10 @@ int32_t grouser_push(GrouserOnBoard *on_board, int64_t now_ns, const GrouserSamp
 /* A wheel is steered by `angle_rad` to the left of its heading from now on. */
 int32_t grouser_set_steering_angle(GrouserOnBoard *on_board, uint32_t wheel, double angle_rad);
 
-/* Runs the control loop for a requested speed and heading, at a steady rate of 20 to 200 Hz. */
+/*
+ * Runs the control loop for a requested speed and heading, at a steady rate of 20 to 200 Hz.
+ * GROUSER_ERROR_VALUE: one of both is not finite, and the robot stands.
+ */
 int32_t grouser_tick(GrouserOnBoard *on_board, int64_t now_ns, double speed_m_per_s, double heading_rad);
 
 /* Copies out what is known of a wheel after the last push or tick. A silent sensor is noticed by the tick. */

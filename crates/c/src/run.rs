@@ -59,9 +59,6 @@ pub unsafe extern "C" fn grouser_tick(
     heading_rad: f64,
 ) -> i32 {
     let work = |object: &mut GrouserOnBoard| {
-        if !(speed_m_per_s.is_finite() && heading_rad.is_finite()) {
-            return Err(GROUSER_ERROR_VALUE);
-        }
         let request = Request {
             speed: speed_m_per_s,
             heading: heading_rad,
@@ -69,6 +66,10 @@ pub unsafe extern "C" fn grouser_tick(
         };
         let commands = object.on_board.tick(now_ns, request);
         object.commands.copy_from_slice(commands);
+        // the robot stands, whether the caller looks at this or not
+        if !(speed_m_per_s.is_finite() && heading_rad.is_finite()) {
+            return Err(GROUSER_ERROR_VALUE);
+        }
         Ok(())
     };
     // SAFETY: by this function's own condition

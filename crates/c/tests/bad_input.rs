@@ -440,6 +440,24 @@ fn numbers_that_are_none_are_refused_in_every_kind_and_what_comes_out_is_finite(
             assert!((wheel.slip - 0.2).abs() < 0.05, "{wheel:?}");
         }
     }
+    // a robot that drives stops by a request that is refused
+    let mut time_ns = 2_000_000_000;
+    let speeds = [0.1, f64::NAN].map(|requested| {
+        let mut command = GrouserCommand {
+            size: size::<GrouserCommand>(),
+            ..GrouserCommand::default()
+        };
+        for _ in 0..22 {
+            time_ns += 10_000_000;
+            // SAFETY: both are alive
+            unsafe {
+                grouser_tick(robot, time_ns, requested, 0.0);
+                assert_eq!(grouser_command(robot, 0, &raw mut command), GROUSER_OK);
+            }
+        }
+        command.rim_speed_m_per_s
+    });
+    assert!(speeds[0] > 0.05 && speeds[1] == 0.0, "{speeds:?}");
     // SAFETY: it is not used any more
     unsafe { grouser_free(robot) };
 }

@@ -156,12 +156,7 @@ fn a_requested_yaw_rate_turns_the_robot_as_rims_of_a_rigid_body() {
     settings.decides = Decides::Stops;
     settings.max_feedforward = 0.0;
     settings.max_turn = 0.5;
-    for (speed, yaw_rate, turns) in [
-        (0.2, 0.3, 0.3),
-        (0.2, 9.0, 0.5),
-        (0.0, -0.3, -0.3),
-        (0.2, f64::NAN, 0.0),
-    ] {
+    for (speed, yaw_rate, turns) in [(0.2, 0.3, 0.3), (0.2, 9.0, 0.5), (0.0, -0.3, -0.3)] {
         let mut controller = Controller::new(&robot(), settings).unwrap();
         for step in 0..300 {
             let seen = [0, 1, 2, 3].map(|i| rolling(controller.commands()[i].rim_speed));

@@ -1092,6 +1092,62 @@ fn a_yaw_rate_holds_the_course_that_the_robot_had() {
 }
 
 #[test]
+fn a_request_without_numbers_to_drive_by_stops_the_robot_and_says_so_once() {
+    let of = |speed, heading, yaw_rate| Request {
+        speed,
+        heading,
+        yaw_rate,
+    };
+    let (nan, infinite) = (f64::NAN, f64::INFINITY);
+    for (request, count) in [
+        (of(nan, 0.0, None), 1.0),
+        (of(infinite, 0.0, None), 1.0),
+        (of(0.2, nan, None), 1.0),
+        (of(0.2, -infinite, None), 1.0),
+        (of(0.2, 1.1e6, None), 1.0),
+        (of(nan, nan, None), 2.0),
+        (of(0.2, 0.0, Some(nan)), 1.0),
+        (of(nan, nan, Some(infinite)), 2.0),
+    ] {
+        let mut open = with_slip(0.1);
+        open.heading = Some(0.7);
+        open.request = request;
+        let (steps, decision) = open.until(Action::Stand, Reason::InvalidRequest);
+        assert_eq!((steps, decision.value, decision.limit), (1, count, 0.0));
+        open.quiet(300);
+        assert_eq!(
+            (motion(&open), open.controller.mode()),
+            ((0.0, 0.0), Mode::Forward)
+        );
+        // it drives on by the next one that is valid, and says again where one is not
+        open.request = of(SPEED_M_PER_S, 0.7, None);
+        open.quiet(100);
+        assert!(close(motion(&open).0, SPEED_M_PER_S));
+        open.request = request;
+        open.until(Action::Stand, Reason::InvalidRequest);
+    }
+    // a heading that does not count may be none
+    let mut open = with_slip(0.1);
+    open.request = of(SPEED_M_PER_S, nan, Some(0.0));
+    open.quiet(100);
+    assert!(close(motion(&open).0, SPEED_M_PER_S));
+}
+
+#[test]
+fn fast_robots_have_the_time_in_which_their_rims_reverse_to_back_out() {
+    // 20 m/s is the rims' limit: 8 · 1 m over it are 0.4 s, and reversing twice 40 m/s at 100 m/s² are 0.8 s
+    for requested in [1e300, 100.0, 29.0] {
+        let mut open = with_slip(0.1);
+        open.request.speed = requested;
+        dig(&mut open);
+        let end = (Action::End(Ending::Immobilised), Reason::NoProgress);
+        let (steps, value, limit) = back_out(&mut open, 0.0051, end);
+        assert!(at(steps, 80), "{requested}: {steps}");
+        assert!(value > limit && close(limit, 0.8), "{value}, limit {limit}");
+    }
+}
+
+#[test]
 fn what_decides_nothing_never_stops() {
     let mut settings = settings();
     settings.decides = Decides::Nothing;
@@ -1147,6 +1203,7 @@ fn names_are_distinct() {
         Action::BackOut,
         Action::Detour,
         Action::Resume,
+        Action::Stand,
     ];
     let reasons = [
         Reason::SlipHigh,
@@ -1164,6 +1221,7 @@ fn names_are_distinct() {
         Reason::SensorTimeout,
         Reason::Stall,
         Reason::EncoderReversed,
+        Reason::InvalidRequest,
     ];
     let modes = [
         Mode::Forward,

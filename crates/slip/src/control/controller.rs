@@ -3,7 +3,7 @@
 use alloc::{boxed::Box, vec};
 
 use super::command::{ControlOutput, WheelCommand};
-use super::decision::Mode;
+use super::decision::{Action, Decision, Mode, Reason};
 use super::decision_queue::DecisionQueue;
 use super::feedforward::Feedforward;
 use super::finite;
@@ -61,6 +61,8 @@ pub struct Controller {
     feedforward: Feedforward,
     watchdog: SensorWatchdog,
     decisions: DecisionQueue,
+    /// Were all numbers of the last request such that the robot can drive by them?
+    had_valid_request: bool,
 }
 
 impl Controller {
@@ -79,6 +81,7 @@ impl Controller {
             feedforward: Feedforward::default(),
             watchdog: SensorWatchdog::default(),
             decisions: DecisionQueue::default(),
+            had_valid_request: true,
         })
     }
 
@@ -149,6 +152,7 @@ impl Controller {
         let step = self.watchdog.step(input.time_ns);
         let mut robot = RobotObservation::new(input, &self.wheels);
         self.supervisor.set_requested_heading(&mut robot);
+        self.report_request(input.request.invalid_numbers());
         let silence = self.watchdog.update(robot.is_measured, step);
         self.supervisor
             .update(&self.settings, &robot, silence, step, &mut self.decisions);
@@ -177,5 +181,16 @@ impl Controller {
             slip: self.supervisor.slip(),
             decision: self.decisions.pop(input.time_ns),
         }
+    }
+
+    /// Reports that a request cannot be driven by, once.
+    fn report_request(&mut self, invalid: u8) {
+        let is_valid = invalid == 0;
+        if !is_valid && self.had_valid_request && self.mode() != Mode::Stopped {
+            let values = (f64::from(invalid), 0.0);
+            let decision = Decision::of_robot(Action::Stand, Reason::InvalidRequest, values);
+            self.decisions.push(decision);
+        }
+        self.had_valid_request = is_valid;
     }
 }

@@ -59,6 +59,8 @@ pub enum Action {
     Detour,
     /// Drive on as requested.
     Resume,
+    /// Stand until there is a request to drive by.
+    Stand,
     /// End the drive.
     End(Ending),
 }
@@ -97,6 +99,8 @@ pub enum Reason {
     Stall,
     /// A wheel turns against its command: its encoder counts the wrong way.
     EncoderReversed,
+    /// Numbers of the request are NaN, infinite, or a heading beyond all headings.
+    InvalidRequest,
 }
 
 /// A decision.
@@ -110,7 +114,8 @@ pub struct Decision {
     pub reason: Reason,
     /// The wheel that it is about; `None`: the robot.
     pub wheel: Option<usize>,
-    /// The quantity that the reason is about: a slip, a share, an angle in rad, a way in m or a time in s.
+    /// The quantity that the reason is about: a slip, a share, an angle in rad, a way in m, a time in s or
+    /// a number of things.
     pub value: f64,
     /// The limit that it passed.
     pub limit: f64,
@@ -174,6 +179,7 @@ impl Action {
             Self::SwitchSide => "switch side",
             Self::BackOut => "back out",
             Self::Detour => "detour",
+            Self::Stand => "stand",
             Self::Resume => "resume",
             Self::End(Ending::Immobilised) => "end: immobilised",
             Self::End(Ending::Tipping) => "end: tipping",
@@ -203,6 +209,7 @@ impl Reason {
             Self::SensorTimeout => "no usable slip or speed",
             Self::Stall => "the motor pushes, the wheel stands",
             Self::EncoderReversed => "the wheel turns against its command",
+            Self::InvalidRequest => "the request has invalid numbers",
         }
     }
 }

@@ -73,7 +73,8 @@ impl WheelObservation {
     }
 }
 
-/// The motion that is requested of the robot. A number that is NaN or infinite, or a heading beyond 10⁶ rad, counts as 0.
+/// The motion that is requested of the robot. Where a number that counts is NaN or infinite, or a heading beyond 10⁶ rad,
+/// the robot stands, with a decision to say so.
 ///
 /// ```
 /// use grouser_slip::control::Request;
@@ -91,6 +92,17 @@ pub struct Request {
     /// Yaw rate, to the left positive, rad/s; the robot then turns at it and `heading` does not count. `None`: it holds
     /// the heading.
     pub yaw_rate: Option<f64>,
+}
+
+impl Request {
+    /// How many of the numbers that count are invalid.
+    pub(super) fn invalid_numbers(&self) -> u8 {
+        let is_turned = match self.yaw_rate {
+            Some(rate) => rate.is_finite(),
+            None => angle(Some(self.heading)).is_some(),
+        };
+        u8::from(!self.speed.is_finite()) + u8::from(!is_turned)
+    }
 }
 
 /// What is known at one moment, and what is requested.
@@ -249,12 +261,14 @@ impl RobotObservation {
             heading: angle(input.heading),
             pitch: angle(input.pitch),
             roll: angle(input.roll),
-            request: Request {
-                speed: finite(Some(input.request.speed))
-                    .unwrap_or(0.0)
-                    .clamp(-MAX_SPEED_M_PER_S, MAX_SPEED_M_PER_S),
-                heading: angle(Some(input.request.heading)).unwrap_or(0.0),
-                yaw_rate: (input.request.yaw_rate).map(|rate| finite(Some(rate)).unwrap_or(0.0)),
+            request: if input.request.invalid_numbers() > 0 {
+                Request::default()
+            } else {
+                Request {
+                    speed: (input.request.speed).clamp(-MAX_SPEED_M_PER_S, MAX_SPEED_M_PER_S),
+                    heading: angle(Some(input.request.heading)).unwrap_or(0.0),
+                    ..input.request
+                }
             },
             is_measured: any_alive && speed.is_some(),
         }

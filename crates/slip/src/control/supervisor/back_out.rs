@@ -14,6 +14,8 @@ const MAX_IDLE_TIME_S: f64 = 10.0;
 const SLIP_RATE_PER_S: f64 = 0.1;
 /// Backing out fails after this multiple of its length over its speed.
 const MAX_TIME_FACTOR: f64 = 8.0;
+/// ... and not before this multiple of the time in which its rims reverse: the robot follows later.
+const REVERSAL_TIME_FACTOR: f64 = 2.0;
 /// Backing out slower than this share of the standstill speed is no movement; tuned on `soft-patch.toml`.
 const IDLE_SPEED_SHARE: f64 = 0.25;
 /// Backing out slower than this share of its setpoint is slow.
@@ -39,6 +41,11 @@ pub(super) struct BackOut {
 pub(super) fn backward_speed(robot: &RobotObservation, speed: f64) -> f64 {
     let sense = if robot.request.speed < 0.0 { -1.0 } else { 1.0 };
     -speed * sense
+}
+
+/// Speed at which the robot is to back out, m/s.
+fn setpoint_speed(settings: &ControlSettings, robot: &RobotObservation) -> f64 {
+    (settings.back_speed * robot.request.speed.abs()).min(settings.max_rim_speed)
 }
 
 impl BackOut {
@@ -67,7 +74,7 @@ impl BackOut {
         step: f64,
     ) {
         let backward = backward_speed(robot, speed);
-        let setpoint = settings.back_speed * robot.request.speed.abs();
+        let setpoint = setpoint_speed(settings, robot);
         self.idle_time = if backward < IDLE_SPEED_SHARE * STANDSTILL_SPEED_M_PER_S {
             self.idle_time + step
         } else {
@@ -101,8 +108,12 @@ impl BackOut {
                 Transition::to(next, Action::Traverse, Reason::BackedOut, values)
             });
         }
-        let speed = settings.back_speed * view.robot.request.speed.abs();
-        let max_time = MAX_TIME_FACTOR * length / speed.max(1e-3);
+        let speed = setpoint_speed(settings, view.robot);
+        // rims that ran at the requested speed first stop, and then run back
+        let forward = view.robot.request.speed.abs().min(settings.max_rim_speed);
+        let reversal = (forward + speed) / settings.max_acceleration;
+        let max_time =
+            (MAX_TIME_FACTOR * length / speed.max(1e-3)).max(REVERSAL_TIME_FACTOR * reversal);
         let values = if self.idle_time > MAX_IDLE_TIME_S {
             (self.idle_time, MAX_IDLE_TIME_S)
         } else if view.time > max_time {
