@@ -107,7 +107,7 @@ fn shape(draws: &mut Draws) -> GroundShape {
     };
     GroundShape::Generated {
         shape,
-        size: (draws.between(1.0, 99.0), draws.between(1.0, 99.0)),
+        size: (draws.between(2.0, 50.0), draws.between(2.0, 50.0)),
         cell: draws.between(0.01, 1.0),
     }
 }

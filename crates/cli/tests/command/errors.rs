@@ -362,7 +362,7 @@ fn what_a_scenario_describes_is_refused_with_its_file_and_numbers() {
     let folder = Folder::new();
     let error = drive(&folder, "size_x_m = 6.0", "size_x_m = 1e-5");
     assert!(
-        error["message"].as_str().unwrap().contains("s.toml: "),
+        error["message"].as_str().unwrap().contains("s.toml:7:12: "),
         "{error}"
     );
     assert!(error["file"].as_str().unwrap().ends_with("s.toml"));
@@ -388,6 +388,78 @@ fn what_a_scenario_describes_is_refused_with_its_file_and_numbers() {
         message.contains("1e308") && message.len() < 200,
         "{message}"
     );
+}
+
+#[test]
+fn numbers_of_the_ground_and_of_faults_are_refused_at_their_keys() {
+    let folder = Folder::new();
+    let ground = |key: &str, value: f64| {
+        let from = "soil = \"soft\"";
+        drive(&folder, from, &format!("{from}\n{key} = {value}"))
+    };
+    let fault = |keys: &str| {
+        let from = "[[leg]]";
+        drive(&folder, from, &format!("[[fault]]\n{keys}\n{from}"))
+    };
+    // 10^5 nodes along a side, 2^25 in all: beside 80 001 columns 419 rows
+    for (error, field, limit) in [
+        (
+            drive(&folder, "size_x_m = 6.0", "size_x_m = 100000"),
+            "size_x_m",
+            [0.1, 4999.95],
+        ),
+        (
+            drive(&folder, "size_y_m = 4.0", "size_y_m = 0.01"),
+            "size_y_m",
+            [0.1, 4999.95],
+        ),
+        (
+            drive(
+                &folder,
+                "size_x_m = 6.0\nsize_y_m = 4.0",
+                "size_x_m = 4000\nsize_y_m = 4000",
+            ),
+            "size_y_m",
+            [0.1, 20.9],
+        ),
+        (ground("cell_m", 2000.0), "cell_m", [0.001, 1000.0]),
+        (
+            ground("packing_depth_m", 11.0),
+            "packing_depth_m",
+            [1e-4, 10.0],
+        ),
+        (
+            ground("packing_depth_m", 1e-5),
+            "packing_depth_m",
+            [1e-4, 10.0],
+        ),
+        (
+            ground("scatter_length_m", 2e4),
+            "scatter_length_m",
+            [1e-3, 1e4],
+        ),
+        (
+            fault("kind = \"pulse-loss\"\nfrom_s = 1\nvalue = 1.5"),
+            "value",
+            [0.0, 1.0],
+        ),
+        (
+            fault("kind = \"motor-off\"\nfrom_s = 3\nto_s = 2"),
+            "to_s",
+            [3.0, 1e9],
+        ),
+    ] {
+        assert_eq!(error["field"], json!(field), "{error}");
+        for (found, own) in error["limit"].as_array().unwrap().iter().zip(limit) {
+            assert!(
+                (found.as_f64().unwrap() - own).abs() <= 1e-9 * own,
+                "{error}"
+            );
+        }
+        assert!(error["line"].as_u64() > Some(5), "{error}");
+        let message = error["message"].as_str().unwrap();
+        assert!(message.contains(&format!("`{field}` is")), "{message}");
+    }
 }
 
 #[test]

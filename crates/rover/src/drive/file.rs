@@ -15,7 +15,10 @@ use super::scenario::{
 };
 use crate::dynamics::STEP_LIMITS_S;
 use crate::error::{Error, Result};
-use crate::ground::{Craters, HeightFile, Packing, Place, Rocks, Shape};
+use crate::ground::{
+    CELL_LIMITS_M, Craters, HeightFile, PACKING_DEPTH_LIMITS_M, Packing, Place, Rocks,
+    SCATTER_LENGTH_LIMITS_M, Shape, max_width, side_limits,
+};
 use crate::robot::RobotModel;
 use crate::sensors::{FaultKind, FaultWindow, Schedule, SensorSettings};
 
@@ -255,9 +258,13 @@ fn read_ground(
     let standard = Packing::default();
     let packing = Packing {
         gain: or("packing", (0.0, 10.0), standard.gain)?,
-        depth: or("packing_depth_m", LENGTH_LIMITS_M, standard.depth)?,
+        depth: or("packing_depth_m", PACKING_DEPTH_LIMITS_M, standard.depth)?,
         scatter: or("scatter", (0.0, 1.0), standard.scatter)?,
-        scatter_length: or("scatter_length_m", LENGTH_LIMITS_M, standard.scatter_length)?,
+        scatter_length: or(
+            "scatter_length_m",
+            SCATTER_LENGTH_LIMITS_M,
+            standard.scatter_length,
+        )?,
         multi_pass: s.section("multi_pass", read_multi_pass)?,
         settling_way: or("settling_way_m", (0.0, 10.0), standard.settling_way)?,
     };
@@ -315,7 +322,7 @@ fn read_shape(s: &Section<'_>, beside: &Path) -> Result<GroundShape> {
     if matches!(kind, Kind::File) {
         return Ok(GroundShape::File(HeightFile {
             path: beside.join(s.text("file")?),
-            cell: s.optional_number("cell_m", LENGTH_LIMITS_M)?,
+            cell: s.optional_number("cell_m", CELL_LIMITS_M)?,
             height_step: s
                 .optional_number("height_step_m", LENGTH_LIMITS_M)?
                 .unwrap_or(0.001),
@@ -347,13 +354,15 @@ fn read_shape(s: &Section<'_>, beside: &Path) -> Result<GroundShape> {
         }
         Kind::Flat | Kind::File => Shape::Flat,
     };
+    let cell = s.optional_number("cell_m", CELL_LIMITS_M)?.unwrap_or(0.05);
+    let sides = side_limits(cell);
+    let length = s.number("size_x_m", sides)?;
+    let widest = max_width(length, cell).min(sides.1);
+    let width = s.number("size_y_m", (sides.0, widest))?;
     Ok(GroundShape::Generated {
         shape,
-        size: (
-            s.number("size_x_m", LENGTH_LIMITS_M)?,
-            s.number("size_y_m", LENGTH_LIMITS_M)?,
-        ),
-        cell: s.optional_number("cell_m", (1e-3, 1e3))?.unwrap_or(0.05),
+        size: (length, width),
+        cell,
     })
 }
 
@@ -417,15 +426,17 @@ fn read_control(s: &Section<'_>) -> Result<Control> {
 }
 
 fn read_faults(root: &Section<'_>, robot: &RobotModel) -> Result<Schedule> {
-    let kinds = FaultKind::NAMES.map(|(name, kind, _)| (name, kind));
+    let kinds = FaultKind::NAMES.map(|(name, kind, limits)| (name, (kind, limits)));
     let texts = root.sections("fault", |s| {
-        let value = s.optional_number("value", ANY_NUMBER)?.unwrap_or(0.0);
+        let (kind, limits) = s.choice("kind", &kinds)?;
+        let from = s.number("from_s", (0.0, 1e9))?;
         let window = FaultWindow {
-            kind: s.choice("kind", &kinds)?,
+            kind,
             wheel: None,
-            from: s.number("from_s", (0.0, 1e9))?,
-            to: s.optional_number("to_s", (0.0, 1e9))?.unwrap_or(1e9),
-            value,
+            from,
+            to: s.optional_number("to_s", (from, 1e9))?.unwrap_or(1e9),
+            // where a kind needs a value and has none, the schedule says so
+            value: s.optional_number("value", limits)?.unwrap_or(0.0),
         };
         Ok((window, s.optional_text("wheel")?.map(str::to_owned)))
     })?;

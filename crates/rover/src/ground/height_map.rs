@@ -6,8 +6,30 @@ use crate::error::{Error, Result};
 
 /// Greatest number of cells of a map.
 pub(crate) const MAX_CELLS: usize = 1 << 25;
+/// Greatest number of nodes along a side.
+const MAX_SIDE_NODES: f64 = 1e5;
 /// Distance of its nodes, m.
 pub(crate) const CELL_LIMITS_M: (f64, f64) = (1e-3, 1e3);
+
+/// Limits of a side, m.
+pub(crate) fn side_limits(cell: f64) -> (f64, f64) {
+    (2.0 * cell, MAX_SIDE_NODES * cell - cell)
+}
+
+/// The greatest other side (m) of a map whose one side is `length` long, by the number of its nodes.
+pub(crate) fn max_width(length: f64, cell: f64) -> f64 {
+    (MAX_CELLS / side_nodes(length, cell)).saturating_sub(1) as f64 * cell
+}
+
+/// Nodes along a side.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a side within its limits has 3 to 1e5 nodes"
+)]
+fn side_nodes(length: f64, cell: f64) -> usize {
+    (length / cell).round() as usize + 1
+}
 
 /// Heights at the nodes of a square grid, between which they are bilinear. Beyond the edge the edge goes on.
 ///
@@ -94,11 +116,11 @@ impl HeightMap {
         Error::check(of, "origin x", origin.0, far, "m")?;
         Error::check(of, "origin y", origin.1, far, "m")?;
         Error::check(of, "cell", cell, CELL_LIMITS_M, "m")?;
-        Error::check(of, "columns", columns as f64, (2.0, 1e5), "1")?;
+        Error::check(of, "columns", columns as f64, (2.0, MAX_SIDE_NODES), "1")?;
         let most = MAX_CELLS as f64;
         Error::check(of, "cells", heights.len() as f64, (4.0, most), "1")?;
         let rows = heights.len() / columns;
-        Error::check(of, "rows", rows as f64, (2.0, 1e5), "1")?;
+        Error::check(of, "rows", rows as f64, (2.0, MAX_SIDE_NODES), "1")?;
         let odd = heights.len() - rows * columns;
         Error::check(of, "cells beyond the last row", odd as f64, (0.0, 0.0), "1")?;
         for height in &heights {
@@ -172,15 +194,9 @@ impl HeightMap {
     ) -> Result<Self> {
         let of = "ground";
         Error::check(of, "cell", cell, CELL_LIMITS_M, "m")?;
-        Error::check(of, "size_x", size.0, (2.0 * cell, 1e5 * cell), "m")?;
-        Error::check(of, "size_y", size.1, (2.0 * cell, 1e5 * cell), "m")?;
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "between 2 and 1e5, as just checked"
-        )]
-        let count = |length: f64| (length / cell).round() as usize + 1;
-        let (columns, rows) = (count(size.0), count(size.1));
+        Error::check(of, "size_x", size.0, side_limits(cell), "m")?;
+        Error::check(of, "size_y", size.1, side_limits(cell), "m")?;
+        let (columns, rows) = (side_nodes(size.0, cell), side_nodes(size.1, cell));
         let most = MAX_CELLS as f64;
         Error::check(of, "cells", columns as f64 * rows as f64, (4.0, most), "1")?;
         let origin = (0.0, -0.5 * (rows - 1) as f64 * cell);

@@ -12,6 +12,7 @@ pub use file::{
     GeoTiff, Georeference, HeightFile, PiecePlace, Raster, parse_heights, read_heights, read_raster,
 };
 pub use height_map::HeightMap;
+pub(crate) use height_map::{CELL_LIMITS_M, max_width, side_limits};
 pub use noise::Noise;
 pub use passes::Track;
 pub use shape::{Rocks, Shape};
@@ -27,6 +28,10 @@ pub use crate::terrain_fault::{NoCell, TerrainFault};
 /// A wheel that comes back to a cell after this many cells of its way has passed it anew: the strips that it presses in
 /// one pass touch each other.
 const PASS_WAY_CELLS: f64 = 4.0;
+/// The depth of packing, m.
+pub(crate) const PACKING_DEPTH_LIMITS_M: (f64, f64) = (1e-4, 10.0);
+/// The length over which soil scatters, m.
+pub(crate) const SCATTER_LENGTH_LIMITS_M: (f64, f64) = (1e-3, 1e4);
 
 /// Where a soil lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -251,10 +256,22 @@ impl Ground {
     /// [`Error::OutOfRange`].
     pub fn pack(&mut self, packing: Packing, seed: u64) -> Result<()> {
         Error::check("ground", "packing", packing.gain, (0.0, 10.0), "1")?;
-        Error::check("ground", "packing_depth", packing.depth, (1e-4, 10.0), "m")?;
+        Error::check(
+            "ground",
+            "packing_depth",
+            packing.depth,
+            PACKING_DEPTH_LIMITS_M,
+            "m",
+        )?;
         Error::check("ground", "scatter", packing.scatter, (0.0, 1.0), "1")?;
         let length = packing.scatter_length;
-        Error::check("ground", "scatter_length", length, (1e-3, 1e4), "m")?;
+        Error::check(
+            "ground",
+            "scatter_length",
+            length,
+            SCATTER_LENGTH_LIMITS_M,
+            "m",
+        )?;
         let way = packing.settling_way;
         Error::check("ground", "settling_way", way, (0.0, 10.0), "m")?;
         if packing.multi_pass.is_some() && packing.gain > 0.0 {
