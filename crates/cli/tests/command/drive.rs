@@ -230,6 +230,13 @@ fn a_recording_and_a_table_of_one_drive_give_the_same_slips() {
     for log in &logs {
         grouser(["drive", &scenario, "-o", log]).assert_done();
     }
+    let both = ["both.csv", "both.mcap"].map(|name| folder.path(name).display().to_string());
+    let said = grouser(["drive", &scenario, "-o", &both[0], "-o", &both[1]]).assert_done();
+    for (own, other) in both.iter().zip(&logs) {
+        assert!(said.out.contains(&format!("wrote `{own}`")), "{said:?}");
+        let [own, other] = [own, other].map(|path| std::fs::read(path).unwrap());
+        assert!(own == other && own.len() > 1000, "one drive, two logs");
+    }
     let estimate = |log: &str, sensor: &str| {
         let arguments = [
             "estimate",

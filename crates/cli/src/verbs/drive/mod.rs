@@ -59,9 +59,10 @@ pub(crate) struct Arguments {
     sweep: u64,
     #[command(flatten)]
     report: ReportFlag,
-    /// Write the log of the sensors (.csv, .mcap), which `estimate` reads; of the last named driver and the first seed
+    /// Write the log of the sensors (.csv, .mcap), which `estimate` reads; of the last named driver and the first seed; may be
+    /// given several times
     #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
+    output: Vec<PathBuf>,
 }
 
 /// Most seeds of a sweep.
@@ -93,10 +94,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let first = arguments.seed.unwrap_or(scenario.seed);
     session.used_seed(first);
     let optimum = scenario.slip_setpoint()?;
-    let log = match &arguments.output {
-        Some(path) => Some(Log::begin(path, &scenario)?),
-        None => None,
-    };
+    let outputs = arguments.output.iter();
+    let logs = outputs
+        .map(|path| Log::begin(path, &scenario))
+        .collect::<Result<Vec<_>>>()?;
     let jobs = Jobs {
         pilots: &pilots,
         optimum,
@@ -104,8 +105,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         sweep: arguments.sweep,
     };
     // what the ground or the robot of a scenario lacks shows itself where it is built
-    let driven = drive_all(&scenario, &jobs, log);
-    let (runs, log) = driven.map_err(|error| error.in_file(path))?;
+    let driven = drive_all(&scenario, &jobs, logs);
+    let (runs, logs) = driven.map_err(|error| error.in_file(path))?;
     let mut text = text::text(&scenario, optimum, &runs);
     let object = object::fields().object(Drives {
         scenario: &scenario,
@@ -113,7 +114,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         seed: first,
         runs: &runs,
     });
-    if let Some(log) = log {
+    for log in logs {
         text.push_str(&log.finish()?);
     }
     if let Some(file) = report {
@@ -146,13 +147,9 @@ struct Jobs<'a> {
     sweep: u64,
 }
 
-/// Every driver with every seed, on all cores; in the order of drivers, then seeds. The log is of the last driver
-/// and the first seed.
-fn drive_all(
-    scenario: &Scenario,
-    jobs: &Jobs<'_>,
-    log: Option<Log>,
-) -> Result<(Vec<Run>, Option<Log>)> {
+/// Every driver with every seed, on all cores; in the order of drivers, then seeds. The logs are of the last
+/// driver and the first seed.
+fn drive_all(scenario: &Scenario, jobs: &Jobs<'_>, logs: Vec<Log>) -> Result<(Vec<Run>, Vec<Log>)> {
     let first = jobs.first;
     let list: Vec<(Pilot, u64)> = jobs
         .pilots
@@ -163,7 +160,7 @@ fn drive_all(
     let logged = list.len() - seeds;
     let whole = scenario.duration * list.len() as f64;
     let progress = Progress::of_drives(whole, list.len());
-    let log = Mutex::new(log);
+    let logs = Mutex::new(logs);
     // a drive that plans its way has tables of its own
     let tables = match scenario.plan {
         Some(_) => SoilTables::default(),
@@ -175,18 +172,18 @@ fn drive_all(
         .map(|(index, (pilot, seed))| {
             let mut seen = (seed == first).then(DriveRecorder::default);
             // one run alone holds the lock, for as long as it drives
-            let mut log = (index == logged).then(|| log.lock().ok()).flatten();
+            let mut logs = (index == logged).then(|| logs.lock().ok()).flatten();
             let mut failed = None;
             let mut reported = 0.0;
             let mut see = |frame: &Frame<'_>| {
                 if let Some(seen) = &mut seen {
                     seen.add(frame);
                 }
-                if let Some(log) = log.as_deref_mut().and_then(Option::as_mut)
-                    && let Err(error) = log.add(frame)
-                {
-                    failed = Some(log.refused(&error));
-                    return false;
+                for log in logs.as_deref_mut().into_iter().flatten() {
+                    if let Err(error) = log.add(frame) {
+                        failed = Some(log.refused(&error));
+                        return false;
+                    }
                 }
                 if frame.time - reported >= 1.0 {
                     progress.drove(
@@ -220,7 +217,7 @@ fn drive_all(
             }
         })
         .collect::<Result<Vec<Run>>>()?;
-    Ok((runs, log.into_inner().ok().flatten()))
+    Ok((runs, logs.into_inner().unwrap_or_default()))
 }
 
 /// The slips of the same drive on ground that obeys the estimator's own laws, for a scenario with `world_laws`.
