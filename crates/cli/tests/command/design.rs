@@ -53,6 +53,25 @@ fn the_written_robot_climbs_as_the_design_says() {
         assert!(off.abs() < 1e-6, "{key}: {off}");
     }
     assert!(number(&climbed, "steepest_slope_deg") > 8.0);
+    // The present wheel is that of the file, with its mass there.
+    let climbed = grouser([
+        "climb",
+        "--robot",
+        ROBOT,
+        "--soil",
+        "dry-sand",
+        "--gravity-m-per-s2",
+        "mars",
+        "--json",
+    ]);
+    let level = &climbed.assert_done().json()["steps"][0];
+    let present = &made["present"];
+    for key in ["slip", "energy_j_per_m", "sinkage_m"] {
+        let off = number(level, key) / number(&present["stations"][0], key) - 1.0;
+        assert!(off.abs() < 1e-6, "present {key}: {off}");
+    }
+    assert_eq!(number(present, "wheel_mass_kg"), 0.8);
+    assert!(number(&made, "present_formula_mass_kg") > 0.9);
     // The mass of the formula is in the file.
     let text = std::fs::read_to_string(&robot).unwrap();
     assert!(

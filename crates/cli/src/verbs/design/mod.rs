@@ -144,9 +144,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     );
     request.complete(&mut params);
     params.also_radius = Some(carrier.present.radius);
-    let mission = MissionProfile::new(params, |radius, mass, shift| {
-        carrier.standing((radius, mass, shift), &request.slopes)
-    })?;
+    let stand = |radius, mass, shift| carrier.standing((radius, mass, shift), &request.slopes);
+    let present = of_file(params.clone(), &carrier);
+    let mission = MissionProfile::new(params, stand)?;
+    let present = MissionProfile::new(present, stand)?.evaluate(&carrier.present)?;
     let mut settings = FrontSettings::default();
     request.settings(&mut settings);
     session.used_seed(settings.seed);
@@ -162,7 +163,6 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     })?;
     drop(bar);
     drop(search);
-    let present = mission.evaluate(&carrier.present)?;
     let checked = Checked::new(&carrier, &mission, &front)?;
     let designed = Designed {
         mission: &mission,
@@ -219,6 +219,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         failure,
         warnings,
     })
+}
+
+/// The same mission for the present wheel with the mass that the robot file gives it, whatever the formula says of it.
+fn of_file(mut params: MissionParams, carrier: &Carrier) -> MissionParams {
+    params.mass_formula = carrier.present_mass.to_string();
+    params
 }
 
 /// Why no wheel is chosen.

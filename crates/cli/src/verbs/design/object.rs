@@ -15,7 +15,7 @@ pub(super) struct Designed<'a> {
     /// Where the numbers of each soil come from.
     pub(super) sources: &'a [String],
     pub(super) front: &'a MissionFront,
-    /// The present wheel on the same mission, its mass by the formula.
+    /// The present wheel on the same mission, its mass by the robot file.
     pub(super) present: &'a DesignPoint,
     pub(super) checked: &'a Checked,
 }
@@ -68,8 +68,9 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Designed<'a>> {
         "chosen" "the chosen wheel" group(point()) = of.chosen().map(|point| Point(point, of));
         "nearest" "where no wheel has the reserve everywhere: the one whose least reserve is greatest" group(point()) =
             of.front.nearest.as_ref().map(|point| Point(point, of));
-        "present" "the present wheel, its mass by the formula" group(point()) = Point(of.present, of);
-        "present_mass_kg" "mass of the present wheel by the robot file" = of.carrier.present_mass;
+        "present" "the present wheel, its mass by the robot file" group(point()) = Point(of.present, of);
+        "present_formula_mass_kg" "mass that the formula gives the present wheel" =
+            of.mission.wheel_mass(&of.carrier.present);
         "difference" "greatest difference of an energy from the solver of climb, share of it" = of.checked.difference;
         "cautions" "what to keep in mind about the chosen wheel on any slope" =
             of.checked.cautions.keys().map(|caution| caution.key()).collect::<Vec<_>>();

@@ -74,9 +74,9 @@ impl Designed<'_> {
             {
                 write!(
                     out,
-                    ", the present one {} J/m with the formula's mass of {} kg",
-                    rounded(energy, 4),
-                    rounded(self.present.wheel_mass, 4)
+                    ", the present one of {} kg {} J/m",
+                    rounded(self.present.wheel_mass, 4),
+                    rounded(energy, 4)
                 )
             }
             _ => write!(
@@ -155,7 +155,7 @@ impl Designed<'_> {
     /// What the numbers do not say by themselves.
     pub(super) fn warnings(&self, touching_radius: Option<f64>) -> Vec<String> {
         let mut list = Vec::new();
-        let by_formula = self.present.wheel_mass;
+        let by_formula = self.mission.wheel_mass(&self.carrier.present);
         let by_file = self.carrier.present_mass;
         if !((by_formula / by_file - 1.0).abs() <= MAX_MASS_DIFFERENCE) {
             list.push(format!(
