@@ -8,6 +8,7 @@
 
 mod climb;
 mod closed_form;
+mod control_page;
 mod drive;
 mod learnt_soil;
 mod pooled_drives;
