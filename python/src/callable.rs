@@ -1,5 +1,6 @@
 //! Functions written in Python as a model of the optimiser.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -17,6 +18,15 @@ pub(crate) struct Failure(Arc<(AtomicBool, Mutex<Option<PyErr>>)>);
 impl Failure {
     pub(crate) fn is_set(&self) -> bool {
         self.0.0.load(Ordering::Acquire)
+    }
+
+    /// What a solver's callback returns: nothing goes on after a failure.
+    pub(crate) fn goes_on(&self) -> ControlFlow<()> {
+        if self.is_set() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     }
 
     /// Ends the calls; the first error is kept.

@@ -7,8 +7,8 @@ use grouser::design::{self, Answer, Design};
 use grouser::files::Document;
 use grouser::opt::{
     Counts, Front, LinearConstraint, Measure, Method, MultiStart, ParetoSettings, Problem,
-    ProblemParams, Relation, Settings, Solution, Status, Variable, World, multi_start, pareto,
-    robust, solve_with,
+    ProblemParams, Relation, Settings, Solution, Status, Variable, World, multi_start_with,
+    pareto_with, robust, solve_with,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -159,10 +159,12 @@ pub(crate) fn solve<'py>(
     let solution = py.detach(|| {
         parts.with_problem(&failure, |problem| {
             let mut callback = |state: &grouser::opt::Progress<'_>| {
-                let Some(progress) = &progress else {
-                    return ControlFlow::Continue(());
-                };
                 let result = Python::attach(|py| {
+                    // a large subproblem calls no function for minutes
+                    py.check_signals()?;
+                    let Some(progress) = &progress else {
+                        return Ok(true);
+                    };
                     let point = (
                         state.iteration,
                         state.x.to_vec(),
@@ -173,7 +175,7 @@ pub(crate) fn solve<'py>(
                     Ok::<_, PyErr>(goes_on.is_none() || goes_on.is_truthy()?)
                 });
                 match result {
-                    Ok(true) => ControlFlow::Continue(()),
+                    Ok(true) => failure.goes_on(),
                     Ok(false) => ControlFlow::Break(()),
                     Err(error) => {
                         failure.set(Some(error));
@@ -205,7 +207,9 @@ pub(crate) fn solve_many<'py>(
         threads,
         move || {
             parts.with_problem(&inner, |problem| {
-                multi_start(problem, &method, &settings, starts, seed)
+                multi_start_with(problem, &method, &settings, (starts, seed), &mut |_| {
+                    inner.goes_on()
+                })
             })
         },
         || failure.set(None),
@@ -249,14 +253,21 @@ pub(crate) fn solve_front<'py>(
     settings.seed = seed;
     settings.solve = parts.settings();
     let inner = failure.clone();
+    let objectives = parts.objectives.len();
     let front = workers::interruptible(
         py,
         threads,
-        move || parts.with_problem(&inner, |problem| pareto(problem, &settings)),
+        move || {
+            parts.with_problem(&inner, |problem| {
+                pareto_with(problem, &settings, &mut |_| inner.goes_on())
+            })
+        },
         || failure.set(None),
     )?;
     failure.raise()?;
-    front_dict(py, &front?)
+    let dict = front_dict(py, &front?)?;
+    dict.set_item("objective_count", objectives)?;
+    Ok(dict)
 }
 
 fn front_dict<'py>(py: Python<'py>, front: &Front) -> PyResult<Bound<'py, PyDict>> {
@@ -348,13 +359,7 @@ pub(crate) fn solve_file<'py>(
         py,
         threads,
         move || {
-            let answer = design.solve_with(&mut |_| {
-                if inner.is_set() {
-                    ControlFlow::Break(())
-                } else {
-                    ControlFlow::Continue(())
-                }
-            });
+            let answer = design.solve_with(&mut |_| inner.goes_on());
             (design, answer)
         },
         || stop.set(None),
@@ -411,6 +416,7 @@ fn answer_dict<'py>(
             dict.set_item("x", x)?;
             dict.set_item("objectives", objectives)?;
             dict.set_item("multipliers", multipliers)?;
+            dict.set_item("objective_count", design.objectives.len())?;
             dict.set_item("knee", trade.knee)?;
             dict.set_item("violation", trade.violation)?;
             dict.set_item("counts", counts_dict(py, &trade.counts)?)?;

@@ -77,6 +77,45 @@ def test_a_front_in_closed_form() -> None:
     np.testing.assert_allclose(np.sqrt(front.objectives).sum(axis=1), 2.0, atol=1e-6)
 
 
+def test_a_front_without_a_feasible_point_is_empty_and_says_so() -> None:
+    f = lambda x: [x[0], x[1]]  # noqa: E731
+    box = {"start": [0.5, 0.5], "lower": 0.0, "upper": 1.0, "population": 12, "generations": 2}
+    front = optimize.pareto(f, inequalities=lambda x: [1.0 + x[0]], **box)
+    assert (front.status, front.x.shape, front.objectives.shape) == ("no_feasible_point", (0, 2), (0, 2))
+    assert front.violation == pytest.approx(1.0, abs=0.5) and front.knee is None
+    assert optimize.pareto(f, **box).status == "converged"
+    text = """
+    method = "pareto"
+    [variables]
+    x = { start = 0.5, lower = 0.0, upper = 1.0 }
+    [objectives]
+    f = "x"
+    g = "1 - x"
+    [constraints]
+    c = "x >= 2"
+    """
+    found = optimize.solve_text(text)
+    assert (found.status, found.x.shape, found.objectives.shape) == ("no_feasible_point", (0, 1), (0, 2))
+
+
+def test_ctrl_c_ends_a_search_in_many_variables() -> None:
+    """All 450 bounds hold at first and leave one by one, which takes half a minute without any call of the function."""
+    main = threading.main_thread().ident
+    assert main is not None
+    fired: list[float] = []
+
+    def interrupt() -> None:
+        fired.append(time.monotonic())
+        signal.pthread_kill(main, signal.SIGINT)
+
+    timer = threading.Timer(2.0, interrupt)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        optimize.minimax(lambda x: [float(((x - 0.1) ** 2).sum())], start=np.full(450, 0.5), lower=0.0, upper=1.0)
+    assert time.monotonic() - fired[0] < 1.0
+    timer.join()
+
+
 def test_robust_measures_in_closed_form() -> None:
     f = lambda x, a: [(x[0] - a) ** 2]  # noqa: E731
     worst = optimize.robust(f, worlds=[0.0, 1.0, 4.0], start=[0.5])

@@ -149,6 +149,11 @@ class Front:
     names: tuple[str, ...] = ()
     """The names of the variables."""
 
+    @property
+    def status(self) -> str:
+        """`converged`, or `no_feasible_point` where the front is empty."""
+        return "converged" if len(self.x) else "no_feasible_point"
+
 
 def _vector(name: str, value: Any) -> FloatArray:
     array = as_floats(name, value)
@@ -458,9 +463,13 @@ def chebyshev(
 
 def _front(found: dict[str, Any], names: Sequence[str]) -> Front:
     multipliers = [None if row is None else np.asarray(row) for row in found["multipliers"]]
+    x, objectives = np.array(found["x"], np.float64), np.array(found["objectives"], np.float64)
+    if not x.size:
+        # an empty front has its columns, too
+        x, objectives = np.empty((0, len(names))), np.empty((0, found["objective_count"]))
     return Front(
-        x=np.asarray(found["x"], dtype=np.float64),
-        objectives=np.asarray(found["objectives"], dtype=np.float64),
+        x=x,
+        objectives=objectives,
         multipliers=multipliers,
         knee=found["knee"],
         violation=found["violation"],

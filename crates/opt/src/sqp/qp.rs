@@ -75,7 +75,8 @@ pub(super) struct QpSolution {
     pub(super) blends: Vec<Blend>,
 }
 
-/// The callback is called after about this many products, a tenth of a second: subproblems of thousands of rows take minutes.
+/// The callback is called after about this many products, a tenth of a second: of thousands of rows one
+/// factorisation takes a minute.
 const PRODUCTS_PER_CALL: usize = 100_000_000;
 /// Residuals below this times the size of their terms are rounding.
 const ROUNDING_SHARE: f64 = 1e-12;
@@ -88,7 +89,7 @@ struct Pace<'a> {
 }
 
 impl Pace<'_> {
-    /// Did `stop` end the search before a round of `products`?
+    /// Did `stop` end the search before these `products`?
     fn is_stopped(&mut self, products: usize) -> bool {
         self.products += products;
         if self.products <= PRODUCTS_PER_CALL {
@@ -208,11 +209,11 @@ impl Qp<'_> {
             // Inner loop: go to the best multipliers of the working set, leaving rows behind at bounds.
             loop {
                 rounds += 1;
-                stopped = pace.is_stopped(members.len() * members.len() * self.n());
-                if stopped {
+                let subspace = Subspace::new(&members, &held, &u, self.n());
+                let Some(outcome) = subspace.solve(|products| pace.is_stopped(products)) else {
+                    stopped = true;
                     break 'rounds;
-                }
-                let outcome = Subspace::new(&members, &held, &u, self.n()).solve();
+                };
                 let (direction, length) = match outcome {
                     Outcome::Best { y, gamma, targets } => {
                         step = self.factor.backward(&y);

@@ -65,7 +65,8 @@ impl<'a> Subspace<'a> {
         }
     }
 
-    pub(super) fn solve(&self) -> Outcome {
+    /// The solution; `None` where `is_stopped` of the products that come next is true.
+    pub(super) fn solve(&self, mut is_stopped: impl FnMut(usize) -> bool) -> Option<Outcome> {
         let others: Vec<usize> = (0..self.members.len())
             .filter(|&i| Some(i) != self.base)
             .collect();
@@ -74,6 +75,10 @@ impl<'a> Subspace<'a> {
         let mut r = vec![0.0; k * k];
         let mut b_hat = Vec::with_capacity(k);
         for (column, &index) in others.iter().enumerate() {
+            // twice a product with each column before, and their subtraction
+            if is_stopped(2 * column * self.n) {
+                return None;
+            }
             let member = &self.members[index];
             let mut v = member.vector.clone();
             let mut size = norm(&v);
@@ -99,7 +104,7 @@ impl<'a> Subspace<'a> {
             }
             let rest = norm(&v);
             if !(rest > DEPENDENT_PIVOT * size) {
-                return self.dependent(&others[..=column], &r, k, &b_hat);
+                return Some(self.dependent(&others[..=column], &r, k, &b_hat));
             }
             r[column * k + column] = rest;
             q.extend(v.iter().map(|v| v / rest));
@@ -138,7 +143,7 @@ impl<'a> Subspace<'a> {
             targets[base] = 1.0 - objectives;
             gamma = self.members[base].offset + dot(&self.members[base].vector, &y);
         }
-        Outcome::Best { y, gamma, targets }
+        Some(Outcome::Best { y, gamma, targets })
     }
 
     /// Σ v_i â_i = 0 with v = 1 at the last of `columns`.
