@@ -112,7 +112,7 @@ pub struct SoilObservation {
 pub struct TileSummary {
     /// The tile's middle, m.
     pub place: (f64, f64),
-    /// The slope that the soil lets the robot climb: mean, rad.
+    /// The slope that the soil lets the robot climb: median, rad.
     pub steepest: f64,
     /// The lower end of its 90 % interval, rad.
     pub low: f64,
@@ -376,29 +376,33 @@ impl SoilTiles {
                 let tile = tile.as_ref().filter(|tile| tile.readings > 0)?;
                 let (row, column) = (index / self.columns, index % self.columns);
                 let middle = |from: f64, at: usize| from + (at as f64 + 0.5) * self.settings.tile;
-                let mean = tile.weights.iter().zip(&self.steepest);
                 Some(TileSummary {
                     place: (middle(self.origin.0, column), middle(self.origin.1, row)),
-                    steepest: mean.map(|(w, slope)| f64::from(*w) * slope).sum(),
-                    low: self.quantile(&tile.weights, TAIL_PROBABILITY),
-                    high: self.quantile(&tile.weights, 1.0 - TAIL_PROBABILITY),
+                    steepest: quantile(&tile.weights, &self.steepest, 0.5),
+                    low: quantile(&tile.weights, &self.steepest, TAIL_PROBABILITY),
+                    high: quantile(&tile.weights, &self.steepest, 1.0 - TAIL_PROBABILITY),
                     readings: tile.readings,
                 })
             })
             .collect()
     }
+}
 
-    /// The slope below which this share of the weight lies.
-    fn quantile(&self, weights: &[f32], share: f64) -> f64 {
-        let mut sum = 0.0;
-        for (w, slope) in weights.iter().zip(&self.steepest) {
-            sum += f64::from(*w);
-            if sum >= share {
-                return *slope;
-            }
+/// The slope below which this share of the weight lies. Levels are few: each stands for the slopes half-way to its neighbours,
+/// over which its weight is spread evenly, so that a belief in one level has an interval, too.
+fn quantile(weights: &[f32], slopes: &[f64], share: f64) -> f64 {
+    let half_way = |a: usize, b: usize| 0.5 * (slopes[a] + slopes[b]);
+    let last = slopes.len().saturating_sub(1);
+    let mut sum = 0.0;
+    for (level, w) in weights.iter().map(|w| f64::from(*w)).enumerate() {
+        if sum + w >= share && w > 0.0 {
+            let low = half_way(level.saturating_sub(1), level);
+            let high = half_way(level, last.min(level + 1));
+            return low + (high - low) * (share - sum) / w;
         }
-        self.steepest.last().copied().unwrap_or(f64::NAN)
+        sum += w;
     }
+    slopes.last().copied().unwrap_or(f64::NAN)
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
@@ -426,5 +430,28 @@ fn normalise(weights: &mut [f32]) {
     let sum: f32 = weights.iter().sum();
     for w in weights {
         *w /= sum;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_lie_in_the_cells_of_the_levels() {
+        let slopes = [0.1, 0.2, 0.4, 0.5];
+        let of =
+            |weights: [f32; 4]| [0.05, 0.5, 0.95].map(|share| quantile(&weights, &slopes, share));
+        let near = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-7);
+        // all weight between 0.15 and 0.3
+        assert!(near(of([0.0, 1.0, 0.0, 0.0]), [0.1575, 0.225, 0.2925]));
+        // half from 0.1 to 0.15, half from 0.45 to 0.5
+        assert!(near(of([0.5, 0.0, 0.0, 0.5]), [0.105, 0.15, 0.495]));
+        // of 0.96 and 0.04 the mean lies outside, the median does not
+        let [low, median, high] = of([0.96, 0.0, 0.0, 0.04]);
+        assert!(
+            low < median && median < high && high < 0.15,
+            "{low} {median} {high}"
+        );
     }
 }

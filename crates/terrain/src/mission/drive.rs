@@ -441,11 +441,15 @@ impl Aboard {
         if self.navigator.planning().count >= MAX_PLANS {
             return Ok(Some(Outcome::NoWay));
         }
-        if !self.navigator.replan(self.place, heading, always)? {
-            return Ok(Some(Outcome::NoWay));
+        match self.navigator.replan(self.place, heading, always) {
+            Ok(true) => {
+                self.take_way();
+                Ok(None)
+            }
+            // a robot that got where no heading can be driven has no way on; that is no error of its scenario
+            Ok(false) | Err(Error::Place { .. }) => Ok(Some(Outcome::NoWay)),
+            Err(error) => Err(error),
         }
-        self.take_way();
-        Ok(None)
     }
 }
 

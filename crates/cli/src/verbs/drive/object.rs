@@ -81,7 +81,7 @@ fn tile<'a>() -> Fields<'a, &'a TileSummary> {
     fields! { |tile: &'a TileSummary|
         "x_m" "middle of the tile" = tile.place.0;
         "y_m" "middle of the tile" = tile.place.1;
-        "steepest_deg" "slope that the soil lets the robot climb, mean" = tile.steepest.to_degrees();
+        "steepest_deg" "slope that the soil lets the robot climb, median" = tile.steepest.to_degrees();
         "steepest_low_deg" "lower end of its 90 % interval" = tile.low.to_degrees();
         "steepest_high_deg" "upper end" = tile.high.to_degrees();
         "readings" "readings" = tile.readings;
