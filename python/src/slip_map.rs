@@ -20,8 +20,8 @@ use crate::workers;
 struct State<'py> {
     /// Rows, columns, headings.
     size: (u32, u32, usize),
-    /// Cell (m), turning radius (m), gravity (m/s²), level of the CVaR.
-    numbers: (f64, f64, f64, f64),
+    /// Cell (m), turning radius (m), gravity (m/s²), level of the CVaR, radius of the smallest wheel (m).
+    numbers: (f64, f64, f64, f64, f64),
     scale: Vec<f64>,
     tie_points: Vec<f64>,
     transformation: Vec<f64>,
@@ -71,6 +71,7 @@ impl SlipMap {
                 layout.turning_radius,
                 layout.gravity,
                 layout.cvar_level,
+                layout.wheel_radius,
             ),
             scale: place.scale.clone(),
             tie_points: place.tie_points.clone(),
@@ -92,7 +93,13 @@ impl SlipMap {
         let (rows, columns, headings) = state.size;
         let headings = raised(Headings::new(u8::try_from(headings).unwrap_or(u8::MAX)))?;
         let mut layout = MapLayout::plain(columns, rows, state.numbers.0, headings);
-        (_, layout.turning_radius, layout.gravity, layout.cvar_level) = state.numbers;
+        (
+            _,
+            layout.turning_radius,
+            layout.gravity,
+            layout.cvar_level,
+            layout.wheel_radius,
+        ) = state.numbers;
         let place = &mut layout.georeference;
         place.scale = state.scale;
         place.tie_points = state.tie_points;
@@ -268,6 +275,7 @@ fn route_dict<'py>(
     dict.set_item("risk", route.risk)?;
     dict.set_item("tip_over_deg", route.tip_over_deg)?;
     dict.set_item("turns", route.turns)?;
+    dict.set_item("deep_share", route.deep_share)?;
     let way = PyDict::new(py);
     type Value<'a> = &'a dyn Fn(&plan::Waypoint) -> f64;
     let columns: [(&str, Value<'_>); 8] = [

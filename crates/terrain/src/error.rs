@@ -87,7 +87,8 @@ pub enum Error {
         limit: String,
     },
     /// A start or a goal that cannot be one.
-    #[error("{of} ({x}, {y}) {why}")]
+    // `Debug` writes 1e300 without its zeros
+    #[error("{of} ({x:?}, {y:?}) {why}")]
     Place {
         /// Which.
         of: &'static str,

@@ -104,6 +104,8 @@ class Route:
     """The least tip-over margin."""
     turns: int
     """By one heading each."""
+    deep_share: float
+    """Share of its cells in which a wheel sinks by more than a sixth of its diameter, where the laws lose their grip."""
     way: dict[str, npt.NDArray[np.float64]]
     """Columns by waypoint: `x_m`, `y_m`, `heading_deg`, and since the start `energy_j`, `time_s`, `length_m`; `slip`
     and `risk` there."""
@@ -139,7 +141,8 @@ def plan(
     """The way of least energy between two places of a map, m in its coordinates.
 
     The risk is that of steady straight driving on one soil of uncertain strength (docs/terrain.md): turns, drift on
-    side slopes and ruts are not in a map. With `by_cvar` the energy's CVaR over the soil draws is minimised.
+    side slopes and ruts are not in a map. With `by_cvar` the energy's CVaR over the soil draws is minimised. Of the
+    headings at start and goal the nearest of `found.headings_deg` count; `route.way["heading_deg"]` has them.
 
     Raises
     ------

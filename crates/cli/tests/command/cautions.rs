@@ -104,6 +104,13 @@ fn map_and_drive_say_for_how_much() {
             "{soil}"
         );
         assert_eq!(warns, is_deep, "{soil}");
+        let (json, warns) = said(&["plan", &map, "--from", "2,2", "--to", "6,6"]);
+        let share = json["route"]["deep_share"].as_f64();
+        assert_eq!(
+            (share, warns),
+            (Some(f64::from(u8::from(is_deep))), is_deep),
+            "{soil}"
+        );
         let scenario = folder.path("s.toml");
         fs::write(
             &scenario,

@@ -291,6 +291,37 @@ fn no_way_is_no_result_and_bad_places_are_refused() {
     ] {
         plan(words).assert_refused(what);
     }
+    // of four headings 90 degrees are one, 30 are none
+    for (angle, nearest) in [
+        ("90.5", None),
+        ("-271", None),
+        ("30", Some("0")),
+        ("-100", Some("270")),
+        ("719", None),
+    ] {
+        let found = plan(&format!(
+            "--from 3,3 --to 9,9 --start-heading-deg {angle} --json"
+        ))
+        .assert_done();
+        let said = found.err;
+        let shown = angle.replace('-', "−");
+        let snapped =
+            nearest.map(|nearest| format!("--start-heading-deg {shown} counts as {nearest}, "));
+        assert_eq!(
+            said.contains("--start-heading-deg"),
+            nearest.is_some(),
+            "{angle}: {said}"
+        );
+        assert!(
+            snapped.is_none_or(|text| said.contains(&text)),
+            "{angle}: {said}"
+        );
+    }
+    let huge = plan("--from 1e300,3 --to 44,20");
+    assert!(
+        huge.err.contains("(1e300, 3.0)") && huge.err.len() < 300,
+        "{huge:?}"
+    );
     let not_a_map = grouser(["plan", dem.as_str(), "--from", "1,1", "--to", "2,2"]);
     not_a_map.assert_refused("an elevation model in place of a map");
 }

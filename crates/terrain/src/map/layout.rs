@@ -73,6 +73,8 @@ pub struct MapLayout {
     pub robot: String,
     /// The least radius on which the robot's middle turns, m; 0: it turns on the spot.
     pub turning_radius: f64,
+    /// Radius of its smallest wheel, m; infinite where the map does not hold it.
+    pub wheel_radius: f64,
     /// Gravity that the robot is under, m/s².
     pub gravity: f64,
     /// Soil draws behind the probabilities; 0: the soil is taken for exactly known.
@@ -106,6 +108,11 @@ impl MapLayout {
         Self {
             robot: model.robot.name().to_owned(),
             turning_radius: turning_radius(model),
+            wheel_radius: model
+                .wheels
+                .iter()
+                .map(|mount| mount.wheel.radius())
+                .fold(f64::INFINITY, f64::min),
             gravity: model.gravity(),
             ..self
         }
@@ -134,6 +141,7 @@ impl MapLayout {
             georeference: Georeference::of_grid(cell, [0.0, cell * f64::from(rows)]),
             robot: String::new(),
             turning_radius: 0.0,
+            wheel_radius: f64::INFINITY,
             gravity: grouser_terra::EARTH_GRAVITY_M_PER_S2,
             draws: 0,
             cvar_level: CVAR_LEVEL,
@@ -202,6 +210,7 @@ impl MapLayout {
                 "GROUSER_TURNING_RADIUS_M",
                 format!("{}", self.turning_radius),
             ),
+            ("GROUSER_WHEEL_RADIUS_M", format!("{}", self.wheel_radius)),
             ("GROUSER_GRAVITY_M_PER_S2", format!("{}", self.gravity)),
             ("GROUSER_SOIL_DRAWS", self.draws.to_string()),
             ("GROUSER_CVAR_LEVEL", format!("{}", self.cvar_level)),
@@ -275,6 +284,9 @@ impl MapLayout {
             georeference,
             robot: unescaped(text("GROUSER_ROBOT")?),
             turning_radius: number("GROUSER_TURNING_RADIUS_M", (0.0, 1e4))?,
+            // earlier maps have none
+            wheel_radius: number("GROUSER_WHEEL_RADIUS_M", (1e-3, f64::INFINITY))
+                .unwrap_or(f64::INFINITY),
             gravity: number("GROUSER_GRAVITY_M_PER_S2", (1e-3, 1e3))?,
             draws: whole(number("GROUSER_SOIL_DRAWS", (0.0, 1e6))?),
             cvar_level: number("GROUSER_CVAR_LEVEL", (0.0, 0.999))?,

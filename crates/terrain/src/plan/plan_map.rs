@@ -10,7 +10,7 @@ use grouser_rover::ground::GeoTiff;
 use crate::error::{Error, Result};
 use crate::map::{Band, MapLayout, Quantity};
 
-/// Greatest number of cells times headings: seven numbers and a soil of each are held.
+/// Greatest number of cells times headings: seven numbers, a flag and a soil of each are held.
 const MAX_POSES: u64 = 1 << 26;
 /// GDAL's metadata.
 const METADATA_TAG: u16 = 42112;
@@ -44,6 +44,8 @@ pub struct PlanMap {
     pub tip_over: Vec<f32>,
     /// Pitch, deg.
     pub pitch: Vec<f32>,
+    /// Does a wheel sink by more than a sixth of its diameter, where the laws lose their grip?
+    pub deep: Vec<bool>,
     /// Which soils are known independently of each other: the risks of one number belong to one unknown soil.
     pub soil: Vec<u8>,
 }
@@ -150,6 +152,7 @@ impl PlanMap {
             risk: nothing.clone(),
             tip_over: nothing.clone(),
             pitch: nothing,
+            deep: vec![false; poses],
             soil: vec![0; poses],
         }
     }
@@ -195,6 +198,8 @@ impl PlanMap {
             self.risk[pose] = value(Quantity::Immobilisation);
             self.tip_over[pose] = value(Quantity::TipOver);
             self.pitch[pose] = value(Quantity::Pitch);
+            let sinkage = f64::from(value(Quantity::Sinkage));
+            self.deep[pose] = grouser_terra::is_deep(sinkage, self.layout.wheel_radius);
             #[allow(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,

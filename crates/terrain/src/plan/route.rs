@@ -58,6 +58,8 @@ pub struct Route {
     pub tip_over_deg: f64,
     /// Turns by one heading.
     pub turns: usize,
+    /// Share of its waypoints at which a wheel sinks by more than a sixth of its diameter, where the laws lose their grip.
+    pub deep_share: f64,
 }
 
 /// What planning found.
@@ -303,7 +305,9 @@ fn measured(lattice: &Lattice<'_>, settings: &PlanSettings, way: &[(usize, usize
         risk: 0.0,
         tip_over_deg: f64::INFINITY,
         turns: 0,
+        deep_share: 0.0,
     };
+    let mut deep = 0_usize;
     let mut before: Option<usize> = None;
     let mut risks = std::collections::BTreeMap::<u8, f64>::new();
     for (cell, heading) in way.iter().copied() {
@@ -336,6 +340,7 @@ fn measured(lattice: &Lattice<'_>, settings: &PlanSettings, way: &[(usize, usize
         }
         before = Some(cell);
         let pose = cell * lattice.headings() + heading;
+        deep += usize::from(map.deep[pose]);
         let (x, y) = map.place_of(cell);
         route.waypoints.push(Waypoint {
             cell,
@@ -350,6 +355,7 @@ fn measured(lattice: &Lattice<'_>, settings: &PlanSettings, way: &[(usize, usize
         });
     }
     route.risk = risks.values().sum::<f64>().min(1.0);
+    route.deep_share = deep as f64 / way.len().max(1) as f64;
     route
 }
 

@@ -143,7 +143,7 @@ impl Outputs {
             .others
             .iter()
             .any(|(format, _)| *format == Format::Costmap);
-        let mut summary = Summary::new(layout, model, has_costs);
+        let mut summary = Summary::new(layout, has_costs);
         let mut file = OutputFile::create(&self.map)?;
         write_map(
             &mut file,

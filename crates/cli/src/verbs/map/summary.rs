@@ -1,6 +1,5 @@
 //! What a map shows as a whole, gathered from its strips as they are written.
 
-use grouser_rover::robot::RobotModel;
 use grouser_terrain::{Band, MapLayout, Quantity, State};
 
 /// Greatest side of the picture of a map, cells.
@@ -105,8 +104,6 @@ pub(super) struct Summary {
     pub(super) energy_sum: f64,
     pub(super) energy_max: f64,
     pub(super) sinkage_max: f64,
-    /// Radius of the smallest wheel, m.
-    radius: f64,
     /// Cells and headings that drive with a wheel sunk too deep for the laws.
     pub(super) deep: u64,
     pub(super) tip_over_min: f64,
@@ -114,7 +111,7 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    pub(super) fn new(layout: &MapLayout, model: &RobotModel, with_costs: bool) -> Self {
+    pub(super) fn new(layout: &MapLayout, with_costs: bool) -> Self {
         Self {
             layout: layout.clone(),
             shades: Shades::new(layout),
@@ -128,11 +125,6 @@ impl Summary {
             energy_sum: 0.0,
             energy_max: 0.0,
             sinkage_max: 0.0,
-            radius: model
-                .wheels
-                .iter()
-                .map(|mount| mount.wheel.radius())
-                .fold(f64::INFINITY, f64::min),
             deep: 0,
             tip_over_min: f64::INFINITY,
             risk_sum: 0.0,
@@ -185,7 +177,7 @@ impl Summary {
             self.energy_sum += energy;
             self.energy_max = self.energy_max.max(energy);
             self.sinkage_max = self.sinkage_max.max(sinkage);
-            self.deep += u64::from(grouser_terra::is_deep(sinkage, self.radius));
+            self.deep += u64::from(grouser_terra::is_deep(sinkage, self.layout.wheel_radius));
             self.tip_over_min = self.tip_over_min.min(tip_over);
         }
         self.cells += 1;

@@ -7,6 +7,8 @@ mod scenario;
 use std::path::PathBuf;
 
 use grouser_report::number::{parse_finite, shown};
+use grouser_terra::Caution;
+use grouser_terrain::Headings;
 use grouser_terrain::plan::{Plan, PlanMap, PlanSettings, plan};
 
 use crate::error::{Error, Result, shown as shown_path};
@@ -54,10 +56,10 @@ pub(crate) struct Arguments {
     /// Minimise the CVaR of the energy over the soil draws, instead of the energy on the soil itself
     #[arg(long)]
     cvar: bool,
-    /// Heading at the start in degrees from x towards y; whichever serves best unless given
+    /// Heading at the start in degrees from x towards y, the nearest of the map's; whichever serves best unless given
     #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true)]
     start_heading_deg: Option<f64>,
-    /// Heading at the goal in degrees
+    /// Heading at the goal in degrees, the nearest of the map's
     #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true)]
     goal_heading_deg: Option<f64>,
     /// Other ways that are looked for
@@ -161,7 +163,20 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         let content = scenario::toml(&map, route, &names, arguments.speed_m_per_s, &file)?;
         text.push_str(&file.write_whole(content.as_bytes())?);
     }
-    let mut warnings = Vec::new();
+    let mut warnings: Vec<String> = [
+        ("--start-heading-deg", arguments.start_heading_deg),
+        ("--goal-heading-deg", arguments.goal_heading_deg),
+    ]
+    .into_iter()
+    .filter_map(|(flag, angle)| other_heading(flag, angle?, map.layout.headings))
+    .collect();
+    if route.deep_share > 0.0 {
+        warnings.push(format!(
+            "caution at {} % of the cells of the way: {}",
+            shown(100.0 * route.deep_share),
+            Caution::DeepSinkage
+        ));
+    }
     if route.turns > 0 {
         warnings.push(
             "a map knows steady straight driving: turns, drift on side slopes and ruts can immobilise a robot where the \
@@ -178,6 +193,24 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     Ok(Report {
         warnings,
         ..Report::done(object, text)
+    })
+}
+
+/// A heading that is none of the map's counts as the nearest one; a degree is less than a turn that a plan could mean.
+const SAME_HEADING_DEG: f64 = 1.0;
+
+fn other_heading(flag: &str, angle: f64, headings: Headings) -> Option<String> {
+    let nearest = headings
+        .angle(headings.nearest(angle.to_radians()))
+        .to_degrees();
+    let off = (angle - nearest + 180.0).rem_euclid(360.0) - 180.0;
+    (off.abs() > SAME_HEADING_DEG).then(|| {
+        format!(
+            "{flag} {} counts as {}, the nearest of the map's {} headings",
+            shown(angle),
+            shown(nearest),
+            headings.count()
+        )
     })
 }
 

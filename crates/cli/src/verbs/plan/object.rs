@@ -156,6 +156,7 @@ fn costs<'a>() -> Fields<'a, Way<'a>> {
         "risk" "probability to be immobilised anywhere on it in steady straight driving, at most" = way.route.risk;
         "tip_over_deg" "least tip-over margin" = way.route.tip_over_deg;
         "turns" "turns by one heading" = way.route.turns;
+        "deep_share" "share of its cells in which a wheel sinks by more than a sixth of its diameter" = way.route.deep_share;
     }
 }
 
