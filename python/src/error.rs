@@ -67,6 +67,9 @@ fn keyword(field: &str, unit: &'static str) -> (String, &'static str, f64) {
         ("k_phi", _) => ("k_phi_kn_per_m_n2".to_owned(), "kN/m^(n+2)", 1e-3),
         ("unit_weight", _) => own("unit_weight_n_per_m3"),
         ("tips", _) => own("grouser_tip_share"),
+        ("speed", _) => own("rim_speed_mps"),
+        ("min_tip_over", _) => own("min_tip_over_deg"),
+        ("turn_energy", _) => own("turn_energy_j"),
         ("lug_count", _) => own("grouser_count"),
         ("lug_thickness", _) => own("grouser_thickness_m"),
         (_, "m") => with("m", unit, 1.0),
@@ -111,6 +114,10 @@ fn out_of_range(error: OutOfRange<String>) -> Details {
     }
 }
 
+fn place(x: f64, y: f64) -> Option<Py<PyAny>> {
+    Python::attach(|py| Some((x, y).into_pyobject(py).ok()?.into_any().unbind()))
+}
+
 fn text(value: &str) -> Option<Py<PyAny>> {
     Python::attach(|py| Some(PyString::new(py, value).into_any().unbind()))
 }
@@ -124,6 +131,13 @@ pub(crate) trait IntoPython {
 /// `result` with its error as a Python exception.
 pub(crate) fn raised<T, E: IntoPython>(result: Result<T, E>) -> PyResult<T> {
     result.map_err(IntoPython::into_python)
+}
+
+impl IntoPython for OutOfRange<&'static str> {
+    fn into_python(self) -> PyErr {
+        let range = self.named(self.field.to_owned());
+        input_error(range.to_string(), out_of_range(range))
+    }
 }
 
 impl IntoPython for terra::Error {
@@ -308,8 +322,19 @@ impl IntoPython for grouser::terrain::Error {
             None => self.to_string(),
         };
         match self {
-            E::OutOfRange { range, .. } => {
-                input_error(message, out_of_range(range.named(range.field.to_owned())))
+            E::OutOfRange { of, range } => {
+                let range = by_keyword(range);
+                input_error(format!("{of}: {range}"), out_of_range(range))
+            }
+            E::Place { of, x, y, .. } => {
+                let field = format!("{}_m", of.trim_start_matches("the "));
+                let message = message.replacen(of, &field, 1);
+                let details = Details {
+                    value: place(x, y),
+                    unit: Some("m"),
+                    ..Details::field(&field)
+                };
+                input_error(message, details)
             }
             E::File { file, source, .. } => os_error(&file.display().to_string(), &source),
             E::Law { source, .. } => source.into_python(),

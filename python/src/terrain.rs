@@ -18,13 +18,17 @@ use pyo3::types::{PyBool, PyDict, PyType};
 use rayon::prelude::*;
 
 use crate::argument;
-use crate::error::{raised, type_error};
+use crate::error::{Details, input_error, raised, type_error};
 use crate::slip_map::SlipMap;
 use crate::soil::Soil;
 use crate::workers;
 
 /// Cells that each thread computes between two looks at signals.
 const CELLS_PER_BLOCK: usize = 4096;
+
+/// Greatest size of a map.
+const MAX_ROWS: usize = 1 << 24;
+const MAX_COLUMNS: usize = 1 << 16;
 
 /// What the tables of a mapper are made of; pickled instead of them.
 #[derive(Clone, Debug)]
@@ -217,8 +221,17 @@ impl SlipMapper {
     ) -> PyResult<SlipMap> {
         let [rows, columns] = [0, 1].map(|axis| heights.shape()[axis]);
         let mut layout = self.layout.clone();
-        check("rows", rows as f64, (2.0, f64::from(1 << 24)), "1")?;
-        check("columns", columns as f64, (2.0, f64::from(1 << 16)), "1")?;
+        if !(2..=MAX_ROWS).contains(&rows) || !(2..=MAX_COLUMNS).contains(&columns) {
+            let message = format!(
+                "heights_m has {rows} rows and {columns} columns, but must have 2 to {MAX_ROWS} and 2 to {MAX_COLUMNS}"
+            );
+            let details = Details {
+                value: Some((rows, columns).into_pyobject(py)?.into_any().unbind()),
+                unit: Some("1"),
+                ..Details::field("heights_m")
+            };
+            return Err(input_error(message, details));
+        }
         layout.rows = u32::try_from(rows).unwrap_or(u32::MAX);
         layout.columns = u32::try_from(columns).unwrap_or(u32::MAX);
         let (left, top) = upper_left_m.unwrap_or((0.0, self.recipe.cell_m * rows as f64));

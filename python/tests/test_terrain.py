@@ -123,12 +123,21 @@ def test_bad_input_is_named(mapper: terrain.SlipMapper, whole: terrain.SlipMap) 
         terrain.SlipMapper("none.toml", LOAM, cell_m=1.0)
     with pytest.raises(InputError, match="dimensions"):
         terrain.slip_map(mapper, [1.0, 2.0])
-    with pytest.raises(InputError, match="rows"):
+    with pytest.raises(InputError, match="heights_m has 1 rows") as raised:
         terrain.slip_map(mapper, np.zeros((1, 5)))
+    assert (raised.value.field, raised.value.value) == ("heights_m", (1, 5))
     with pytest.raises(InputTypeError):
         terrain.slip_map(mapper, np.zeros((3, 3), dtype=complex))
     with pytest.raises(InputError, match="outside the map"):
         terrain.plan(whole, start_m=(-9.0, 3.0), goal_m=(20.0, 9.0))
+    for keys, field, value in (
+        ({"start_m": (1e300, 1.0), "goal_m": (20.0, 9.0)}, "start_m", (1e300, 1.0)),
+        ({"start_m": (3.0, 3.0), "goal_m": (20.0, -9.0)}, "goal_m", (20.0, -9.0)),
+    ):
+        with pytest.raises(InputError, match=f"{field} \\(") as raised:
+            terrain.plan(whole, **keys)
+        assert (raised.value.field, raised.value.value, raised.value.unit) == (field, value, "m")
+        assert len(str(raised.value)) < 120
     with pytest.raises(InputError, match="max_risk"):
         terrain.plan(whole, start_m=(3.0, 3.0), goal_m=(20.0, 9.0), max_risk=2.0)
     with pytest.raises(InputError, match="goal_m"):
