@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use pyo3::PyClass;
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyFloat};
+use pyo3::types::{PyBool, PyFloat, PyString};
 
 use crate::error::{Details, InputTypeError, Limit, input_error};
 
@@ -148,7 +148,27 @@ pub(crate) fn optional_path(value: &Bound<'_, PyAny>) -> PyResult<Option<PathBuf
 
 /// Text.
 pub(crate) fn text(value: &Bound<'_, PyAny>) -> PyResult<String> {
-    value.extract().map_err(|_| wrong_type(value, "text"))
+    value.extract().map_err(|_| {
+        if value.is_instance_of::<PyString>() {
+            let message = "has a lone surrogate, but must be text that UTF-8 holds";
+            input_error(message.to_owned(), Details::default())
+        } else {
+            wrong_type(value, "text")
+        }
+    })
+}
+
+/// What is no argument of its own, read by `read`: its errors name `field`, as PyO3 does it for arguments.
+pub(crate) fn named<T>(
+    field: &str,
+    value: &Bound<'_, PyAny>,
+    read: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<T>,
+) -> PyResult<T> {
+    read(value).inspect_err(|error| {
+        let note = format!("while processing '{field}'");
+        // an error without a name is better than another error
+        let _ = error.value(value.py()).call_method1("add_note", (note,));
+    })
 }
 
 /// Text, or `None`.

@@ -1,6 +1,6 @@
 //! Line charts as SVG.
 
-use grouser::figure::{Axis, Chart, Curve, Figure, Points, Style, plain};
+use grouser::figure::{Axis, Chart, Curve, Figure, Points, Style};
 use numpy::{PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::argument;
 type Lines<'py> = Vec<(
     PyReadonlyArray1<'py, f64>,
     PyReadonlyArray1<'py, f64>,
-    String,
+    Bound<'py, PyAny>,
     bool,
 )>;
 
@@ -26,6 +26,7 @@ pub(crate) fn chart_svg(
     let mut chart = Chart::new(Axis::new(x_title), Axis::new(y_title));
     for (k, (x, y, label, is_points)) in lines.iter().enumerate() {
         let (x, y) = (x.to_vec()?, y.to_vec()?);
+        let label = argument::named("label", label, argument::text)?;
         let points = x.into_iter().zip(y).map(|(x, y)| [x, y]);
         chart = if *is_points {
             chart.points(Points::new(points))
@@ -34,10 +35,10 @@ pub(crate) fn chart_svg(
             chart.curve(if label.is_empty() {
                 curve
             } else {
-                curve.label(label.clone())
+                curve.label(label)
             })
         };
     }
-    let figure = Figure::new(plain(&title)).panel(chart);
+    let figure = Figure::new(title).panel(chart);
     Ok(py.detach(|| figure.svg()))
 }

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grouser import InputError, figures, soils
+from grouser import InputError, InputTypeError, figures, soils
 from grouser.wheel import Wheel
 
 
@@ -28,6 +28,26 @@ def test_titles_are_text_not_markup() -> None:
     figure = figures.lines("<script>", "x", "y", figures.Line([0.0, 1.0], [0.0, np.nan]), figures.Line([0.5], [0.5], points=True))
     assert "<script>" not in figure.svg
     ElementTree.fromstring(figure.svg)
+
+
+def test_what_cannot_be_drawn_is_said() -> None:
+    wheel = Wheel(radius_m=0.125, width_m=0.1)
+    for loads, value in (([40.0, -1.0], -1.0), (1e9, 1e9), ([], 0)):
+        with pytest.raises(InputError) as caught:
+            figures.slip_curves(soils.find("dry-sand"), wheel, load_n=loads)
+        assert (caught.value.field, caught.value.value) == ("load_n", value)
+    with pytest.raises(InputError) as caught:
+        figures.slip_curves(soils.find("dry-sand"), wheel, load_n=np.nan)
+    assert caught.value.field == "load_n"
+    figure = figures.slip_curves(soils.find("dry-sand"), wheel, load_n=40.0)
+    assert "<title>Dry sand: drawbar_pull_n against slip</title>" in figure.svg
+    for field, label, title in (("label", "\ud800", "a"), ("title", "", "\udfff")):
+        with pytest.raises(InputError) as caught:
+            figures.lines(title, "x", "y", figures.Line([0.0], [0.0], label))
+        assert caught.value.field == field and str(caught.value).startswith(field)
+    with pytest.raises(InputTypeError) as wrong:
+        figures.lines("a", "x", "y", figures.Line([0.0], [0.0], 3))  # type: ignore[arg-type]
+    assert wrong.value.field == "label"
 
 
 def test_columns_of_different_lengths_are_refused() -> None:

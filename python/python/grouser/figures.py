@@ -79,6 +79,11 @@ def lines(title: str, x_title: str, y_title: str, *given: Line) -> Figure:
 def slip_curves(soil: Soil, wheel: Wheel, *, load_n: Any, quantity: str = "drawbar_pull_n") -> Figure:
     """A quantity of one wheel against slip, a line for each load.
 
+    Raises
+    ------
+    InputError
+        No load, or one under which no slip has a solution; a line ends where there is none.
+
     Examples
     --------
     >>> from grouser import figures, soils
@@ -95,8 +100,15 @@ def slip_curves(soil: Soil, wheel: Wheel, *, load_n: Any, quantity: str = "drawb
     if quantity not in titles:
         raise InputError(f"quantity is `{quantity}`, but must be one of {', '.join(titles)}", "quantity", quantity)
     slip = np.linspace(0.0, 0.95, 96)
-    drawn = [
-        Line(slip, getattr(_wheel.curve(soil, wheel, load_n=load, slip=slip), quantity), f"*W* = {load:g} N")
-        for load in _column("load_n", load_n)
-    ]
+    loads = _column("load_n", load_n)
+    if not loads.size:
+        raise InputError("load_n is empty, but must hold one load at least", "load_n", 0, 1, "1")
+    drawn = []
+    for load in loads:
+        points = _wheel.curve(soil, wheel, load_n=load, slip=slip)
+        if np.all(points.status):
+            raise InputError(
+                f"load_n is {load} N, under which no slip has a solution (status {points.status[0]})", "load_n", load, unit="N"
+            )
+        drawn.append(Line(slip, getattr(points, quantity), f"*W* = {load:g} N"))
     return lines(f"{soil.name}: {quantity} against slip", "Slip *s*", titles[quantity], *drawn)
