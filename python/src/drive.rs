@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use grouser::rover::drive::{self, DriveResult, Frame, Pilot};
+use grouser::slip::Robot;
 use grouser::slip::control::WheelCommand;
 use grouser::slip::onboard::SoilTables;
 use numpy::IntoPyArray;
@@ -12,7 +13,7 @@ use pyo3::types::PyDict;
 
 use crate::argument;
 use crate::error::{Details, input_error, raised};
-use crate::slip::observation_dict;
+use crate::slip::{control_dict, decision_text, observation_dict};
 
 /// A scenario: robot, ground, way, sensors and faults.
 #[pyclass(frozen, from_py_object, module = "grouser._core")]
@@ -59,7 +60,10 @@ impl Scenario {
     ///     What a file lacks or has wrong, with its line; and a scenario with `[plan]`, whose drives plan their own way:
     ///     `grouser drive` alone does that.
     #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+    fn read(
+        py: Python<'_>,
+        #[pyo3(from_py_with = argument::path)] path: PathBuf,
+    ) -> PyResult<Self> {
         py.detach(|| {
             let scenario = raised(drive::read_scenario(&path))?;
             if scenario.plan.is_some() {
@@ -107,6 +111,14 @@ impl Scenario {
     #[getter]
     fn optimum_slip(&self) -> f64 {
         self.optimum
+    }
+
+    /// The settings of the controller by their keys in `[control]`, as `grouser.slip.OnBoard` takes them.
+    #[getter]
+    fn control<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let mut control = self.scenario.control;
+        control.optimum = self.optimum;
+        control_dict(py, &control)
     }
 
     /// The names of the wheels, in the order of their indices.
@@ -260,7 +272,8 @@ impl Simulation {
     }
 
     fn _result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        result_dict(py, &self.drive.result())
+        let robot = &self.drive.vehicle().model().robot;
+        result_dict(py, &self.drive.result(), robot)
     }
 }
 
@@ -285,7 +298,11 @@ impl Simulation {
     }
 }
 
-fn result_dict<'py>(py: Python<'py>, result: &DriveResult) -> PyResult<Bound<'py, PyDict>> {
+fn result_dict<'py>(
+    py: Python<'py>,
+    result: &DriveResult,
+    robot: &Robot,
+) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("outcome", result.outcome.name())?;
     dict.set_item("duration_s", result.duration)?;
@@ -302,7 +319,7 @@ fn result_dict<'py>(py: Python<'py>, result: &DriveResult) -> PyResult<Bound<'py
     let decisions: Vec<(f64, String)> = result
         .decisions
         .iter()
-        .map(|named| (named.time, named.decision.to_string()))
+        .map(|named| (named.time, decision_text(&named.decision, robot)))
         .collect();
     dict.set_item("decisions", decisions)?;
     dict.set_item("decision_count", result.decision_count)?;

@@ -1,14 +1,16 @@
 //! The slip filter and the on-board computer, sample by sample.
 
-use grouser::slip::control::{Request, WheelObservation};
+use grouser::real::OutOfRange;
+use grouser::slip::control::{ControlSettings, Decision, Request, WheelObservation};
 use grouser::slip::filter::{FilterOutput, SlipFilter as Filter};
 use grouser::slip::onboard::{OnBoard as Computer, OnBoardSettings};
+use grouser::slip::settings::{Field, FileUnit};
 use grouser::slip::{Motion, Slip, WheelEstimate};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::argument;
-use crate::error::raised;
+use crate::error::{Details, input_error, raised};
 use crate::robot::Robot;
 use crate::sample::Sample;
 
@@ -133,6 +135,71 @@ pub(crate) fn observation_dict<'py>(
     Ok(dict)
 }
 
+/// A decision and the wheel that it is about.
+pub(crate) fn decision_text(decision: &Decision, robot: &grouser::slip::Robot) -> String {
+    let wheel = decision.wheel.and_then(|index| robot.wheels().get(index));
+    wheel.map_or_else(
+        || decision.to_string(),
+        |wheel| format!("{decision}, {}", wheel.name),
+    )
+}
+
+/// Speeds (m/s) and headings (rad) beyond these are none of a robot: the controller does not drive by them.
+const REQUEST_LIMITS: (f64, f64) = (-1e6, 1e6);
+
+/// The settings that `[control]` of a scenario has, by its keys.
+fn control_fields() -> impl Iterator<Item = (&'static str, &'static Field<ControlSettings>)> {
+    ControlSettings::FIELDS.iter().filter_map(|field| {
+        // a scenario without an optimum has one of its soil
+        let is_optimum = field.name == "optimum";
+        let key = field.key.or_else(|| is_optimum.then_some(field.name))?;
+        Some((key, field))
+    })
+}
+
+fn set_control(
+    settings: &mut ControlSettings,
+    key: &str,
+    value: &Bound<'_, PyAny>,
+) -> PyResult<()> {
+    let Some((known, field)) = control_fields().find(|(known, _)| *known == key) else {
+        let keys: Vec<&str> = control_fields().map(|(key, _)| key).collect();
+        let message = format!("`{key}` is no setting; there are {}", keys.join(", "));
+        return Err(input_error(message, Details::field(key)));
+    };
+    let value = argument::named(key, value, argument::number)?;
+    let unit = match (field.file_unit, field.unit) {
+        (FileUnit::Degrees, "rad") => "deg",
+        (FileUnit::Degrees, _) => "deg/s",
+        (_, unit) => unit,
+    };
+    raised(OutOfRange::check(
+        known,
+        value,
+        field.limits_in_file(),
+        unit,
+    ))?;
+    field.set_from_file(settings, value);
+    Ok(())
+}
+
+/// The settings by the keys of `[control]`.
+pub(crate) fn control_dict<'py>(
+    py: Python<'py>,
+    settings: &ControlSettings,
+) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    for (key, field) in control_fields() {
+        let value = field.get(settings);
+        let value = match field.file_unit {
+            FileUnit::Degrees => value.to_degrees(),
+            _ => value,
+        };
+        dict.set_item(key, value)?;
+    }
+    Ok(dict)
+}
+
 /// The object that a robot's computer runs: filter, detector, attitude and slip controller.
 #[pyclass(module = "grouser._core")]
 #[derive(Clone, Debug)]
@@ -144,14 +211,18 @@ pub(crate) struct OnBoard {
 #[pymethods]
 impl OnBoard {
     #[new]
-    #[pyo3(signature = (robot, *, heading_rad=0.0))]
+    #[pyo3(signature = (robot, *, heading_rad=0.0, **control))]
     fn new(
         #[pyo3(from_py_with = argument::object)] robot: Robot,
         #[pyo3(from_py_with = argument::number)] heading_rad: f64,
+        control: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let mut settings = OnBoardSettings::new(&robot.0.robot);
         settings.filter = robot.0.filter;
         settings.heading = heading_rad;
+        for (key, value) in control.into_iter().flatten() {
+            set_control(&mut settings.control, &argument::text(&key)?, &value)?;
+        }
         let computer = raised(Computer::new(&robot.0.robot, settings))?;
         Ok(Self { computer, robot })
     }
@@ -182,16 +253,22 @@ impl OnBoard {
         #[pyo3(from_py_with = argument::time_ns)] now_ns: i64,
         #[pyo3(from_py_with = argument::number)] speed_mps: f64,
         #[pyo3(from_py_with = argument::number)] heading_rad: f64,
-    ) -> Vec<(f64, f64, f64)> {
+    ) -> PyResult<Vec<(f64, f64, f64)>> {
+        for (field, value, unit) in [
+            ("speed_mps", speed_mps, "m/s"),
+            ("heading_rad", heading_rad, "rad"),
+        ] {
+            raised(OutOfRange::check(field, value, REQUEST_LIMITS, unit))?;
+        }
         let request = Request {
             speed: speed_mps,
             heading: heading_rad,
             yaw_rate: None,
         };
         let commands = self.computer.tick(now_ns, request).iter();
-        commands
+        Ok(commands
             .map(|command| (command.rim_speed, command.traction, command.steering_angle))
-            .collect()
+            .collect())
     }
 
     fn _observations<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
@@ -220,7 +297,7 @@ impl OnBoard {
     fn decision(&self) -> Option<String> {
         self.computer
             .decision()
-            .map(|decision| decision.to_string())
+            .map(|decision| decision_text(&decision, &self.robot.0.robot))
     }
 
     /// What in the sensors contradicts the robot's description; `None` while nothing does.

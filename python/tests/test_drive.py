@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import pickle
 import signal
 import subprocess
@@ -14,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grouser import InputError, InputTypeError, drive
+from grouser import InputError, InputTypeError, drive, slip
 
 ROOT = Path(__file__).parents[2]
 SANDBOX = ROOT / "examples" / "scenarios" / "sandbox.toml"
@@ -38,6 +39,36 @@ def test_a_drive_that_plans_its_way_is_refused_and_not_driven_otherwise() -> Non
     with pytest.raises(InputError) as caught:
         drive.read(SANDBOX.with_name("plan-and-learn.toml"))
     assert caught.value.field == "plan" and "grouser drive" in str(caught.value)
+
+
+def test_the_settings_of_a_scenario_are_those_of_the_on_board_computer(tmp_path: Path) -> None:
+    """Wheels whose counters stand are no reason; a lean beyond the limit that the scenario gives is one."""
+    text = SANDBOX.read_text().replace("../", f"{SANDBOX.parents[1]}/")
+    path = tmp_path / "s.toml"
+    assert "[control]" not in text
+    path.write_text(text + "\n[control]\nmost_tilt_deg = 12\noptimum = 0.2\n")
+    control = drive.read(path).control
+    assert control["most_tilt_deg"] == pytest.approx(12.0, rel=1e-15) and control["optimum"] == 0.2
+    assert SCENARIO.control["optimum"] == SCENARIO.optimum_slip
+    robot = slip.Robot.read(ROOT / "examples" / "robots" / "skid-steer.toml")
+    with pytest.raises(InputError) as unknown:
+        slip.OnBoard(robot, tilt=1.0)
+    assert unknown.value.field == "tilt" and "most_tilt_deg" in str(unknown.value)
+
+    def mode(**settings: float) -> str:
+        computer = slip.OnBoard(robot, **settings)
+        force = (0.0, 9.81 * math.sin(math.radians(15.0)), 9.81 * math.cos(math.radians(15.0)))
+        for k in range(300):
+            time_ns = k * 10_000_000
+            computer.update(slip.Sample.inertial(time_ns=time_ns, force_mps2=force, rate_rad_per_s=(0.0, 0.0, 0.0)))
+            for wheel in range(len(robot.wheels)):
+                computer.update(slip.Sample.wheel_count(time_ns=time_ns, wheel=wheel, count=k))
+            computer.tick(now_ns=time_ns, speed_mps=0.1, heading_rad=0.0)
+            if computer.decision and "leans" in computer.decision:
+                return "leans"
+        return computer.mode
+
+    assert mode(**control) == "leans" and mode() != "leans"
 
 
 def open_loop(seen: drive.Observation) -> list[drive.WheelCommand]:

@@ -25,7 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arrays import as_floats, check_kind
+from ._arrays import check_kind, number, whole
 from ._core import Scenario
 from ._errors import InputError, InputTypeError
 from .slip import WheelCommand, WheelObservation
@@ -113,7 +113,7 @@ class Simulation:
 
     def __init__(self, scenario: Scenario, *, pilot: str = "controller", seed: int | None = None) -> None:
         check_kind("scenario", scenario, Scenario)
-        self._core = _core.Simulation(scenario, pilot, scenario.seed if seed is None else _seed(seed))
+        self._core = _core.Simulation(scenario, pilot, scenario.seed if seed is None else whole("seed", seed, 0, 2**64 - 1))
 
     def advance(self, *, duration_s: float = PERIOD_S) -> bool:
         """Runs for a time (whole periods, one at least); returns whether the drive goes on."""
@@ -144,31 +144,24 @@ class Simulation:
         return DriveResult(track=track, **self._core._result())
 
 
-def _seed(seed: Any) -> int:
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
-        raise InputTypeError(f"seed is {type(seed).__name__}, but must be a whole number", "seed", seed)
-    if not 0 <= seed < 2**64:
-        raise InputError(f"seed is {seed}, but must lie in [0, 2^64)", "seed", seed, (0, 2**64 - 1), "1")
-    return int(seed)
-
-
 def _periods(field: str, duration_s: Any) -> int:
-    array = as_floats(field, duration_s)
-    if array.ndim != 0 or not 0.0 < float(array) <= 1e6:
+    found = number(field, duration_s)
+    if not 0.0 < found <= 1e6:
         raise InputError(f"{field} is {duration_s}, but must lie in (0, 1e6] s", field, duration_s, (0.0, 1e6), "s")
-    return max(1, round(float(array) / PERIOD_S))
+    return max(1, round(found / PERIOD_S))
 
 
 def _command(command: Any) -> tuple[float, float, float]:
     try:
-        speed, traction, angle = WheelCommand(*command)
-        return float(speed), float(traction), float(angle)
-    except (TypeError, ValueError):
+        given = WheelCommand(*command)
+    except TypeError:
         raise InputTypeError(
             f"a command is {command!r}, but must be a WheelCommand (rim_speed_mps, traction, steering_angle_rad)",
             "command",
             command,
         ) from None
+    speed, traction, angle = (number(*pair) for pair in given._asdict().items())
+    return speed, traction, angle
 
 
 def run(

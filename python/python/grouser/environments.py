@@ -34,7 +34,7 @@ except ModuleNotFoundError:  # pragma: no cover
     raise ModuleNotFoundError("grouser.environments needs Gymnasium: pip install gymnasium", name="gymnasium") from None
 
 from . import _core
-from ._arrays import as_floats, check_kind, threads_of
+from ._arrays import as_floats, check_kind, number, threads_of, whole
 from ._core import Scenario
 from ._errors import InputError, InputTypeError
 from .drive import PERIOD_S
@@ -106,15 +106,12 @@ class DriveVectorEnv(VectorEnv[Array, Array, npt.NDArray[Any]]):
         threads: int | None = None,
     ) -> None:
         check_kind("scenario", scenario, Scenario)
-        if isinstance(num_envs, bool) or not isinstance(num_envs, (int, np.integer)):
-            raise InputTypeError("num_envs must be a whole number", "num_envs", num_envs)
-        if not 1 <= num_envs <= 4096:
-            raise InputError(f"num_envs is {num_envs}, but must lie in [1, 4096]", "num_envs", num_envs, (1, 4096), "1")
+        num_envs = whole("num_envs", num_envs, 1, 4096)
         if not callable(reward):
             raise InputTypeError("reward must be callable", "reward", reward)
         self._periods = round(_number("step_s", step_s, (PERIOD_S, 100.0), "s") / PERIOD_S)
         speed = _number("max_rim_speed_mps", max_rim_speed_mps, (1e-3, 100.0), "m/s")
-        self.scenario, self.num_envs, self._reward, self._threads = scenario, int(num_envs), reward, threads_of(threads)
+        self.scenario, self.num_envs, self._reward, self._threads = scenario, num_envs, reward, threads_of(threads)
         wheels = len(scenario.wheels)
         columns = len(ROBOT_COLUMNS) + wheels * len(WHEEL_COLUMNS)
         bound = np.tile([speed, np.pi / 2.0], (wheels, 1))
@@ -133,11 +130,7 @@ class DriveVectorEnv(VectorEnv[Array, Array, npt.NDArray[Any]]):
         if isinstance(seed, list):
             raise InputTypeError("seed must be one whole number: robot k has seed + k", "seed", seed)
         if seed is not None:
-            if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)):
-                raise InputTypeError("seed must be a whole number", "seed", seed)
-            if not 0 <= seed < 2**62:
-                raise InputError(f"seed is {seed}, but must lie in [0, 2^62)", "seed", seed, (0, 2**62 - 1), "1")
-            self._seed = int(seed)
+            self._seed = whole("seed", seed, 0, 2**62 - 1)
         self._episodes[:] = 0
         self._fleet = _core.Fleet(self.scenario, [self._seed_of(k) for k in range(self.num_envs)], self._threads)
         self._distance, self._energy = np.zeros(self.num_envs), np.zeros(self.num_envs)
@@ -201,7 +194,7 @@ def _info(distance: Array, energy: Array, outcomes: list[str | None]) -> dict[st
 
 
 def _number(field: str, value: Any, limits: tuple[float, float], unit: str) -> float:
-    array = as_floats(field, value)
-    if array.ndim != 0 or not limits[0] <= float(array) <= limits[1]:
+    found = number(field, value)
+    if not limits[0] <= found <= limits[1]:
         raise InputError(f"{field} is {value!r}, but must lie in {list(limits)} {unit}", field, value, limits, unit)
-    return float(array)
+    return found

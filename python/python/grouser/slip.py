@@ -185,18 +185,21 @@ class OnBoard:
     robot : Robot
     heading_rad : float
         The heading at the start, from x towards y.
+    **control : float
+        Settings of the controller by the keys of a scenario's `[control]` (docs/drive.md has them all); `**scenario.control`
+        are those of a scenario.
 
     Examples
     --------
     >>> from grouser.slip import OnBoard, Robot
     >>> robot = Robot.read("examples/five-wheel/robot.toml")
-    >>> computer = OnBoard(robot)
+    >>> computer = OnBoard(robot, optimum=0.25, most_tilt_deg=20.0)
     >>> len(computer.tick(now_ns=0, speed_mps=0.2, heading_rad=0.0))
     5
     """
 
-    def __init__(self, robot: Robot, *, heading_rad: float = 0.0) -> None:
-        self._core = _core.OnBoard(robot, heading_rad=heading_rad)
+    def __init__(self, robot: Robot, *, heading_rad: float = 0.0, **control: float) -> None:
+        self._core = _core.OnBoard(robot, heading_rad=heading_rad, **control)
 
     @property
     def robot(self) -> Robot:
@@ -208,7 +211,13 @@ class OnBoard:
         self._core.update(sample, now_ns=now_ns)
 
     def tick(self, *, now_ns: int, speed_mps: float, heading_rad: float) -> list[WheelCommand]:
-        """Runs the control loop: a command for each wheel towards the requested motion."""
+        """Runs the control loop: a command for each wheel towards the requested motion.
+
+        Raises
+        ------
+        InputError
+            A speed or a heading that is NaN, infinite or absurd; nothing is commanded then, so stop the robot.
+        """
         return [WheelCommand(*command) for command in self._core._tick(now_ns, speed_mps, heading_rad)]
 
     def observations(self) -> list[WheelObservation]:
@@ -235,7 +244,7 @@ class OnBoard:
 
     @property
     def decision(self) -> str | None:
-        """The decision of the last tick with its reason."""
+        """The decision of the last tick with its reason, and the wheel that it is about."""
         return self._core.decision
 
     @property
