@@ -187,25 +187,16 @@ impl Qp<'_> {
     /// Solves from the multipliers `warm` (of any length; a bad start only costs time), unless `stop` returns `true` meanwhile.
     pub(super) fn solve(&self, warm: &[f64], stop: &mut dyn FnMut() -> bool) -> QpSolution {
         let mut u = self.feasible_start(warm);
-        let mut members: Vec<Member> = (0..self.count())
-            .filter(|&row| {
-                let (low, high) = self.kind(row).range();
-                (u[row] > low && u[row] < high) || u[row].is_infinite()
-            })
-            .map(|row| self.member(row))
-            .collect();
-        let mut held: Vec<Member> = (0..self.count())
-            .filter(|&row| u[row] != 0.0 && members.iter().all(|m| m.row != row))
-            .map(|row| self.member(row))
-            .collect();
+        let mut pace = Pace { products: 0, stop };
+        let (mut members, mut held) = (Vec::new(), Vec::new());
+        let mut stopped = !self.gather(&u, &mut pace, (&mut members, &mut held));
         let limit = 20 * (self.n() + 10) + 2 * self.rows.kinds.len();
         let mut barred = Vec::new();
         let (mut step, mut level) = (vec![0.0; self.n()], 0.0);
         let mut exact = false;
-        let mut pace = Pace { products: 0, stop };
-        let (mut rounds, mut stopped) = (0, false);
+        let mut rounds = 0;
         let mut entered = None;
-        'rounds: while rounds < limit {
+        'rounds: while rounds < limit && !stopped {
             // Inner loop: go to the best multipliers of the working set, leaving rows behind at bounds.
             loop {
                 rounds += 1;
@@ -287,6 +278,31 @@ impl Qp<'_> {
             stopped,
             blends: Vec::new(),
         }
+    }
+
+    /// The rows whose multipliers lie within their bounds, and those that are held at one but 0. Was `pace` not stopped?
+    fn gather(
+        &self,
+        u: &[f64],
+        pace: &mut Pace<'_>,
+        (members, held): (&mut Vec<Member>, &mut Vec<Member>),
+    ) -> bool {
+        for (row, &multiplier) in u.iter().enumerate() {
+            let (low, high) = self.kind(row).range();
+            let list = if (multiplier > low && multiplier < high) || multiplier.is_infinite() {
+                &mut *members
+            } else if multiplier != 0.0 {
+                &mut *held
+            } else {
+                continue;
+            };
+            // a triangle of products for each row
+            if pace.is_stopped(self.n() * self.n() / 2) {
+                return false;
+            }
+            list.push(self.member(row));
+        }
+        true
     }
 
     /// Without objectives and active rows the least curvature is at d = −Σ held.
