@@ -77,14 +77,15 @@ fn a_drive_that_is_over_before_the_goal_has_not_arrived() {
     assert!(driven.to_goal > 5.0, "{}", driven.to_goal);
 }
 
-/// It backs out of looser ground onto the wall of a crater, where the map of what is believed knows no heading.
+/// It backs out of looser ground onto the wall of a crater, where the map of what is believed knows no heading: of 48 drives with
+/// other tiles, soils and seeds this happened in two.
 #[test]
 fn a_robot_that_gets_where_nothing_drives_has_no_way_and_its_drive_no_error() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
     let mut text =
         std::fs::read_to_string(format!("{folder}/scenarios/lunar-craters.toml")).unwrap();
     for (from, to) in [
-        ("tile_m = 1.0", "tile_m = 2.0"),
+        ("tile_m = 1.0", "tile_m = 1.5"),
         ("phi_deg = 28.0", "phi_deg = 24.0"),
         ("cohesion_kpa = 0.1", "cohesion_kpa = 0.05"),
         ("..", folder),
@@ -94,11 +95,8 @@ fn a_robot_that_gets_where_nothing_drives_has_no_way_and_its_drive_no_error() {
     }
     let path = std::env::temp_dir().join(format!("grouser-craters-{}.toml", std::process::id()));
     std::fs::write(&path, text).unwrap();
-    let driven = driven(&read_scenario(&path).unwrap());
+    let mut scenario = read_scenario(&path).unwrap();
     std::fs::remove_file(&path).unwrap();
-    let outcome = driven.result.outcome;
-    assert!(
-        matches!(outcome, Outcome::NoWay | Outcome::Immobilised),
-        "{outcome:?}"
-    );
+    scenario.seed = 1;
+    assert_eq!(driven(&scenario).result.outcome, Outcome::NoWay);
 }

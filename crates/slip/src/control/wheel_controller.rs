@@ -112,7 +112,8 @@ impl WheelController {
         } else {
             max_change
         };
-        self.rim_speed += (setpoint - self.rim_speed).clamp(-max_change, max_change);
+        let (least, most) = (self.rim_speed - max_change, self.rim_speed + max_change);
+        self.rim_speed = setpoint.clamp(least, most);
         self.report(
             limit.is_some(),
             observation,
