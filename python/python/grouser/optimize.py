@@ -463,13 +463,10 @@ def chebyshev(
 
 def _front(found: dict[str, Any], names: Sequence[str]) -> Front:
     multipliers = [None if row is None else np.asarray(row) for row in found["multipliers"]]
-    x, objectives = np.array(found["x"], np.float64), np.array(found["objectives"], np.float64)
-    if not x.size:
-        # an empty front has its columns, too
-        x, objectives = np.empty((0, len(names))), np.empty((0, found["objective_count"]))
     return Front(
-        x=x,
-        objectives=objectives,
+        # an empty front has its columns, too
+        x=np.asarray(found["x"], dtype=np.float64).reshape(-1, len(names)),
+        objectives=np.asarray(found["objectives"], dtype=np.float64).reshape(-1, found["objective_count"]),
         multipliers=multipliers,
         knee=found["knee"],
         violation=found["violation"],

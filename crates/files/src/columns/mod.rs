@@ -22,6 +22,8 @@ mod write;
 
 use std::path::Path;
 
+use grouser_slip::Reference;
+
 use crate::document::Document;
 use crate::error::{Error, Place, Result};
 use crate::section::Section;
@@ -176,6 +178,17 @@ impl Meaning {
             Self::WheelSpeed => Self::WheelRate,
             Self::MotorCurrent => Self::WheelTorque,
             other => other,
+        }
+    }
+
+    /// The reference that it is, with those that it needs.
+    #[must_use]
+    pub const fn reference(self) -> Option<Reference> {
+        match self {
+            Self::DisplacementForward => Some(Reference::Displacement),
+            Self::PoseX => Some(Reference::Pose),
+            Self::SpeedForward | Self::SpeedSize => Some(Reference::Speed),
+            _ => None,
         }
     }
 

@@ -57,12 +57,7 @@ impl Choice {
             type_name: chosen.type_name.clone(),
             used_for: chosen.words.join(", "),
             references: (chosen.measures.iter())
-                .filter_map(|(meaning, _)| match meaning {
-                    Meaning::DisplacementForward => Some(Reference::Displacement),
-                    Meaning::PoseX => Some(Reference::Pose),
-                    Meaning::SpeedForward | Meaning::SpeedSize => Some(Reference::Speed),
-                    _ => None,
-                })
+                .filter_map(|(meaning, _)| meaning.reference())
                 .collect(),
         })
     }

@@ -3,6 +3,7 @@
 
 mod guess;
 mod layout;
+mod open;
 mod time_column;
 mod words;
 
@@ -19,9 +20,11 @@ use crate::error::Result;
 use crate::recording::is_of_wheels;
 use crate::source::Source;
 pub use guess::Guess;
-pub(crate) use guess::{guess, is_beyond_radians, open_question, perhaps};
-use guess::{of_fix_numbers, of_turning};
+pub(crate) use guess::guess;
+use guess::of_fix_numbers;
 use layout::Layout;
+use open::of_turning;
+pub(crate) use open::{is_beyond_radians, open_question, perhaps};
 use time_column::{seconds_and_nanoseconds, time_rank, time_unit};
 use words::bare_unit;
 

@@ -20,11 +20,11 @@ const MEAN_LIMIT_SIGMA: f64 = 2.0;
 /// Variance of a turn (rad²/s²) over that of a speed (m²/s²) of the same reading: positions measured 0.2 m off the centre.
 const TURN_VARIANCE_FACTOR: f64 = 25.0;
 
-/// One component of a measured motion: its jacobian, residual and variance.
-type Component = ([(usize, f64); 3], f64, f64);
-
 /// The share of the rims' changes of speed that an accelerometer does not predict: at 5 m/s² stamps 10 ms apart are 0.05 m/s.
 const MEASURED_PACE_SHARE: f64 = 0.25;
+
+/// One component of a measured motion: its jacobian, residual and variance.
+type Component = ([(usize, f64); 3], f64, f64);
 
 impl Core {
     /// Gates a reading of the reference that was stamped `stamp_ns`, and updates the state by it.

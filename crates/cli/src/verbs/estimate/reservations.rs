@@ -89,16 +89,13 @@ fn unused_columns(summary: &Summary, log: &Log) -> Vec<String> {
     if log.topics().next().is_some() {
         return Vec::new();
     }
-    let all = [
-        (Meaning::DisplacementForward, Reference::Displacement),
-        (Meaning::PoseX, Reference::Pose),
-        (Meaning::SpeedForward, Reference::Speed),
-        (Meaning::SpeedSize, Reference::Speed),
-    ];
-    let unused = all
+    let measured = Meaning::ALL
         .into_iter()
-        .filter(|(meaning, reference)| *reference != summary.reference && log.measures(*meaning));
-    let line = |(_, other): (Meaning, Reference)| {
+        .filter(|(_, meaning, _)| log.measures(*meaning));
+    let unused = measured
+        .filter_map(|(_, meaning, _)| meaning.reference())
+        .filter(|reference| *reference != summary.reference);
+    let line = |other: Reference| {
         format!(
             "`{}` is measured too, and not used beside `{}`: `--reference {}` uses it instead",
             other.name(),

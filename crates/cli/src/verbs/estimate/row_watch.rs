@@ -3,7 +3,7 @@
 use grouser_replay::{Quantiles, Row};
 use grouser_slip::{Health, Invalid, Motion};
 
-/// Times between readings of a wheel are told apart up to this, s.
+/// The longest time between two readings that the median resolves, s.
 const MAX_PERIOD_S: f64 = 10.0;
 
 /// The rows of one wheel.
