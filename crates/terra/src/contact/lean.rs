@@ -52,6 +52,12 @@ pub(crate) trait Short: Real {
         (self * Self::from_f64(core::f64::consts::LN_2)).exp()
     }
 
+    /// The same of some numbers.
+    #[inline(always)]
+    fn exp2_short_each<const N: usize>(x: [Self; N]) -> [Self; N] {
+        x.map(Self::exp2_short)
+    }
+
     /// Base-2 logarithm of a positive normal number, to 1e-12.
     #[inline(always)]
     fn log2_short(self) -> Self {
@@ -146,7 +152,7 @@ pub(crate) struct Frame<R> {
     /// 1/(L sin θ_1).
     per_drop: R,
     /// Rear over front.
-    shares: R,
+    rear_per_front: R,
     /// The exponent's part at the middle that is not the sine's.
     start_middle: R,
     sin_middle: R,
@@ -237,7 +243,7 @@ impl<R: Short> LeanContact<R> {
             q_r_over_k,
             cos_1,
             per_drop: per_front,
-            shares: self.rear * sin_1 * per_front,
+            rear_per_front: self.rear * sin_1 * per_front,
             start_middle: self.r_over_k.mul_add(middle, start),
             sin_middle,
             cos_middle,
@@ -251,14 +257,24 @@ impl<R: Short> LeanContact<R> {
     pub(crate) fn sums(self, rules: &impl LeanRules<R>) -> LeanSums<R> {
         let frame = self.frame();
         let mut sums = LeanSums::zero();
-        for k in 0..rules.count() {
-            frame.friction(k, rules, &mut sums);
+        let count = rules.count();
+        for pair in 0..count / 2 {
+            frame.friction::<2>(2 * pair, rules, &mut sums);
+        }
+        if count % 2 == 1 {
+            frame.friction::<1>(count - 1, rules, &mut sums);
         }
         let rule = rules.cohesion();
         // every rule of Legendre's in use has an even number of nodes: its upper half determines them all
         let half = rule.nodes.len() / 2;
-        for (&x, &weight) in rule.nodes[half..].iter().zip(&rule.weights[half..]) {
-            frame.cohesion(R::from_f64(x - 0.5), R::from_f64(weight), &mut sums);
+        let before = |x: f64| R::from_f64(x - 0.5);
+        let (nodes, one) = rule.nodes[half..].as_chunks::<2>();
+        let (weights, last) = rule.weights[half..].as_chunks::<2>();
+        for (x, weight) in nodes.iter().zip(weights) {
+            frame.cohesion(x.map(before), weight.map(R::from_f64), &mut sums);
+        }
+        if let (&[x], &[weight]) = (one, last) {
+            frame.cohesion([before(x)], [R::from_f64(weight)], &mut sums);
         }
         frame.finish(&mut sums);
         sums
@@ -266,48 +282,75 @@ impl<R: Short> LeanContact<R> {
 }
 
 impl<R: Short> Frame<R> {
-    /// The mobilised share, where `along` is the part of the exponent that is not the sine's.
+    /// The mobilised shares, where `along` is the part of the exponent that is not the sine's.
     #[inline(always)]
-    fn share(&self, sin: R, along: R) -> R {
-        let exponent = (-self.q_r_over_k).mul_add(sin, along);
-        R::ONE - exponent.exp2_short()
+    fn shares<const N: usize>(&self, sin: [R; N], along: [R; N]) -> [R; N] {
+        let exponent = each(sin, along, |sin, along| {
+            (-self.q_r_over_k).mul_add(sin, along)
+        });
+        of_each(R::exp2_short_each(exponent), |x| R::ONE - x)
     }
 
-    /// Sine, cosine and mobilised share at an angle.
+    /// Nodes of the friction rule from one on: both pieces at once, since σ is the same in both.
     #[inline(always)]
-    fn node(&self, theta: R) -> (R, R, R) {
-        let (sin, cos) = sine_cosine(theta);
-        let along = self.contact.r_over_k.mul_add(theta, self.start);
-        (sin, cos, self.share(sin, along))
-    }
-
-    /// A node of the friction rule: both pieces at once, since σ is the same in both.
-    #[inline(always)]
-    fn friction(&self, k: usize, rules: &impl LeanRules<R>, sums: &mut LeanSums<R>) {
+    fn friction<const N: usize>(
+        &self,
+        from: usize,
+        rules: &impl LeanRules<R>,
+        sums: &mut LeanSums<R>,
+    ) {
         let contact = &self.contact;
-        let (t, four_per_t, weight) = rules.node(k);
-        let (sin, cos, share) = self.node((-t).mul_add(contact.front, contact.theta_1));
-        let ratio = (cos - self.cos_1) * self.per_drop;
-        let sigma = weight * rules.power(ratio.mul_add(four_per_t, R::from_f64(-3.0)));
-        sums.stress(sigma, (sin, cos, share));
-        let rear = self.node(t.mul_add(contact.rear, -contact.behind));
-        sums.stress(sigma * self.shares, rear);
+        let zero = [R::ZERO; N];
+        let (mut front, mut rear, mut four_per_t, mut weight) = (zero, zero, zero, zero);
+        for k in 0..N {
+            let (t, four, share) = rules.node(from + k);
+            front[k] = (-t).mul_add(contact.front, contact.theta_1);
+            rear[k] = t.mul_add(contact.rear, -contact.behind);
+            (four_per_t[k], weight[k]) = (four, share);
+        }
+        let (sin, cos) = sine_cosine_each(front);
+        let (sin_rear, cos_rear) = sine_cosine_each(rear);
+        let along = |theta| contact.r_over_k.mul_add(theta, self.start);
+        let share = self.shares(sin, of_each(front, along));
+        let share_rear = self.shares(sin_rear, of_each(rear, along));
+        for k in 0..N {
+            let ratio = (cos[k] - self.cos_1) * self.per_drop;
+            let sigma = weight[k] * rules.power(ratio.mul_add(four_per_t[k], R::from_f64(-3.0)));
+            sums.stress(sigma, (sin[k], cos[k], share[k]));
+            let sigma = sigma * self.rear_per_front;
+            sums.stress(sigma, (sin_rear[k], cos_rear[k], share_rear[k]));
+        }
     }
 
-    /// Two nodes of the cohesion rule, the share `x` of the arc before and behind its middle. What it
-    /// sums is still to be turned by the middle's angle: see [`Frame::finish`].
+    /// Pairs of nodes of the cohesion rule, the share `x` of the arc before and behind its middle. What they
+    /// sum is still to be turned by the middle's angle: see [`Frame::finish`].
     #[inline(always)]
-    pub(crate) fn cohesion(&self, x: R, weight: R, sums: &mut LeanSums<R>) {
-        let d = x * self.arc;
-        let (sin_d, cos_d) = sine_cosine(d);
-        let (beside, across) = (self.sin_middle * cos_d, self.cos_middle * sin_d);
-        let shift = self.contact.r_over_k * d;
-        let ahead = self.share(beside + across, self.start_middle + shift);
-        let astern = self.share(beside - across, self.start_middle - shift);
-        let both = weight * (ahead + astern);
-        sums.hold += both;
-        sums.hold_along = both.mul_add(cos_d, sums.hold_along);
-        sums.hold_up = (weight * (ahead - astern)).mul_add(sin_d, sums.hold_up);
+    pub(crate) fn cohesion<const N: usize>(
+        &self,
+        x: [R; N],
+        weight: [R; N],
+        sums: &mut LeanSums<R>,
+    ) {
+        let d = of_each(x, |x| x * self.arc);
+        let (sin_d, cos_d) = sine_cosine_each(d);
+        let beside = of_each(cos_d, |cos| self.sin_middle * cos);
+        let across = of_each(sin_d, |sin| self.cos_middle * sin);
+        let shift = of_each(d, |d| self.contact.r_over_k * d);
+        let ahead = self.shares(
+            each(beside, across, |beside, across| beside + across),
+            of_each(shift, |shift| self.start_middle + shift),
+        );
+        let astern = self.shares(
+            each(beside, across, |beside, across| beside - across),
+            of_each(shift, |shift| self.start_middle - shift),
+        );
+        for k in 0..N {
+            let both = weight[k] * (ahead[k] + astern[k]);
+            sums.hold += both;
+            sums.hold_along = both.mul_add(cos_d[k], sums.hold_along);
+            let difference = weight[k] * (ahead[k] - astern[k]);
+            sums.hold_up = difference.mul_add(sin_d[k], sums.hold_up);
+        }
     }
 
     /// Σ x sin θ and Σ x cos θ from the sums of [`Frame::cohesion`], by angle addition.
@@ -338,6 +381,54 @@ pub(crate) fn sine_cosine<R: Real>(theta: R) -> (R, R) {
     let sin = (theta * y).mul_add(horner(y, &SINE), theta);
     let cos = horner(y, &COSINE).mul_add(y, R::from_f64(-0.5));
     (sin, cos.mul_add(y, R::ONE))
+}
+
+/// A function of each number. Not `map`, which is no part of its caller where that has instructions of its own, and then
+/// passes every number through memory.
+#[inline(always)]
+pub(crate) fn of_each<R: Copy, const N: usize>(a: [R; N], f: impl Fn(R) -> R) -> [R; N] {
+    let mut out = a;
+    for x in &mut out {
+        *x = f(*x);
+    }
+    out
+}
+
+/// A function of each pair.
+#[inline(always)]
+pub(crate) fn each<R: Copy, const N: usize>(a: [R; N], b: [R; N], f: impl Fn(R, R) -> R) -> [R; N] {
+    let mut out = a;
+    for (x, &b) in out.iter_mut().zip(&b) {
+        *x = f(*x, b);
+    }
+    out
+}
+
+/// [`horner`] at some numbers, step by step side by side.
+#[inline(always)]
+pub(crate) fn horner_each<R: Real, const N: usize>(x: [R; N], coefficients: &[f64]) -> [R; N] {
+    let mut sum = [R::ZERO; N];
+    for (i, &c) in coefficients.iter().rev().enumerate() {
+        sum = if i == 0 {
+            [R::from_f64(c); N]
+        } else {
+            each(sum, x, |sum, x| sum.mul_add(x, R::from_f64(c)))
+        };
+    }
+    sum
+}
+
+/// [`sine_cosine`] of some angles, step by step side by side.
+#[inline(always)]
+pub(crate) fn sine_cosine_each<R: Real, const N: usize>(theta: [R; N]) -> ([R; N], [R; N]) {
+    let y = of_each(theta, |theta| theta * theta);
+    let (mut sin, mut cos) = (horner_each(y, &SINE), horner_each(y, &COSINE));
+    for k in 0..N {
+        sin[k] = (theta[k] * y[k]).mul_add(sin[k], theta[k]);
+        let cosine = cos[k].mul_add(y[k], R::from_f64(-0.5));
+        cos[k] = cosine.mul_add(y[k], R::ONE);
+    }
+    (sin, cos)
 }
 
 /// 1 − cos θ up to 60°, with all its digits.

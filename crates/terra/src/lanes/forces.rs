@@ -77,11 +77,11 @@ pub(super) fn run<V: Vector>(chunk: &mut Chunk<'_>, sheet: &mut ForceSheet) {
         sort_in::<V>(prepared, inputs, (sheet, plan), at);
     }
     plan.sort(inputs.len());
-    let mut exponents = prepared.exponents(inputs);
+    let mut exponents = prepared.exponents::<V, 1>(inputs);
     for group in plan.groups() {
         let places = group.places;
         let [n, tan_phi] = prepared.gather(inputs, &sheet.soil, places);
-        exponents.set(&n);
+        exponents.set(0, &n);
         let contact = LeanContact {
             theta_1: sheet.theta_1.gather::<V>(places),
             behind: sheet.behind.gather::<V>(places),
@@ -90,7 +90,7 @@ pub(super) fn run<V: Vector>(chunk: &mut Chunk<'_>, sheet: &mut ForceSheet) {
             q: sheet.q.gather::<V>(places),
             r_over_k: sheet.r_over_k.gather::<V>(places),
         };
-        let rules = exponents.rules(&n, Closeness::Fine(group.step));
+        let rules = exponents.rules(0, &n, Closeness::Fine(group.step));
         let f = rules.sums(&contact).forces(
             sheet.stress.gather::<V>(places),
             tan_phi,

@@ -10,7 +10,7 @@
 
 use crate::contact::ladder::{Closeness, Step};
 use crate::contact::lean::{
-    LeanContact, MAX_SINKAGE_PER_RADIUS, MIN_SINKAGE_PER_RADIUS, NARROW_FRONT_SHARE, Three, horner,
+    LeanContact, MAX_SINKAGE_PER_RADIUS, MIN_SINKAGE_PER_RADIUS, NARROW_FRONT_SHARE, estrin,
     versine,
 };
 use crate::status::SolveStatus;
@@ -18,7 +18,7 @@ use crate::status::SolveStatus;
 use super::columns::{BatchColumns, Inputs};
 use super::curve::Smooth;
 use super::plan::{
-    Chunk, Exponents, Group, LaneSoil, Plan, Prepared, Rules, SINGLE_STEP, step_of, within,
+    ABREAST, Chunk, Exponents, Group, LaneSoil, Plan, Prepared, Rules, SINGLE_STEP, step_of, within,
 };
 use super::sheet::{Column, eight};
 use super::vector::Vector;
@@ -66,6 +66,7 @@ impl LoadSheet {
 }
 
 /// Eight points without their sinkage.
+#[derive(Clone, Copy)]
 struct Loaded<V> {
     q: V,
     r_over_k: V,
@@ -149,16 +150,8 @@ impl<V: Vector> Base<V> {
     }
 }
 
-/// Where the fine rule begins, and what is known by then: the slopes of x against ln W and of DP/W and T/(r W), and the
-/// last step.
-struct Approach<V> {
-    x: V,
-    per_slope: V,
-    slopes: [V; 2],
-    step: V,
-}
-
 /// Forces over the load at a place.
+#[derive(Clone, Copy)]
 struct Found<V> {
     /// ln(W/load)
     off: V,
@@ -169,8 +162,23 @@ struct Found<V> {
 }
 
 impl<V: Vector> Loaded<V> {
+    /// Room for a group.
     #[inline(always)]
-    fn gather(chunk: (&Prepared, &Inputs<'_>), sheet: &LoadSheet, places: &[u16; 8]) -> Self {
+    fn nothing() -> Self {
+        let zero = V::ZERO;
+        Self {
+            q: zero,
+            r_over_k: zero,
+            ahead: zero,
+            scale: zero,
+            hold: zero,
+            n: zero,
+            tan_phi: zero,
+        }
+    }
+
+    #[inline(always)]
+    fn gather(chunk: (&Prepared, &Inputs<'_>), sheet: &LoadSheet, places: [u8; 8]) -> Self {
         let [q, r_over_k, ahead, scale, hold, _] = &sheet.points;
         let [n, tan_phi] = chunk.0.gather(chunk.1, &sheet.soil, places);
         Self {
@@ -186,8 +194,8 @@ impl<V: Vector> Loaded<V> {
 
     /// The contact at x, and the scales of friction and cohesion.
     #[inline(always)]
-    fn contact(&self, x: V) -> (LeanContact<V>, V, V) {
-        let theta_1 = x.exp();
+    fn contact<const SHORT: bool>(&self, x: V) -> (LeanContact<V>, V, V) {
+        let theta_1 = exp::<V, SHORT>(x);
         let front = self.ahead * theta_1;
         let contact = LeanContact {
             theta_1,
@@ -198,26 +206,52 @@ impl<V: Vector> Loaded<V> {
             r_over_k: self.r_over_k,
         };
         let y = theta_1 * theta_1;
-        let ln_sin_theta = y.mul_add(horner(y, &LN_SINC), x + x);
+        let ln_sin_theta = y.mul_add(estrin(y, &LN_SINC), x + x);
         let stress = self.n.mul_add(ln_sin_theta, self.scale);
-        (contact, stress.exp() * theta_1, self.hold * theta_1)
+        (
+            contact,
+            exp::<V, SHORT>(stress) * theta_1,
+            self.hold * theta_1,
+        )
     }
 
     #[inline(always)]
-    fn forces(&self, rules: &Rules<'_, V>, x: V) -> Three<V> {
-        let (contact, stress, hold) = self.contact(x);
-        rules.sums(&contact).forces(stress, self.tan_phi, hold)
+    fn off(&self, rules: &Rules<'_, V>, x: V) -> V {
+        let (contact, stress, hold) = self.contact::<true>(x);
+        let f = rules.sums(&contact).forces(stress, self.tan_phi, hold);
+        ln::<V, true>(f.vertical_force)
     }
 
     #[inline(always)]
-    fn found(&self, rules: &Rules<'_, V>, x: V) -> Found<V> {
-        let f = self.forces(rules, x);
+    fn found<const SHORT: bool>(&self, rules: &Rules<'_, V>, x: V) -> Found<V> {
+        let (contact, stress, hold) = self.contact::<SHORT>(x);
+        let f = rules.sums(&contact).forces(stress, self.tan_phi, hold);
         let per_load = V::ONE / f.vertical_force;
         Found {
-            off: f.vertical_force.ln(),
+            off: ln::<V, SHORT>(f.vertical_force),
             pull: f.drawbar_pull * per_load,
             turn: f.torque * per_load,
         }
+    }
+}
+
+/// eˣ; a short one, to 1e-10, serves until the fine rule decides.
+#[inline(always)]
+fn exp<V: Vector, const SHORT: bool>(x: V) -> V {
+    if SHORT {
+        (x * V::from_f64(core::f64::consts::LOG2_E)).exp2_short()
+    } else {
+        x.exp()
+    }
+}
+
+/// Natural logarithm; a short one, to 1e-12, likewise.
+#[inline(always)]
+fn ln<V: Vector, const SHORT: bool>(x: V) -> V {
+    if SHORT {
+        x.log2_short() * V::from_f64(core::f64::consts::LN_2)
+    } else {
+        x.ln()
     }
 }
 
@@ -265,10 +299,35 @@ pub(super) fn run<V: Vector>(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start
         Some(smooth) => interpolate::<V>(prepared, inputs, (sheet, plan), (smooth, nodes)),
         None => search::<V>(prepared, inputs, (sheet, plan), nodes),
     }
-    let mut exponents = prepared.exponents(inputs);
-    for group in plan.groups() {
-        let of_group = (&mut *sheet, &mut exponents, group);
-        finish::<V>((prepared, inputs), of_group, (out, start));
+    let mut exponents = prepared.exponents::<V, ABREAST>(inputs);
+    let mut groups = plan.groups();
+    let mut abreast = [Searched::<V>::nothing(); ABREAST];
+    loop {
+        let mut count = 0;
+        for (searched, group) in abreast.iter_mut().zip(&mut groups) {
+            searched.place = count;
+            searched.begin((prepared, inputs), sheet, group, start);
+            exponents.set(count, &searched.loaded.n);
+            count += 1;
+        }
+        let abreast = &mut abreast[..count];
+        if start.expected.is_none() {
+            for group in abreast.iter_mut() {
+                group.first(&mut exponents);
+            }
+            for group in abreast.iter_mut() {
+                group.second(&mut exponents);
+            }
+        }
+        for group in abreast.iter_mut() {
+            group.fine(&mut exponents);
+        }
+        for group in abreast.iter_mut() {
+            group.finish((inputs, &mut exponents), sheet, (out, start));
+        }
+        if count < ABREAST {
+            break;
+        }
     }
 }
 
@@ -281,53 +340,41 @@ fn search<V: Vector>(
     one_rule: bool,
 ) {
     let n = inputs.len();
-    let mut exponents = prepared.exponents(inputs);
-    for at in (0..n).step_by(8) {
-        let loaded = set_up::<V>(prepared, inputs, (sheet, plan), at);
-        exponents.set(&loaded.n);
-        let rules = exponents.rules(&loaded.n, Closeness::First);
+    let mut exponents = prepared.exponents::<V, ABREAST>(inputs);
+    let mut loaded = [Loaded::<V>::nothing(); ABREAST];
+    let (mut offs, mut slopes) = ([V::ZERO; ABREAST], [V::ZERO; ABREAST]);
+    for from in (0..n).step_by(8 * ABREAST) {
+        let abreast = || (from..n).step_by(8).take(ABREAST).enumerate();
+        for (k, at) in abreast() {
+            loaded[k] = set_up::<V>(prepared, inputs, (sheet, plan), at);
+        }
         // two steps; the second along the secant
-        let first: V = sheet.x.load(at);
-        let off_first = loaded.forces(&rules, first).vertical_force.ln();
-        let per_slope: V = sheet.per_slope.load(at);
-        let x = held(first - off_first * per_slope);
-        let off = loaded.forces(&rules, x).vertical_force.ln();
-        let per_slope = secant(x - first, off - off_first, per_slope);
-        sheet.x.store(at, held(x - off * per_slope));
-        sheet.per_slope.store(at, per_slope);
-        choose::<V>(sheet, plan, at);
+        for (k, at) in abreast() {
+            let loaded = &loaded[k];
+            exponents.set(k, &loaded.n);
+            let rules = exponents.rules(k, &loaded.n, Closeness::First);
+            let first: V = sheet.x.load(at);
+            offs[k] = loaded.off(&rules, first);
+        }
+        for (k, at) in abreast() {
+            let loaded = &loaded[k];
+            let rules = exponents.rules(k, &loaded.n, Closeness::First);
+            let first: V = sheet.x.load(at);
+            let per_slope: V = sheet.per_slope.load(at);
+            let x = held(first - offs[k] * per_slope);
+            let off = loaded.off(&rules, x);
+            slopes[k] = secant(x - first, off - offs[k], per_slope);
+            sheet.x.store(at, held(x - off * slopes[k]));
+            sheet.per_slope.store(at, slopes[k]);
+        }
+        for (_, at) in abreast() {
+            choose::<V>(sheet, plan, at);
+        }
     }
     if one_rule {
         plan.level(n);
     }
     plan.sort(n);
-}
-
-/// Two steps by a coarse rule from where the coarsest ended.
-#[inline(always)]
-fn approach<V: Vector>(
-    loaded: &Loaded<V>,
-    rules: &Rules<'_, V>,
-    (first, before): (V, V),
-) -> Approach<V> {
-    let at_first = loaded.found(rules, first);
-    let x = held(first - at_first.off * before);
-    let found = loaded.found(rules, x);
-    let step = x - first;
-    let known = V::from_f64(1e-10).lt(step.abs());
-    let per_step = V::select(known, V::ONE / step, V::ZERO);
-    let per_slope = secant(step, found.off - at_first.off, before);
-    let per_slope = V::select(known, per_slope, before);
-    Approach {
-        x: held(x - found.off * per_slope),
-        per_slope,
-        slopes: [
-            (found.pull - at_first.pull) * per_step,
-            (found.turn - at_first.turn) * per_step,
-        ],
-        // a step too short for a slope counts as a long one
-        step: V::select(known, step, V::ONE),
-    }
 }
 
 /// From the interpolated curve to where the fine rule begins.
@@ -432,97 +479,194 @@ fn stiffness<V: Vector>(theta_1: V, z_over_r: V, q: V, r_over_k: V) -> V {
     r_over_k * V::from_f64(core::f64::consts::LN_2) * theta_1 * fastest
 }
 
-/// The fine rule's evaluation, further ones where they are needed, and the outcomes.
-#[inline(always)]
-fn finish<V: Vector>(
-    (prepared, inputs): (&Prepared, &Inputs<'_>),
-    (sheet, exponents, group): (&mut LoadSheet, &mut Exponents<'_, V>, Group<'_>),
-    (out, start): (&mut BatchColumns<'_>, Start<'_>),
-) {
-    let c = V::from_f64;
-    let places = group.places;
-    let loaded = Loaded::<V>::gather((prepared, inputs), sheet, places);
-    exponents.set(&loaded.n);
-    let x: V = sheet.x.gather(places);
-    let Approach {
-        mut x,
-        mut per_slope,
-        mut slopes,
-        mut step,
-    } = match start.expected {
-        None => {
-            let rules = exponents.rules(&loaded.n, Closeness::Coarse(group.step));
-            approach(&loaded, &rules, (x, sheet.per_slope.gather(places)))
+/// A group of the chunk and the state of its search.
+#[derive(Clone, Copy)]
+struct Searched<V: Vector> {
+    /// Its place among those side by side.
+    place: usize,
+    group: Group,
+    loaded: Loaded<V>,
+    x: V,
+    per_slope: V,
+    /// Those of DP/W and T/(r W).
+    slopes: [V; 2],
+    /// The last step.
+    step: V,
+    found: Found<V>,
+}
+
+impl<V: Vector> Searched<V> {
+    #[inline(always)]
+    fn nothing() -> Self {
+        let zero = V::ZERO;
+        Self {
+            place: 0,
+            group: Group {
+                step: Step::at(0),
+                places: [0; 8],
+                count: 0,
+            },
+            loaded: Loaded::nothing(),
+            x: zero,
+            per_slope: zero,
+            slopes: [zero; 2],
+            step: zero,
+            found: Found {
+                off: zero,
+                pull: zero,
+                turn: zero,
+            },
         }
-        Some(smooth) => Approach {
-            x,
-            per_slope: sheet.kept[0].gather(places),
-            slopes: [sheet.kept[1].gather(places), sheet.kept[2].gather(places)],
-            step: c(smooth.slope_error),
-        },
-    };
-    let rules = exponents.rules(&loaded.n, Closeness::Fine(group.step));
-    let mut found = loaded.found(&rules, x);
-    for _ in 0..MAX_FINE_PASSES {
-        let open = !((found.off * step).abs().le(c(STRAIGHT_RESIDUAL)));
-        if !V::any(open) {
-            break;
-        }
-        let next = held(x - found.off * per_slope);
-        let again = loaded.found(&rules, next);
-        let dx = next - x;
-        let per_step = V::ONE / dx;
-        per_slope = V::select(
-            open,
-            secant(dx, again.off - found.off, per_slope),
-            per_slope,
-        );
-        slopes = [
-            V::select(open, (again.pull - found.pull) * per_step, slopes[0]),
-            V::select(open, (again.turn - found.turn) * per_step, slopes[1]),
-        ];
-        step = V::select(open, dx, step);
-        x = V::select(open, next, x);
-        found = Found {
-            off: V::select(open, again.off, found.off),
-            pull: V::select(open, again.pull, found.pull),
-            turn: V::select(open, again.turn, found.turn),
-        };
     }
-    let dx = -found.off * per_slope;
-    if start.nodes {
-        let ended = [x + dx, per_slope, slopes[0], slopes[1]].map(V::to_array);
-        for (column, ended) in sheet.kept.iter_mut().zip(ended) {
-            for (&place, x) in group.places.iter().zip(ended) {
-                column.0[usize::from(place)] = x;
+
+    #[inline(always)]
+    fn begin(
+        &mut self,
+        (prepared, inputs): (&Prepared, &Inputs<'_>),
+        sheet: &LoadSheet,
+        group: Group,
+        start: Start<'_>,
+    ) {
+        let places = group.places;
+        self.group = group;
+        self.loaded = Loaded::<V>::gather((prepared, inputs), sheet, places);
+        self.x = sheet.x.gather(places);
+        let [kept_slope, pull, turn, _] = &sheet.kept;
+        if let Some(smooth) = start.expected {
+            self.per_slope = kept_slope.gather(places);
+            self.slopes = [pull.gather(places), turn.gather(places)];
+            self.step = V::from_f64(smooth.slope_error);
+        } else {
+            self.per_slope = sheet.per_slope.gather(places);
+        }
+    }
+
+    #[inline(always)]
+    fn found(
+        &self,
+        exponents: &mut Exponents<'_, V, ABREAST>,
+        closeness: Closeness,
+        x: V,
+    ) -> Found<V> {
+        let rules = exponents.rules(self.place, &self.loaded.n, closeness);
+        match closeness {
+            Closeness::Fine(_) => self.loaded.found::<false>(&rules, x),
+            _ => self.loaded.found::<true>(&rules, x),
+        }
+    }
+
+    /// The first step by a coarse rule from where the coarsest ended.
+    #[inline(always)]
+    fn first(&mut self, exponents: &mut Exponents<'_, V, ABREAST>) {
+        self.found = self.found(exponents, Closeness::Coarse(self.group.step), self.x);
+    }
+
+    /// The second one, and the slopes that both show.
+    #[inline(always)]
+    fn second(&mut self, exponents: &mut Exponents<'_, V, ABREAST>) {
+        let (first, at_first) = (self.x, self.found);
+        let x = held(first - at_first.off * self.per_slope);
+        let found = self.found(exponents, Closeness::Coarse(self.group.step), x);
+        let step = x - first;
+        let known = V::from_f64(1e-10).lt(step.abs());
+        let per_step = V::select(known, V::ONE / step, V::ZERO);
+        let per_slope = secant(step, found.off - at_first.off, self.per_slope);
+        self.per_slope = V::select(known, per_slope, self.per_slope);
+        self.x = held(x - found.off * self.per_slope);
+        self.slopes = [
+            (found.pull - at_first.pull) * per_step,
+            (found.turn - at_first.turn) * per_step,
+        ];
+        // a step too short for a slope counts as a long one
+        self.step = V::select(known, step, V::ONE);
+    }
+
+    /// The fine rule's first evaluation.
+    #[inline(always)]
+    fn fine(&mut self, exponents: &mut Exponents<'_, V, ABREAST>) {
+        self.found = self.found(exponents, Closeness::Fine(self.group.step), self.x);
+    }
+
+    /// Further evaluations where they are needed, and the outcomes.
+    #[inline(always)]
+    fn finish(
+        &mut self,
+        (inputs, exponents): (&Inputs<'_>, &mut Exponents<'_, V, ABREAST>),
+        sheet: &mut LoadSheet,
+        (out, start): (&mut BatchColumns<'_>, Start<'_>),
+    ) {
+        for _ in 0..MAX_FINE_PASSES {
+            let found = self.found;
+            let open = !((found.off * self.step)
+                .abs()
+                .le(V::from_f64(STRAIGHT_RESIDUAL)));
+            if !V::any(open) {
+                break;
+            }
+            let next = held(self.x - found.off * self.per_slope);
+            let again = self.found(exponents, Closeness::Fine(self.group.step), next);
+            let dx = next - self.x;
+            let per_step = V::ONE / dx;
+            let slope = secant(dx, again.off - found.off, self.per_slope);
+            self.per_slope = V::select(open, slope, self.per_slope);
+            let slopes = [
+                (again.pull - found.pull) * per_step,
+                (again.turn - found.turn) * per_step,
+            ];
+            self.slopes = [0, 1].map(|k| V::select(open, slopes[k], self.slopes[k]));
+            self.step = V::select(open, dx, self.step);
+            self.x = V::select(open, next, self.x);
+            self.found = Found {
+                off: V::select(open, again.off, found.off),
+                pull: V::select(open, again.pull, found.pull),
+                turn: V::select(open, again.turn, found.turn),
+            };
+        }
+        let Self {
+            group,
+            loaded,
+            found,
+            slopes,
+            ..
+        } = self;
+        let dx = -found.off * self.per_slope;
+        if start.nodes {
+            let [pull, turn] = *slopes;
+            let ended = [self.x + dx, self.per_slope, pull, turn].map(V::to_array);
+            for (column, ended) in sheet.kept.iter_mut().zip(ended) {
+                for (&place, x) in group.places.iter().zip(ended) {
+                    column.0[usize::from(place)] = x;
+                }
             }
         }
-    }
-    let theta_1 = (x + dx).exp();
-    let z_over_r = versine(theta_1);
-    let stiffness = stiffness(theta_1, z_over_r, loaded.q, loaded.r_over_k);
-    let served = step_of(stiffness).le(step_number(group.step));
-    let fits = (found.off * step).abs().le(c(STRAIGHT_RESIDUAL))
-        & found.off.abs().le(c(1e-4))
-        & within(z_over_r, MIN_SINKAGE_PER_RADIUS, MAX_SINKAGE_PER_RADIUS)
-        & served;
-    let fits = V::select(fits, V::ONE, V::ZERO).to_array();
-    let pull = slopes[0].mul_add(dx, found.pull).to_array();
-    let turn = slopes[1].mul_add(dx, found.turn).to_array();
-    let z_over_r = z_over_r.to_array();
-    for (k, &place) in group.places.iter().enumerate().take(group.count) {
-        let place = usize::from(place);
-        let (radius, load) = (inputs.radius[place], inputs.given[place]);
-        if fits[k] > 0.0 {
-            let numbers = [
-                z_over_r[k] * radius,
-                load,
-                pull[k] * load,
-                turn[k] * load * radius,
-            ];
-            out.set(place, SolveStatus::Solved, numbers);
-        } else {
-            out.set(place, SolveStatus::NotConverged, [f64::NAN; 4]);
+        let theta_1 = (self.x + dx).exp();
+        let z_over_r = versine(theta_1);
+        let stiffness = stiffness(theta_1, z_over_r, loaded.q, loaded.r_over_k);
+        let served = step_of(stiffness).le(step_number(group.step));
+        let fits = (found.off * self.step)
+            .abs()
+            .le(V::from_f64(STRAIGHT_RESIDUAL))
+            & found.off.abs().le(V::from_f64(1e-4))
+            & within(z_over_r, MIN_SINKAGE_PER_RADIUS, MAX_SINKAGE_PER_RADIUS)
+            & served;
+        let fits = V::select(fits, V::ONE, V::ZERO).to_array();
+        let pull = slopes[0].mul_add(dx, found.pull).to_array();
+        let turn = slopes[1].mul_add(dx, found.turn).to_array();
+        let z_over_r = z_over_r.to_array();
+        for (k, &place) in group.places.iter().enumerate().take(group.count) {
+            let place = usize::from(place);
+            let (radius, load) = (inputs.radius[place], inputs.given[place]);
+            if fits[k] > 0.0 {
+                let numbers = [
+                    z_over_r[k] * radius,
+                    load,
+                    pull[k] * load,
+                    turn[k] * load * radius,
+                ];
+                out.set(place, SolveStatus::Solved, numbers);
+            } else {
+                out.set(place, SolveStatus::NotConverged, [f64::NAN; 4]);
+            }
         }
     }
 }

@@ -10,18 +10,27 @@ use crate::shear::ShearLaw;
 use crate::soil::{COHESION, EXPONENT, K_SHEAR, MODULUS, PHI, POSITION, Soil, SoilLaws};
 
 use super::columns::{BatchColumns, Inputs};
+use super::portable::TWO_52;
 use super::sheet::{Column, eight};
 use super::vector::Vector;
 
 /// Points worked on together: enough to fill groups of eight of each kind, few enough for the stack.
 pub(super) const CHUNK: usize = if cfg!(feature = "std") { 192 } else { 64 };
-/// Places of a chunk whose kinds each begin at a whole group.
-pub(super) const ROOM: usize = CHUNK + 8 * Step::COUNT;
+/// Places of a chunk whose kinds each begin at a whole group. Where it holds every u8, no place is checked; a power of
+/// two would lay all columns on the same lines of a cache.
+pub(super) const ROOM: usize = if cfg!(feature = "std") {
+    264
+} else {
+    CHUNK + 8 * Step::COUNT
+};
+
+/// How many groups are searched side by side: each waits for its logarithm while the others' nodes are computed.
+pub(super) const ABREAST: usize = 2;
 
 /// The step of a point that runs by itself.
 pub(super) const SINGLE_STEP: f64 = 5.0;
 const _: () = assert!(
-    LIMITS.len() == 5 && Step::COUNT == 5 && ROOM <= 1 << 16,
+    LIMITS.len() == 5 && Step::COUNT == 5 && CHUNK + 8 * Step::COUNT <= ROOM && CHUNK <= 1 << 8,
     "counts fit their types"
 );
 
@@ -35,6 +44,9 @@ pub(super) struct Prepared {
     pub(super) cohesion: f64,
     /// log₂e/K
     pub(super) per_k_shear: f64,
+    /// As in [`LaneSoil`].
+    per_slope: f64,
+    shape: f64,
 }
 
 impl Prepared {
@@ -49,9 +61,13 @@ impl Prepared {
         {
             return None;
         }
+        let n = laws.exponent.n_0;
+        let shape = Real::ln((3.0 - n).max(0.5) / 3.0) - n * core::f64::consts::LN_2;
         soil.tables().map(|tables| Self {
             tables: *tables,
-            n: laws.exponent.n_0,
+            per_slope: 1.0 / (2.0 * n + 1.0),
+            shape,
+            n,
             tan_phi: Real::tan(laws.strength.phi),
             cohesion: laws.strength.cohesion,
             per_k_shear: core::f64::consts::LOG2_E / laws.k_shear,
@@ -64,8 +80,6 @@ impl Prepared {
     pub(super) fn soil<V: Vector>(&self, inputs: &Inputs<'_>, at: usize) -> LaneSoil<V> {
         let c = V::from_f64;
         let Some(columns) = &inputs.soil else {
-            let shape = Real::ln((3.0 - self.n).max(0.5) / 3.0);
-            let shape = shape - self.n * core::f64::consts::LN_2;
             let [k_c, k_phi] = match self.laws.pressure {
                 Pressure::Bekker(law) => [c(law.k_c), c(law.k_phi)],
                 Pressure::Reece(law) => [c(law.k_c_prime), c(law.k_phi_prime)],
@@ -79,8 +93,8 @@ impl Prepared {
                 per_k_shear: c(self.per_k_shear),
                 c_1: c(self.laws.c_1),
                 c_2: c(self.laws.c_2),
-                per_slope: c(1.0 / (2.0 * self.n + 1.0)),
-                shape: c(shape),
+                per_slope: c(self.per_slope),
+                shape: c(self.shape),
                 sound: V::ZERO.lt(V::ONE),
             };
         };
@@ -154,7 +168,7 @@ impl Prepared {
         &self,
         inputs: &Inputs<'_>,
         columns: &[Column; 2],
-        places: &[u16; 8],
+        places: [u8; 8],
     ) -> [V; 2] {
         if inputs.soil.is_none() {
             return [V::from_f64(self.n), V::from_f64(self.tan_phi)];
@@ -162,13 +176,19 @@ impl Prepared {
         [columns[0].gather(places), columns[1].gather(places)]
     }
 
-    /// The exponents of a chunk.
-    pub(super) fn exponents<'a, V: Vector>(&'a self, inputs: &Inputs<'a>) -> Exponents<'a, V> {
-        match &inputs.soil {
-            None => Exponents::Shared(&self.tables),
-            Some(soil) => soil
-                .tables
-                .map_or_else(|| Exponents::Each(LaneRules::empty()), Exponents::Shared),
+    /// The exponents of a chunk of which `N` groups are searched side by side.
+    #[inline(always)]
+    pub(super) fn exponents<'a, V: Vector, const N: usize>(
+        &'a self,
+        inputs: &Inputs<'a>,
+    ) -> Exponents<'a, V, N> {
+        let shared = match &inputs.soil {
+            None => Some(&self.tables),
+            Some(soil) => soil.tables,
+        };
+        match shared {
+            Some(tables) => Exponents::Shared(tables),
+            None => Exponents::Each([LaneRules::empty(); N]),
         }
     }
 }
@@ -193,33 +213,33 @@ pub(super) struct LaneSoil<V: Vector> {
     pub(super) sound: V::Mask,
 }
 
-/// The exponents of a chunk: one with its tables, or a room for the rules of eight.
+/// The exponents of a chunk: one with its tables, or a room for the rules of each of `N` groups.
 #[allow(
     clippy::large_enum_variant,
     reason = "it stands still, and its room is on the stack"
 )]
-pub(super) enum Exponents<'a, V> {
+pub(super) enum Exponents<'a, V, const N: usize> {
     Shared(&'a ExponentTables),
-    Each(LaneRules<V>),
+    Each([LaneRules<V>; N]),
 }
 
-impl<V: Vector> Exponents<'_, V> {
-    /// Takes eight exponents.
+impl<V: Vector, const N: usize> Exponents<'_, V, N> {
+    /// Takes the eight exponents of a group.
     #[inline(always)]
-    pub(super) fn set(&mut self, n: &V) {
+    pub(super) fn set(&mut self, group: usize, n: &V) {
         if let Self::Each(rules) = self {
-            V::set_power(rules, n);
+            V::set_power(&mut rules[group], n);
         }
     }
 
-    /// The rules of the eight exponents that were taken last.
+    /// The rules of a group's eight exponents, which were taken before.
     #[inline(always)]
-    pub(super) fn rules(&mut self, n: &V, closeness: Closeness) -> Rules<'_, V> {
+    pub(super) fn rules(&mut self, group: usize, n: &V, closeness: Closeness) -> Rules<'_, V> {
         match self {
             Self::Shared(tables) => Rules::Shared(tables.at(closeness)),
             Self::Each(rules) => {
-                V::set_rules(rules, n, closeness);
-                Rules::Each(rules)
+                V::set_rules(&mut rules[group], n, closeness);
+                Rules::Each(&rules[group])
             }
         }
     }
@@ -256,6 +276,12 @@ pub(super) fn step_of<V: Vector>(stiffness: V) -> V {
     step
 }
 
+/// A whole number from 0 to 7 as an index: the low bits of its sum with 2⁵².
+#[inline(always)]
+fn index_of(step: f64) -> usize {
+    usize::from((step + f64::from_bits(TWO_52)).to_bits().to_le_bytes()[0] & 7).min(Step::COUNT)
+}
+
 #[inline(always)]
 fn inside<V: Vector>(x: V, (low, high): (f64, f64)) -> V::Mask {
     within(x, low, high)
@@ -272,7 +298,7 @@ pub(super) struct Plan {
     /// The step of each point; [`SINGLE_STEP`] for one that runs by itself.
     pub(super) steps: [f64; ROOM],
     /// Places by step, each step's from a whole group on, its last group filled up with its last place.
-    order: [u16; ROOM],
+    order: [u8; ROOM],
     ranges: [(usize, usize); Step::COUNT],
 }
 
@@ -286,9 +312,9 @@ pub(super) struct Chunk<'a> {
 
 /// Up to eight points of one step: their places, and how many count.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Group<'a> {
+pub(super) struct Group {
     pub(super) step: Step,
-    pub(super) places: &'a [u16; 8],
+    pub(super) places: [u8; 8],
     pub(super) count: usize,
 }
 
@@ -309,12 +335,12 @@ impl Plan {
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "steps are 0 to 5 and places below 2^16, both asserted"
+        reason = "steps are 0 to 5 and places below 2^8, both asserted"
     )]
     pub(super) fn sort(&mut self, n: usize) {
         let mut counts = [0_usize; Step::COUNT + 1];
         for &step in &self.steps[..n] {
-            counts[(step as usize).min(Step::COUNT)] += 1;
+            counts[index_of(step)] += 1;
         }
         let mut next = [0; Step::COUNT + 1];
         let mut from = 0;
@@ -324,9 +350,9 @@ impl Plan {
             from += counts[step].next_multiple_of(8);
         }
         for (i, &step) in self.steps[..n].iter().enumerate() {
-            let step = (step as usize).min(Step::COUNT);
+            let step = index_of(step);
             if step < Step::COUNT {
-                self.order[next[step]] = i as u16;
+                self.order[next[step]] = i as u8;
                 next[step] += 1;
             }
         }
@@ -343,13 +369,13 @@ impl Plan {
     }
 
     /// All groups.
-    pub(super) fn groups(&self) -> impl Iterator<Item = Group<'_>> {
+    pub(super) fn groups(&self) -> impl Iterator<Item = Group> {
         self.ranges
             .iter()
             .enumerate()
             .flat_map(move |(step, &(from, to))| {
                 let places = self.order[from..to.next_multiple_of(8)].as_chunks::<8>().0;
-                places.iter().enumerate().map(move |(k, places)| Group {
+                places.iter().enumerate().map(move |(k, &places)| Group {
                     step: Step::at(step),
                     places,
                     count: 8.min(to - from - 8 * k),

@@ -211,6 +211,10 @@ impl Short for Lanes {
         super::vector::exp2_short(self)
     }
     #[inline(always)]
+    fn exp2_short_each<const N: usize>(x: [Self; N]) -> [Self; N] {
+        super::vector::exp2_short_each(x)
+    }
+    #[inline(always)]
     fn log2_short(self) -> Self {
         super::vector::log2_short(self)
     }

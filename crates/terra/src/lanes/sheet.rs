@@ -23,9 +23,9 @@ impl Column {
 
     /// The numbers at eight places.
     #[inline(always)]
-    pub(super) fn gather<V: Vector>(&self, places: &[u16; 8]) -> V {
+    pub(super) fn gather<V: Vector>(&self, places: [u8; 8]) -> V {
         let mut eight = [0.0; 8];
-        for (x, &place) in eight.iter_mut().zip(places) {
+        for (x, place) in eight.iter_mut().zip(places) {
             *x = self.0[usize::from(place)];
         }
         V::from_array(eight)

@@ -3,7 +3,9 @@
 use grouser_real::Real;
 
 use crate::contact::ladder::{Closeness, LaneRules, SharedRules};
-use crate::contact::lean::{LeanContact, LeanSums, Short, estrin, horner};
+use crate::contact::lean::{
+    LeanContact, LeanSums, Short, each, estrin, horner, horner_each, of_each,
+};
 
 /// Eight f64 side by side, on some set of instructions.
 pub(super) trait Vector: Short {
@@ -99,7 +101,7 @@ pub(super) fn exp<V: Vector>(x: V) -> V {
     let whole = shifted - c(TO_WHOLE);
     let r = whole.mul_add(c(-LN_2_HIGH), x);
     let r = whole.mul_add(c(-LN_2_LOW), r);
-    let y = horner(r, &EXP) * shifted.power_of_two();
+    let y = estrin(r, &EXP_AFTER_ONE).mul_add(r, V::ONE) * shifted.power_of_two();
     let y = V::select(x.lt(low), V::ZERO, y);
     V::select(high.lt(x), c(f64::INFINITY), y)
 }
@@ -208,6 +210,18 @@ pub(super) fn exp2_short<V: Vector>(x: V) -> V {
     horner(part, &EXP2_SHORT)
         .mul_add(part, V::ONE)
         .times_power_of_two(shifted)
+}
+
+/// [`exp2_short`] of some numbers, step by step side by side.
+#[inline(always)]
+pub(super) fn exp2_short_each<V: Vector, const N: usize>(x: [V; N]) -> [V; N] {
+    let c = V::from_f64;
+    let shifted = of_each(x, |x| x + c(TO_WHOLE));
+    let whole = of_each(shifted, |x| x - c(TO_WHOLE));
+    let part = each(x, whole, |x, whole| x - whole);
+    let sum = horner_each(part, &EXP2_SHORT);
+    let sum = each(sum, part, |sum, part| sum.mul_add(part, V::ONE));
+    each(sum, shifted, V::times_power_of_two)
 }
 
 /// Base-2 logarithm of a positive normal number as in [`ln`], by its series to s¹²: what is left out is below 7e-13.

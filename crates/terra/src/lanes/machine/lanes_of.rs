@@ -263,6 +263,10 @@ macro_rules! lanes_of {
                 vector::exp2_short(self)
             }
             #[inline(always)]
+            fn exp2_short_each<const N: usize>(x: [Self; N]) -> [Self; N] {
+                vector::exp2_short_each(x)
+            }
+            #[inline(always)]
             fn log2_short(self) -> Self {
                 vector::log2_short(self)
             }
