@@ -6,7 +6,10 @@ use grouser_real::Real;
 use super::estimator::Core;
 use super::ground_track::{Awaiting, Inertial, Outcome};
 use super::motion_model::{COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW};
+use super::kalman::Kalman;
 use super::multiple_model::TurnError;
+use super::settings::FilterSettings;
+use super::wheel_bank::WheelBank;
 use crate::fault::Fault;
 use crate::history::nanoseconds;
 use crate::sample::Measurement;
@@ -28,7 +31,7 @@ impl Core {
             return;
         };
         let has_gyro = self.gyro.is_trusted(time_ns, &self.settings);
-        let by_wheels = self.wheels.yaw_rate().filter(|_| !has_gyro);
+        let by_wheels = turn_by_wheels(&self.wheels, &self.state, &self.settings).filter(|_| !has_gyro);
         let yaw_rate = self.state.mean(YAW);
         let turn_error = if has_gyro {
             TurnError {
@@ -41,22 +44,22 @@ impl Core {
             TurnError {
                 by_gyro: false,
                 removed: 0.0,
-                sigma: by_wheels.map_or_else(
-                    || self.state.sigma(YAW),
-                    |turn| self.wheels.turn_sigma(turn, &self.settings),
-                ),
+                sigma: by_wheels.map_or_else(|| self.state.sigma(YAW), |turn| Real::sqrt(turn.variance)),
                 memory: WHEEL_TURN_ERROR_MEMORY_S,
             }
         };
         let inertial = Inertial {
             yaw_rate,
-            turn_rate: by_wheels.unwrap_or(yaw_rate),
+            turn_rate: by_wheels.map_or(yaw_rate, |turn| turn.value),
             turn_error,
+            curvature: (self.wheels.steered_turn(1.0, &self.settings))
+                .filter(|_| !has_gyro)
+                .map(|turn| turn.value),
         };
         if !ground.force.awaits(time_ns) {
             ground.step(time_ns, &self.wheels, inertial, &self.settings);
         }
-        self.follow_ground_motion(time_ns, by_wheels);
+        self.follow_ground_motion(time_ns, by_wheels.map(|turn| turn.value));
     }
 
     /// Puts the motion of the models in the state; `by_wheels` is the turn by the wheels where no gyro is trusted, rad/s.
@@ -178,7 +181,7 @@ impl Core {
         if accepted {
             self.reference.accepted_ns = Some(now_ns);
             self.speed_known_ns = Some(now_ns);
-            let is_led = self.wheels.yaw_rate().is_some();
+            let is_led = turn_by_wheels(&self.wheels, &self.state, &self.settings).is_some();
             if let Some(motion) = motion.filter(|_| !has_gyro && !is_led) {
                 self.update_turn(&motion, now_ns);
             }
@@ -187,8 +190,8 @@ impl Core {
             }
         }
         // the next sample may come as late as the next row of a table
-        let by_wheels = self.wheels.yaw_rate().filter(|_| !has_gyro);
-        self.follow_ground_motion(now_ns, by_wheels);
+        let by_wheels = turn_by_wheels(&self.wheels, &self.state, &self.settings).filter(|_| !has_gyro);
+        self.follow_ground_motion(now_ns, by_wheels.map(|turn| turn.value));
     }
 
     /// Takes on what the models have learnt of the gyro's bias, where they know it better.
@@ -206,4 +209,22 @@ impl Core {
             self.state.reset(GYRO_BIAS, bias, variance);
         }
     }
+}
+
+/// The yaw rate that the wheels show and its variance: by how they are steered, else by how unlike their rims run.
+pub(super) fn turn_by_wheels(
+    wheels: &WheelBank,
+    state: &Kalman,
+    settings: &FilterSettings,
+) -> Option<Measured> {
+    wheels
+        .steered_turn(state.mean(FORWARD), settings)
+        .or_else(|| {
+            let value = wheels.yaw_rate()?;
+            let sigma = wheels.turn_sigma(value, settings);
+            Some(Measured {
+                value,
+                variance: sigma * sigma,
+            })
+        })
 }

@@ -16,8 +16,8 @@ const INLIER_SIGMA: f64 = 3.0;
 pub(super) const TURNING_SPEED_M_PER_S: f64 = 0.01;
 /// Rim and robot differ by this for other reasons than slip, m/s.
 const RIM_CREEP_M_PER_S: f64 = 5e-4;
-/// A robot with wheels that are not steered moves along them: the variance of its sideways speed against that of a rim. Without
-/// this a steered wheel that slips more than the others turned the direction of the motion.
+/// Wheels move along themselves: the variance of their sideways speed against that of a rim. Without this a steered wheel that slips
+/// more than the others turned the direction of the motion.
 const SIDEWAYS_VARIANCE_SHARE: f64 = 1e-4;
 /// The rims of wheels that are not parallel show their turn: the variance of the turn by that of the robot (rad²/s²) against that of a
 /// rim (m²/s²). The robot's turn over its share in the rims' speed is many times theirs where it hardly moves, and would turn the
@@ -136,7 +136,18 @@ pub(super) fn mean_rims(
             gained,
         });
     }
-    let (way, speed, direction) = along_one_way(by_way, by_speed, wheels, step.direction)?;
+    if roll_one_way(wheels) {
+        for wheel in wheels.iter().filter(|wheel| is_used(wheel)) {
+            let row = wheel.steering.across();
+            let still = |turn: f64| Measured {
+                value: -turn * row[2],
+                variance: SIDEWAYS_VARIANCE_SHARE,
+            };
+            by_way.add(row, still(turn * dt));
+            by_speed.add(row, still(turn));
+        }
+    }
+    let (way, speed, direction) = along_one_way(by_way, by_speed, step.direction)?;
     Some(Rims {
         way,
         direction,
@@ -151,7 +162,6 @@ pub(super) fn mean_rims(
 fn along_one_way(
     mut by_way: Observations,
     mut by_speed: Observations,
-    wheels: &WheelBank,
     direction: f64,
 ) -> Option<(f64, f64, f64)> {
     let turn = Measured {
@@ -160,15 +170,6 @@ fn along_one_way(
     };
     by_way.add([0.0, 0.0, 1.0], turn);
     by_speed.add([0.0, 0.0, 1.0], turn);
-    if let Some(heading) = one_way(wheels) {
-        let row = [-Real::sin(heading), Real::cos(heading), 0.0];
-        let still = Measured {
-            value: 0.0,
-            variance: SIDEWAYS_VARIANCE_SHARE,
-        };
-        by_way.add(row, still);
-        by_speed.add(row, still);
-    }
     let [x, y, _] = by_speed.solve()?.velocity;
     let direction = if Real::hypot(x, y) > TURNING_SPEED_M_PER_S {
         Real::atan2(y, x)
@@ -180,14 +181,11 @@ fn along_one_way(
     Some((cos * way_x + sin * way_y, cos * x + sin * y, direction))
 }
 
-/// The heading of the wheels that are not steered (rad), if all wheels have it at no steering angle.
-fn one_way(wheels: &WheelBank) -> Option<f64> {
-    let heading = wheels
+/// Do all wheels roll one way at no steering angle, and so hardly move across? Omnidirectional wheels do not.
+fn roll_one_way(wheels: &WheelBank) -> bool {
+    let heading = |wheel: &WheelChannel| wheel.steering.heading;
+    let first = wheels.iter().next().map_or(0.0, heading);
+    wheels
         .iter()
-        .find(|wheel| !wheel.steering.is_used())?
-        .steering
-        .heading;
-    let is_parallel =
-        |wheel: &WheelChannel| Real::sin(wheel.steering.heading - heading).abs() < PARALLEL_SINE;
-    wheels.iter().all(is_parallel).then_some(heading)
+        .all(|wheel| Real::sin(heading(wheel) - first).abs() < PARALLEL_SINE)
 }

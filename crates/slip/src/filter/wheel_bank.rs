@@ -18,6 +18,12 @@ use crate::speed::Measured;
 const PARALLEL_SINE: f64 = 0.02;
 /// Wheels whose squared distances from the robot's middle add up to less show no yaw rate, m².
 const MIN_SQUARED_ARMS_M2: f64 = 1e-6;
+/// Steered wheels whose squared distances along the way from their mean add up to less show no yaw rate, m².
+const MIN_SQUARED_STEERED_ARMS_M2: f64 = 1e-3;
+/// Standard deviation of a side slip of steered wheels, as a share of the robot's speed: three degrees.
+const SIDE_SLIP_SHARE: f64 = 0.05;
+/// Standard deviation of the speed that a steered turn is of, m/s: small, since it is given.
+const SPEED_SIGMA_M_PER_S: f64 = 1e-3;
 /// Share of their turn by which wheels that skid sideways turn faster than the robot: a half where its effective track is twice the
 /// described one.
 const SKID_SHARE: f64 = 0.5;
@@ -71,15 +77,22 @@ impl WheelBank {
     /// Steers a wheel, rad.
     pub(super) fn steer(&mut self, index: usize, angle: f64) -> Result<(), Fault> {
         self.get_mut(index)?.steer(angle);
-        let count = self.powered().count() as f64;
-        if self.lateral.is_some() && self.powered().all(|wheel| wheel.steering.has_turned()) {
-            let mut sums = [0.0; 3];
+        let turned = |wheel: &WheelChannel| wheel.steering.has_turned();
+        if self.lateral.is_some() && self.powered().any(turned) {
+            // those that are not steered, where there are any, move along themselves
+            let all_turned = self.powered().all(turned);
+            let (mut sums, mut count) = ([0.0; 3], 0.0);
             for wheel in self.powered() {
-                for (sum, part) in sums.iter_mut().zip(wheel.steering.across()) {
-                    *sum += part / count;
+                if all_turned || !wheel.steering.is_used() {
+                    for (sum, part) in sums.iter_mut().zip(wheel.steering.across()) {
+                        *sum += part;
+                    }
+                    count += 1.0;
                 }
             }
-            self.lateral = Some(sums);
+            if count > 0.0 {
+                self.lateral = Some(sums.map(|sum| sum / count));
+            }
         }
         Ok(())
     }
@@ -137,6 +150,38 @@ impl WheelBank {
             square += arm * arm;
         }
         (square > MIN_SQUARED_ARMS_M2).then(|| product / square)
+    }
+
+    /// The yaw rate at which a robot that travels at `speed` (m/s) moves least across its powered wheels as they are steered now,
+    /// and its standard deviation, rad/s: slip does not change it. `None` where no wheel has been steered, or none stands off the
+    /// others along the way.
+    pub(super) fn steered_turn(&self, speed: f64, settings: &FilterSettings) -> Option<Measured> {
+        if !self.powered().any(|wheel| wheel.steering.has_turned()) {
+            return None;
+        }
+        let mut seen = Observations::default();
+        let along = Measured {
+            value: speed,
+            variance: SPEED_SIGMA_M_PER_S * SPEED_SIGMA_M_PER_S,
+        };
+        seen.add([1.0, 0.0, 0.0], along);
+        let sigma = Real::hypot(settings.lateral_sigma, SIDE_SLIP_SHARE * speed);
+        for wheel in self.powered() {
+            let across = Measured {
+                value: 0.0,
+                variance: sigma * sigma,
+            };
+            seen.add(wheel.steering.across(), across);
+        }
+        let motion = seen.solve()?;
+        let arms = || self.powered().map(|wheel| wheel.steering.across()[2]);
+        let count = arms().count() as f64;
+        let mean = arms().sum::<f64>() / count;
+        let square: f64 = arms().map(|arm| (arm - mean) * (arm - mean)).sum();
+        (square > MIN_SQUARED_STEERED_ARMS_M2).then(|| Measured {
+            value: motion.velocity[2],
+            variance: sigma * sigma / square,
+        })
     }
 
     /// Standard deviation of the error of a turn by the powered wheels, rad/s: they slip unlike, and skid sideways in a bend.

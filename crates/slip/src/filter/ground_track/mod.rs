@@ -71,6 +71,8 @@ pub(super) struct Inertial {
     /// As the sensor has it that the error is of, rad/s.
     pub(super) turn_rate: f64,
     pub(super) turn_error: TurnError,
+    /// Turn per way forwards, rad/m, of a robot that turns as it is steered.
+    pub(super) curvature: Option<f64>,
 }
 
 /// What became of a reading of the reference.
@@ -349,6 +351,8 @@ impl GroundTrack {
             direction: rims.direction,
             turn: inertial.turn_rate * dt,
             turn_error: inertial.turn_error,
+            curvature: (inertial.curvature)
+                .map(|curvature| curvature * Real::cos(rims.direction)),
             acceleration: force.map(|force| (force, density)),
             rim: Rim {
                 speed: rims.speed,

@@ -75,6 +75,8 @@ pub(crate) struct WheelStep {
     /// Turn of the robot, rad, and what is known of its error.
     pub(crate) turn: f64,
     pub(crate) turn_error: TurnError,
+    /// Turn per way, rad/m, of a robot that turns as it is steered.
+    pub(crate) curvature: Option<f64>,
     /// Specific force along that direction, m/s², and its noise density, m/s/√s.
     pub(crate) acceleration: Option<(f64, f64)>,
     pub(crate) rim: Rim,
@@ -237,6 +239,7 @@ impl MultipleModel {
                 rim_way: wheels.rim_way,
                 direction: wheels.direction,
                 turn: wheels.turn,
+                curvature: wheels.curvature,
                 turn_error: wheels.turn_error,
                 removed,
                 acceleration: wheels.acceleration.filter(|_| uses),

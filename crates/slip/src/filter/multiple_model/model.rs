@@ -58,6 +58,8 @@ pub(super) struct Step {
     pub(super) direction: f64,
     /// Turn of the robot over the step, rad.
     pub(super) turn: f64,
+    /// Turn per way, rad/m, of a robot that turns as it is steered: in place of the turn.
+    pub(super) curvature: Option<f64>,
     pub(super) turn_error: TurnError,
     /// By how much more than before the turn rate is reduced, rad/s.
     pub(super) removed: f64,
@@ -184,6 +186,10 @@ impl Model {
         let dt = step.dt;
         let [.., slip, drift, bias, _] = self.mean;
         let turn = self.predict_turn_error(step);
+        let turn = match step.curvature {
+            Some(curvature) => turn - step.turn + self.predict_curve(step, curvature),
+            None => turn,
+        };
         let (sin, cos) = Real::sin_cos(self.mean[HEADING] + step.direction + 0.5 * turn);
         self.mean[HEADING] += turn;
         self.propagate(HEADING, TURN_ERROR, -dt);
@@ -233,6 +239,18 @@ impl Model {
         // rims at rest do not meet other ground
         let rolls = (step.rim_way.abs() / FULL_NOISE_RIM_M_PER_S).min(dt);
         self.covariance[SLIP][SLIP] += self.slip_noise * self.slip_noise * rolls;
+    }
+
+    /// The turn of a robot that turns as it is steered: by the way that this model has it on.
+    fn predict_curve(&mut self, step: &Step, curvature: f64) -> f64 {
+        if step.acceleration.is_some() {
+            self.propagate(HEADING, SPEED, curvature * step.dt);
+            curvature * self.mean[SPEED] * step.dt
+        } else {
+            let (share, slope) = rim_share(self.mean[SLIP]);
+            self.propagate(HEADING, SLIP, curvature * step.rim_way * slope);
+            curvature * step.rim_way * share
+        }
     }
 
     /// Another sensor measures the turn rate now, with an error of its own.
