@@ -143,6 +143,94 @@ fn a_steered_wheel_that_slips_more_does_not_turn_the_motion() {
     assert!(errors.iter().all(|error| *error < 0.03), "{errors:?}");
 }
 
+/// Four wheels that are all steered, about an origin in their middle, beside places without a heading: own slips of the wheels are no
+/// motion to the side, and a bend is as tight as the wheels stand however much they slip.
+#[test]
+fn four_steered_wheels_move_along_themselves() {
+    let mut table = String::from("t");
+    for (name, ..) in WHEELS {
+        write!(table, ",{name},steer_{name}").unwrap();
+    }
+    table.push_str(",x,y\n");
+    let (dt, mut place, mut heading) = (0.02, [0.0_f64; 2], 0.3_f64);
+    let mut turns = [0.0; 4];
+    // common slips of 0.05 to 0.5 in steps of three seconds, and up to 0.06 more or less of each wheel
+    let slip = |wheel: usize, time: f64| {
+        let step = (time / 3.0).floor();
+        0.275 + 0.225 * (2.1 * step).sin() + 0.06 * (1.7 * step + 2.0 * wheel as f64).sin()
+    };
+    // what two sines that have nothing to do with one another leave of a noise
+    let noise = |k: f64| 0.01 * ((12.9 * k).sin() + (78.2 * k + 1.0).sin());
+    for row in 0..3000 {
+        let time = f64::from(row) * dt;
+        let speed = 0.6 * time.min(1.0);
+        let rate = 2.0 * speed * (0.4 * (0.45 * time).sin()).tan();
+        write!(table, "{time}").unwrap();
+        for (wheel, (_, x, y)) in WHEELS.into_iter().enumerate() {
+            let velocity = [speed - rate * y, rate * (x - 0.5)];
+            let along = velocity[0].hypot(velocity[1]);
+            turns[wheel] += along / (1.0 - slip(wheel, time)) * dt / RADIUS_M;
+            write!(
+                table,
+                ",{},{}",
+                turns[wheel],
+                velocity[1].atan2(velocity[0])
+            )
+            .unwrap();
+        }
+        if row % 5 == 0 {
+            let k = f64::from(row);
+            writeln!(
+                table,
+                ",{},{}",
+                place[0] + noise(k),
+                place[1] + noise(k + 0.5)
+            )
+            .unwrap();
+        } else {
+            table.push_str(",,\n");
+        }
+        heading += 0.5 * rate * dt;
+        place[0] += speed * heading.cos() * dt;
+        place[1] += speed * heading.sin() * dt;
+        heading += 0.5 * rate * dt;
+    }
+    let columns_of = WHEELS.map(|(name, ..)| {
+        format!(
+            "{{ column = \"{name}\", meaning = \"wheel_angle\", wheel = \"{name}\", unit = \"rad\" }},\n\
+             {{ column = \"steer_{name}\", meaning = \"wheel_steering\", wheel = \"{name}\", unit = \"rad\" }},\n"
+        )
+    });
+    let map = format!(
+        "format = 1\n[[table]]\ntime = {{ column = \"t\", unit = \"s\" }}\ncolumns = [\n{}\
+         {{ column = \"x\", meaning = \"pose_x\", unit = \"m\" }},\n\
+         {{ column = \"y\", meaning = \"pose_y\", unit = \"m\" }},\n]\n",
+        columns_of.concat()
+    );
+    let map = columns::parse(&Document::from_text("map.toml", map).unwrap()).unwrap();
+    let bytes = Cursor::new(table);
+    let log = Log::over("log.csv".as_ref(), bytes, Some(map), &Topics::default()).unwrap();
+    let text = robot::to_toml(&robot_file(""));
+    let text = text
+        .replace("x_m = 0.0", "x_m = -0.5")
+        .replace("x_m = 1.0", "x_m = 0.5");
+    let file = robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap();
+    let (mut sum, mut count, mut held) = (0.0, 0.0, 0.0);
+    run(&log, &file, &Options::default(), |row| {
+        if let Some(found) = row.slip.filter(|_| row.time_s > 5.0) {
+            let error = found - slip(row.wheel, row.time_s);
+            sum += error * error;
+            count += 1.0;
+            held += f64::from(u8::from(error.abs() <= 1.645 * row.slip_sigma.unwrap()));
+        }
+        Ok(())
+    })
+    .unwrap();
+    let (rmse, held): (f64, f64) = ((sum / count).sqrt(), held / count);
+    println!("rmse {rmse:.4}, 90 % intervals hold {held:.3}");
+    assert!(rmse < 0.1 && held > 0.88, "{rmse} {held}");
+}
+
 #[test]
 fn a_steering_that_does_not_fit_the_robot_is_refused() {
     let parse = |text: &str| {
