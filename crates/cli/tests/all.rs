@@ -13,6 +13,7 @@ mod command;
 mod dependencies;
 mod docs;
 mod estimate;
+mod estimate_calibration;
 mod hostile_logs;
 mod identify;
 mod layering;

@@ -14,9 +14,10 @@ use crate::sink::{Row, Sink, Step};
 
 /// Truth is linear between two samples that are no further apart than this, s.
 const MAX_GAP_S: f64 = 0.5;
-/// An estimate's lag is looked for up to this, s, in these steps.
-const MAX_LAG_S: f64 = 1.0;
+/// An estimate's lag is looked for in steps of this length, s, up to this number of them to both sides: 1 s, twice the lag of
+/// the filter behind a step of the slip.
 const LAG_STEP_S: f64 = 0.02;
+const MAX_LAG_STEPS: i32 = 50;
 /// The truth must vary by this standard deviation for a lag to be found.
 const MIN_VARIATION: f64 = 0.02;
 /// Points of a line of the truth: more than a figure has columns.
@@ -57,6 +58,14 @@ pub struct TruthError {
     pub wheel: String,
     /// Estimates with a truth.
     pub count: u64,
+    /// Estimates, with a truth or without.
+    pub estimates: u64,
+    /// The first and the last time of the truth, s from the log's start.
+    pub truth_s: Option<[f64; 2]>,
+    /// The same of the estimates.
+    pub estimates_s: Option<[f64; 2]>,
+    /// The same of the estimates with a truth.
+    pub compared_s: Option<[f64; 2]>,
     /// Root of the mean squared error.
     pub rmse: Option<f64>,
     /// Mean error, estimate less truth.
@@ -65,16 +74,21 @@ pub struct TruthError {
     pub nees: Option<f64>,
     /// The share of these whose 90 % interval holds the truth.
     pub coverage_90: Option<f64>,
-    /// How much later the estimate is, s, where the truth varies enough to find it.
+    /// How much later the estimate is, s, where the truth varies enough to find it and is known for 1 s on both sides of
+    /// estimates; negative of an estimate that is earlier.
     pub lag_s: Option<f64>,
+    /// The estimate fits best at the edge of the delays that are compared, ±1 s: `lag_s` is `None`, and truth and log may be on
+    /// two clocks.
+    pub is_lag_beyond: bool,
 }
 
 impl Truth {
     /// Reads a CSV table: a column `time_s` or `time_ms` from the log's start, and a column `NAME_slip` of each wheel;
-    /// an empty field is no truth.
+    /// an empty field is no truth. Rows are in the order of time.
     ///
     /// # Errors
-    /// What is wrong with the table; [`Error::NoTruth`] where it has no such columns.
+    /// What is wrong with the table, such as [`SetBack`](grouser_log::Error::SetBack) of a row that is older than the one before
+    /// it; [`Error::NoTruth`] where it has no such columns, or no slip in them.
     ///
     /// ```
     /// use grouser_replay::{Error, Truth};
@@ -111,6 +125,7 @@ impl Truth {
         if columns.iter().all(Option::is_none) {
             return Err(absent());
         }
+        let mut last_s = f64::NEG_INFINITY;
         while lines.advance()? {
             let text = lines.text()?;
             if text.is_empty() {
@@ -135,14 +150,26 @@ impl Truth {
                     .into()
                 })
             };
-            let Some(time) = number(time)? else { continue };
+            let Some(time_s) = number(time)?.map(|value| value * scale) else {
+                continue;
+            };
+            if time_s < last_s {
+                let at = grouser_log::Cell {
+                    column: Some(time + 1),
+                    name: names.get(time).cloned(),
+                    ..lines.cell()
+                };
+                let by_s = last_s - time_s;
+                return Err(grouser_log::Error::SetBack { at, by_s }.into());
+            }
+            last_s = time_s;
             for (wheel, column) in truth.wheels.iter_mut().zip(&columns) {
                 if let Some(slip) = column.map(number).transpose()?.flatten() {
-                    wheel.push((time * scale, slip));
+                    wheel.push((time_s, slip));
                 }
             }
         }
-        Ok(truth)
+        truth.some().ok_or_else(absent)
     }
 
     /// Reads the messages of a topic of type `grouser_msgs/WheelSlip`, as a simulated drive writes it.
@@ -171,12 +198,18 @@ impl Truth {
                 }
             }
         }
-        if truth.wheels.iter().all(Vec::is_empty) {
-            return Err(Error::NoTruth {
-                source_name: topic.to_owned(),
-            });
+        // Files and stamps of a topic need not be in the order of time, but are on one clock.
+        for wheel in &mut truth.wheels {
+            wheel.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
-        Ok(truth)
+        truth.some().ok_or_else(|| Error::NoTruth {
+            source_name: topic.to_owned(),
+        })
+    }
+
+    /// `None` of no slip at all.
+    fn some(self) -> Option<Self> {
+        (!self.wheels.iter().all(Vec::is_empty)).then_some(self)
     }
 
     fn new(robot: &Robot, is_on_clock: bool) -> Self {
@@ -293,11 +326,14 @@ fn at(truth: &[(f64, f64)], time: f64) -> Option<f64> {
 fn errors_of(name: &str, truth: &[(f64, f64)], estimates: &[Estimate]) -> TruthError {
     let (mut count, mut sum, mut squares) = (0_u32, 0.0, 0.0);
     let (mut sure, mut nees, mut covered) = (0_u32, 0.0, 0_u32);
+    let mut compared_s: Option<[f64; 2]> = None;
     for estimate in estimates {
         let Some(truth) = at(truth, estimate.time_s) else {
             continue;
         };
         let error = estimate.slip - truth;
+        let first_s = compared_s.map_or(estimate.time_s, |[first, _]| first);
+        compared_s = Some([first_s, estimate.time_s]);
         count += 1;
         sum += error;
         squares += error * error;
@@ -307,56 +343,71 @@ fn errors_of(name: &str, truth: &[(f64, f64)], estimates: &[Estimate]) -> TruthE
             covered += u32::from(error.abs() <= SIGMAS_90 * sigma);
         }
     }
+    let (lag_s, is_lag_beyond) = match lag(truth, estimates) {
+        Some(Lag::Within(lag_s)) => (Some(lag_s), false),
+        Some(Lag::Beyond) => (None, true),
+        None => (None, false),
+    };
     let mean = |sum: f64, count: u32| (count > 0).then(|| sum / f64::from(count));
     TruthError {
         wheel: name.to_owned(),
         count: count.into(),
+        estimates: estimates.len() as u64,
+        truth_s: ends(truth, |sample| sample.0),
+        estimates_s: ends(estimates, |estimate| estimate.time_s),
+        compared_s,
         rmse: mean(squares, count).map(f64::sqrt),
         bias: mean(sum, count),
         nees: mean(nees, sure),
         coverage_90: mean(covered.into(), sure),
-        lag_s: lag(truth, estimates),
+        lag_s,
+        is_lag_beyond,
     }
 }
 
+/// The times of the first and the last.
+fn ends<T>(all: &[T], time_s: fn(&T) -> f64) -> Option<[f64; 2]> {
+    Some([time_s(all.first()?), time_s(all.last()?)])
+}
+
+/// By how much estimates are late.
+enum Lag {
+    /// By this time, s.
+    Within(f64),
+    /// By a time at the edge of those that are compared.
+    Beyond,
+}
+
 /// The delay of the truth at which the estimates are nearest to it.
-fn lag(truth: &[(f64, f64)], estimates: &[Estimate]) -> Option<f64> {
-    let (first, last) = (
-        estimates.first()?.time_s + MAX_LAG_S,
-        estimates.last()?.time_s,
-    );
-    // The same estimates for every delay, or the ends would choose it.
-    let inner: Vec<&Estimate> = estimates
-        .iter()
-        .filter(|e| e.time_s >= first && e.time_s <= last)
-        .filter(|e| at(truth, e.time_s).is_some() && at(truth, e.time_s - MAX_LAG_S).is_some())
+fn lag(truth: &[(f64, f64)], estimates: &[Estimate]) -> Option<Lag> {
+    let delays: Vec<f64> = (-MAX_LAG_STEPS..=MAX_LAG_STEPS)
+        .map(|step| f64::from(step) * LAG_STEP_S)
         .collect();
-    let known: Vec<f64> = inner.iter().filter_map(|e| at(truth, e.time_s)).collect();
+    let mut costs = vec![0.0; delays.len()];
+    let mut known = Vec::new();
+    for estimate in estimates {
+        // The same estimates for every delay, or those without a truth would choose it.
+        let truths = delays
+            .iter()
+            .map(|delay| at(truth, estimate.time_s - delay));
+        let Some(truths) = truths.collect::<Option<Vec<f64>>>() else {
+            continue;
+        };
+        for (cost, truth) in costs.iter_mut().zip(&truths) {
+            *cost += Real::powi(estimate.slip - truth, 2);
+        }
+        known.extend(at(truth, estimate.time_s));
+    }
     let mean = known.iter().sum::<f64>() / known.len() as f64;
     let variance = known.iter().map(|s| Real::powi(s - mean, 2)).sum::<f64>() / known.len() as f64;
     if !(variance > MIN_VARIATION * MIN_VARIATION) {
         return None;
     }
-    let cost = |delay: f64| -> f64 {
-        let one = |e: &&Estimate| Some(Real::powi(e.slip - at(truth, e.time_s - delay)?, 2));
-        let (sum, count) = inner
-            .iter()
-            .filter_map(one)
-            .fold((0.0, 0.0), |(sum, count), square| {
-                (sum + square, count + 1.0)
-            });
-        sum / f64::max(count, 1.0)
-    };
-    let mut best = (f64::INFINITY, 0.0);
-    let mut delay = 0.0;
-    while delay <= MAX_LAG_S {
-        let here = cost(delay);
-        if here < best.0 {
-            best = (here, delay);
-        }
-        delay += LAG_STEP_S;
+    let best = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]))?;
+    if best == 0 || best + 1 == costs.len() {
+        return Some(Lag::Beyond);
     }
-    Some(best.1)
+    Some(Lag::Within(delays[best]))
 }
 
 #[cfg(test)]
@@ -384,5 +435,45 @@ mod tests {
         let on_time = errors_of("left", &truth, &estimates[530..]);
         assert!((on_time.nees.unwrap() - 1.0).abs() < 1e-9 && on_time.lag_s.is_none());
         assert!(at(&[(0.0, 0.1), (2.0, 0.2)], 1.0).is_none());
+    }
+
+    #[test]
+    fn a_lag_is_found_on_both_sides_and_not_at_the_edge_nor_between_rare_truths() {
+        let slip = |time_s: f64| 0.2 + 0.1 * Real::sin(0.7 * time_s);
+        let truth = |every: usize, late_s: f64| -> Vec<(f64, f64)> {
+            let times = (0..2000).step_by(every).map(|i| f64::from(i) * 0.01);
+            times.map(|time| (time + late_s, slip(time))).collect()
+        };
+        let estimates: Vec<Estimate> = (0..2000)
+            .map(|i| f64::from(i) * 0.01)
+            .map(|time_s| Estimate {
+                time_s,
+                slip: slip(time_s - 0.3),
+                sigma: Some(0.01),
+            })
+            .collect();
+        for (late_s, lag_s) in [(0.0, 0.3), (0.8, -0.5), (-0.6, 0.9)] {
+            let found = errors_of("left", &truth(1, late_s), &estimates);
+            assert!(
+                (found.lag_s.unwrap() - lag_s).abs() < 0.011,
+                "{late_s}: {found:?}"
+            );
+            assert!(!found.is_lag_beyond);
+        }
+        for late_s in [2.0, -1.0] {
+            let found = errors_of("left", &truth(1, late_s), &estimates);
+            assert!(
+                found.is_lag_beyond && found.lag_s.is_none(),
+                "{late_s}: {found:?}"
+            );
+        }
+        // once a second: between them no truth is known
+        let found = errors_of("left", &truth(100, 0.0), &estimates);
+        assert_eq!((found.count, found.estimates), (20, 2000));
+        assert_eq!(found.compared_s, Some([0.0, 19.0]));
+        assert!(
+            found.lag_s.is_none() && !found.is_lag_beyond && found.rmse.is_some(),
+            "{found:?}"
+        );
     }
 }

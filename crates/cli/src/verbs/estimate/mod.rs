@@ -10,6 +10,7 @@ mod request;
 mod reservations;
 mod row_watch;
 mod text;
+mod truth;
 
 use std::ffi::OsString;
 use std::fmt::Write as _; // writing to a string cannot fail
@@ -18,12 +19,11 @@ use std::path::PathBuf;
 
 use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
-use grouser_log::container::Container;
 use grouser_log::{Cell, LOOK_AHEAD, LeftOut, Log, UsedTopic};
 use grouser_page::run::LogRecorder;
 use grouser_replay::{
-    Compared, Doubt, Inputs, Method, Options, Row, Sink, SoilReading, StartOutcome, Status, Step,
-    Summary, Truth, check_start, run_into, soil_readings, unused_currents,
+    Compared, Doubt, Inputs, Method, Options, Row, Sink, StartOutcome, Status, Step, Summary,
+    Truth, check_start, run_into, soil_readings, unused_currents,
 };
 use grouser_slip::{Reference, Rejected};
 
@@ -32,8 +32,8 @@ use self::object::{Found, is_other_reference};
 use self::output::Outputs;
 use self::request::Request;
 use self::reservations::seldom_read;
-use self::row_watch::WheelRows;
-use self::text::{beside_truth, text};
+use self::row_watch::{RowWatch, WheelRows};
+use self::text::text;
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::progress::Progress;
@@ -165,15 +165,14 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         progress: &progress,
         outputs: &mut outputs,
         seen: report.as_ref().map(|_| LogRecorder::new(wheels.len())),
-        compared: truth(arguments, &log, &request.robot, session)?.map(Truth::compare),
-        rows: vec![WheelRows::new(); wheels.len()],
-        gap_s: (request.options.window_s).unwrap_or(request.robot.settings.window),
+        compared: truth::source(arguments, &log, &request.robot, session)?.map(Truth::compare),
+        watch: RowWatch::new(&request),
     };
     let summary = run_into(&log, &request.robot, &request.options, &mut watched);
     let Watched {
         compared,
         seen,
-        rows,
+        watch: RowWatch { rows, .. },
         ..
     } = watched;
     let errors = compared.as_ref().map(Compared::errors);
@@ -215,7 +214,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         let _ = writeln!(text, "sensors: {}", start_words(start));
     }
     if let Some(errors) = &errors {
-        text.push_str(&beside_truth(errors));
+        text.push_str(&truth::text(errors, &summary));
     }
     text.push_str(&topics(&log, summary.reference));
     text.push_str(&outputs.finish(&request.robot, &summary, &truths)?);
@@ -232,7 +231,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     );
     Ok(Report {
         outcome: match summary.status {
-            Status::Done if summary.doubts().is_empty() && !is_implausible => Outcome::Done,
+            Status::Done if object::doubts(found).is_empty() && !is_implausible => Outcome::Done,
             Status::Done => Outcome::Doubtful,
             _ => Outcome::NoResult,
         },
@@ -240,7 +239,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         text,
         is_aside: false,
         failure: failure(&summary, &rows),
-        warnings: warnings(&summary, &log, &request, &arguments.logs, &readings),
+        warnings: warnings(found, &request, &arguments.logs),
     })
 }
 
@@ -307,17 +306,13 @@ struct Watched<'a> {
     outputs: &'a mut Outputs,
     seen: Option<LogRecorder>,
     compared: Option<Compared>,
-    rows: Vec<WheelRows>,
-    /// A longer time without a row is a gap of the log, s.
-    gap_s: f64,
+    watch: RowWatch,
 }
 
 impl Sink for Watched<'_> {
     fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
         self.progress.reach(self.log.bytes_read());
-        if let Some(rows) = self.rows.get_mut(row.wheel) {
-            rows.take(row, self.gap_s);
-        }
+        self.watch.row(row)?;
         if let Some(compared) = &mut self.compared {
             compared.row(row)?;
         }
@@ -336,27 +331,6 @@ impl Sink for Watched<'_> {
         }
         self.outputs.step(step)
     }
-}
-
-/// The true slips to compare with: a file, else a topic of the log.
-fn truth(
-    arguments: &Arguments,
-    log: &Log,
-    robot: &RobotFile,
-    session: &mut Session,
-) -> Result<Option<Truth>> {
-    let Some(source) = &arguments.truth else {
-        return Ok(None);
-    };
-    if source.is_file() {
-        session.used_file(source)?;
-        return Ok(Some(Truth::read(source, &robot.robot)?));
-    }
-    let topic = source.to_string_lossy();
-    let recordings = log
-        .files()
-        .filter(|file| matches!(Container::kind(file), Ok(Some(_))));
-    Ok(Some(Truth::read_topic(recordings, &topic, &robot.robot)?))
 }
 
 fn request(arguments: &Arguments, session: &mut Session) -> Result<Request> {
@@ -448,15 +422,9 @@ fn failure(summary: &Summary, rows: &[WheelRows]) -> Option<String> {
     })
 }
 
-fn warnings(
-    summary: &Summary,
-    log: &Log,
-    request: &Request,
-    named: &[PathBuf],
-    readings: &[SoilReading],
-) -> Vec<String> {
-    let mut out = Vec::new();
-    out.extend(summary.doubts().iter().map(ToString::to_string));
+fn warnings(found: Found<'_>, request: &Request, named: &[PathBuf]) -> Vec<String> {
+    let (summary, log, readings) = (found.summary, found.log, found.readings);
+    let mut out = object::doubts(found);
     let delay = summary
         .reference_delay
         .filter(|delay| delay.is_clear && !delay.is_applied && !delay.is_beyond_correction());

@@ -2,6 +2,7 @@
 
 use super::reservations::reservations;
 use super::row_watch::WheelRows;
+use super::truth;
 use crate::soil_text;
 use grouser_log::{Log, UsedTopic};
 use grouser_replay::{
@@ -84,14 +85,13 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
             found.summary.ground_changes_s.clone();
         "not_observable" "errors that look like slip and that this log cannot show" =
             not_observable(found.summary.reference);
-        "doubts" "why the result is doubtful" =
-            found.summary.doubts().iter().map(ToString::to_string).collect::<Vec<_>>();
+        "doubts" "why the result is doubtful" = doubts(found);
         "reservations" "what holds of parts of the result, or of one wheel" = reservations(found);
         "odometry" "odometry" group(odometry()) = found.summary.odometry.as_ref();
         "soil" "what was learnt of the soil; null without `--learn-soil`" group(soil_text::soil()) =
             found.summary.soil.as_ref();
         "filter" "the filter's checks and events" group(filter()) = Part::with(found.summary, found.summary.fused.as_ref());
-        "truth" "errors beside the true slips" rows(truth()) = found.errors.unwrap_or_default().iter();
+        "truth" "errors beside the true slips" rows(truth_errors()) = found.errors.unwrap_or_default().iter();
         "rejected" "samples that were rejected" group(rejected()) = found.summary;
         "files" "files that were read" = found.log.files().map(shown).collect::<Vec<_>>();
         "unused_files" "files that fit no table of the column map" =
@@ -102,6 +102,16 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
         "left_out" "what was left out" group(left_out()) = found.log;
         "start_check" "whether units, signs and axes of the sensors agree" group(start_check()).optional() = found.start;
     }
+}
+
+/// Why the result, or the comparison with true slips, is doubtful.
+pub(super) fn doubts(found: Found<'_>) -> Vec<String> {
+    let of_result = found.summary.doubts().into_iter();
+    let of_truth = truth::doubts(found.errors.unwrap_or_default());
+    of_result
+        .map(|doubt| doubt.to_string())
+        .chain(of_truth)
+        .collect()
 }
 
 fn wheel<'a>() -> Fields<'a, (&'a WheelSummary, &'a WheelRows, &'a [SoilReading])> {
@@ -125,15 +135,16 @@ fn wheel<'a>() -> Fields<'a, (&'a WheelSummary, &'a WheelRows, &'a [SoilReading]
 }
 
 /// The errors of one wheel beside its truth.
-pub(super) fn truth<'a>() -> Fields<'a, &'a TruthError> {
+pub(super) fn truth_errors<'a>() -> Fields<'a, &'a TruthError> {
     fields! { |of: &'a TruthError|
         "wheel" "the wheel" = of.wheel.as_str();
         "count" "estimates with a truth" = of.count;
+        "estimates" "estimates, with a truth or without" = of.estimates;
         "rmse" "root of the mean squared error" = of.rmse;
         "bias" "mean error" = of.bias;
         "nees" "mean of the squared error over its variance" = of.nees;
         "coverage_90" "share of the 90 % intervals that hold the truth" = of.coverage_90;
-        "lag_s" "how much later the estimate is" = of.lag_s;
+        "lag_s" "how much later the estimate is; null where it is not observable within 1 s" = of.lag_s;
     }
 }
 

@@ -1,10 +1,42 @@
 //! What the rows of each wheel show beyond the summary.
 
-use grouser_replay::{Quantiles, Row};
+use std::io;
+
+use grouser_replay::{Quantiles, Row, Sink};
 use grouser_slip::{Health, Invalid, Motion};
+
+use super::request::Request;
 
 /// The longest time between two readings that the median resolves, s.
 const MAX_PERIOD_S: f64 = 10.0;
+
+/// The rows of all wheels.
+#[derive(Clone, Debug)]
+pub(super) struct RowWatch {
+    /// Of each wheel, in the robot's order.
+    pub(super) rows: Vec<WheelRows>,
+    /// A longer time without a row is a gap of the log, s.
+    gap_s: f64,
+}
+
+impl RowWatch {
+    pub(super) fn new(request: &Request) -> Self {
+        let window_s = request.options.window_s;
+        Self {
+            rows: vec![WheelRows::new(); request.robot.robot.wheels().len()],
+            gap_s: window_s.unwrap_or(request.robot.settings.window),
+        }
+    }
+}
+
+impl Sink for RowWatch {
+    fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
+        if let Some(rows) = self.rows.get_mut(row.wheel) {
+            rows.take(row, self.gap_s);
+        }
+        Ok(())
+    }
+}
 
 /// The rows of one wheel.
 #[derive(Clone, Debug)]
@@ -18,7 +50,7 @@ pub(super) struct WheelRows {
 }
 
 impl WheelRows {
-    pub(super) fn new() -> Self {
+    fn new() -> Self {
         Self {
             last_s: None,
             periods_s: Quantiles::new(0.0, MAX_PERIOD_S),
@@ -28,7 +60,7 @@ impl WheelRows {
     }
 
     /// Takes a row; a longer time than `gap_s` since the last is a gap in the log, and no time in a health.
-    pub(super) fn take(&mut self, row: &Row<'_>, gap_s: f64) {
+    fn take(&mut self, row: &Row<'_>, gap_s: f64) {
         if let Some(last) = self.last_s.replace(row.time_s) {
             let since = row.time_s - last;
             self.periods_s.add(since);

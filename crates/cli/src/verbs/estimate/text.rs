@@ -4,7 +4,7 @@ use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_files::robot::RobotFile;
 use grouser_replay::{
-    EventAt, FusedSummary, Options, SoilReading, Spread, Summary, TruthError, TurnCheck, UNKNOWN,
+    EventAt, FusedSummary, Options, SoilReading, Spread, Summary, TurnCheck, UNKNOWN,
 };
 use grouser_slip::{Motion, Reference};
 
@@ -153,26 +153,6 @@ fn observability(found: Found<'_>) -> String {
     doubts.chain([delay, used, hidden]).collect()
 }
 
-/// The errors beside the truth.
-pub(super) fn beside_truth(errors: &[TruthError]) -> String {
-    let mut table = Table::new().text("wheel");
-    for column in ["rmse", "bias", "nees", "in 90 %", "lag s"] {
-        table = table.number(column);
-    }
-    for error in errors.iter().filter(|error| error.count > 0) {
-        let cells = [
-            (error.rmse, 4),
-            (error.bias, 4),
-            (error.nees, 2),
-            (error.coverage_90, 3),
-            (error.lag_s, 2),
-        ];
-        let cells = cells.map(|(value, digits)| number(value, digits));
-        table.row(std::iter::once(error.wheel.clone()).chain(cells));
-    }
-    format!("\nbeside the true slips:\n{}", table.render())
-}
-
 /// Whether wheels and gyro disagree, and the cause.
 fn apart(turns: &TurnCheck, summary: &Summary) -> String {
     let Some(alarm) = turns.alarm_s else {
@@ -231,7 +211,7 @@ fn end(begun: &EventAt, events: &[EventAt]) -> Option<f64> {
 }
 
 /// A number with a true minus sign.
-fn number(value: Option<f64>, digits: usize) -> String {
+pub(super) fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(
         || "–".to_owned(),
         |value| format!("{value:.digits$}").replace('-', "−"),

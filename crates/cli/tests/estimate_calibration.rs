@@ -1,0 +1,194 @@
+//! `estimate --calibrate…` of logs in which something is wrong, of short logs, and of runs that differ; and `--truth` of tables that
+//! do not fit the log.
+
+use std::fmt::Write as _;
+use std::process::Output;
+
+use serde_json::Value;
+
+use crate::repository;
+use crate::repository::Folder;
+
+const ROBOT: &str = "format = 1\nname = \"cart\"\n\
+    [[table]]\nfile = \"*.csv\"\ntime = { column = \"t\", unit = \"s\" }\n\
+    columns = [{ column = \"l\", meaning = \"wheel_angle\", wheel = \"left\", unit = \"rad\" }, \
+    { column = \"r\", meaning = \"wheel_angle\", wheel = \"right\", unit = \"rad\" }, \
+    { column = \"g\", meaning = \"yaw_rate\", unit = \"rad/s\" }, \
+    { column = \"x\", meaning = \"pose_x\", unit = \"m\" }, \
+    { column = \"y\", meaning = \"pose_y\", unit = \"m\" }, \
+    { column = \"yaw\", meaning = \"pose_yaw\", unit = \"rad\" }]\n\
+    [[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n\
+    [[wheel]]\nname = \"right\"\nx_m = 0.0\ny_m = -0.2\nradius_m = 0.1\ndrive = \"powered\"\n";
+
+/// What is wrong in a log.
+#[derive(Clone, Copy)]
+struct Drive {
+    duration_s: f64,
+    /// True radius over that of the robot file.
+    radius: f64,
+    /// The yaw of the pose is this much more than that of the robot, rad.
+    yaw_offset: f64,
+    gyro_scale: f64,
+    is_left_standing: bool,
+    is_exchanged: bool,
+    /// Share by which the left wheel's rim runs faster than the ground for one of eight seconds.
+    left_slip: f64,
+}
+
+const SOUND: Drive = Drive {
+    duration_s: 80.0,
+    radius: 1.04,
+    yaw_offset: 0.0,
+    gyro_scale: 1.0,
+    is_left_standing: false,
+    is_exchanged: false,
+    left_slip: 0.0,
+};
+
+impl Drive {
+    /// A log of straight ways and bends to both sides at 50 Hz, with stops.
+    fn log(self) -> String {
+        let mut text = String::from("t,l,r,g,x,y,yaw\n");
+        let (mut x, mut y, mut yaw) = (0.0, 0.0, 0.0_f64);
+        let (mut left, mut right) = (0.0, 0.0);
+        let (mut speed, mut rate) = (0.0, 0.0);
+        let mut state = 7_u64;
+        let mut noise = move |half_width: f64| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            half_width * (2.0 * (state >> 32) as f64 / f64::from(u32::MAX) - 1.0)
+        };
+        for row in 0..(self.duration_s * 50.0) as u32 {
+            let time_s = f64::from(row) * 0.02;
+            let phase = (time_s / 4.0) as u32 % 6;
+            let wanted = [
+                (0.0, 0.0),
+                (0.5, 0.0),
+                (0.4, 0.8),
+                (0.5, 0.0),
+                (0.4, -0.3),
+                (0.3, 0.0),
+            ][phase as usize];
+            speed += (wanted.0 - speed) * 0.02 / 0.3;
+            rate += (wanted.1 - rate) * 0.02 / 0.3;
+            x += speed * 0.02 * yaw.cos();
+            y += speed * 0.02 * yaw.sin();
+            yaw += rate * 0.02;
+            let is_slipping = (time_s / 4.0) as u32 % 2 == 1;
+            let faster = 1.0 + if is_slipping { self.left_slip } else { 0.0 };
+            if !self.is_left_standing {
+                left += faster * (speed - 0.2 * rate) * 0.02 / (0.1 * self.radius);
+            }
+            right += (speed + 0.2 * rate) * 0.02 / (0.1 * self.radius);
+            let (l, r) = if self.is_exchanged {
+                (right, left)
+            } else {
+                (left, right)
+            };
+            let _ = writeln!(
+                text,
+                "{time_s:.2},{l:.4},{r:.4},{:.5},{:.4},{:.4},{:.5}",
+                self.gyro_scale * (rate + noise(0.005)),
+                x + noise(0.002),
+                y + noise(0.002),
+                yaw + self.yaw_offset + noise(0.002),
+            );
+        }
+        text
+    }
+}
+
+/// The robot file, and a log of each drive.
+fn logs(folder: &Folder, drives: &[Drive]) -> (String, Vec<String>) {
+    let file =
+        |(index, drive): (usize, &Drive)| folder.file(&format!("log{index}.csv"), drive.log());
+    let logs = drives.iter().enumerate().map(file).collect();
+    (folder.file("robot.toml", ROBOT), logs)
+}
+
+fn estimate(robot: &str, logs: &[String], more: &[&str]) -> Output {
+    let logs: Vec<&str> = logs.iter().map(String::as_str).collect();
+    repository::grouser(&[&["estimate"], &logs[..], &["--robot", robot], more].concat())
+}
+
+fn printed(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// A table of true slips of the left wheel at these times.
+fn truth(times: impl Iterator<Item = f64>) -> String {
+    let mut text = String::from("time_s,left_slip\n");
+    for time in times {
+        let _ = writeln!(text, "{time:.2},0.05");
+    }
+    text
+}
+
+#[test]
+fn true_slips_that_do_not_fit_the_log_are_doubtful_or_refused() {
+    let folder = Folder::new("truth-misfit");
+    let (robot, logs) = logs(&folder, &[SOUND]);
+    let compare = |name: &str, text: String| {
+        let file = folder.file(name, text);
+        let output = estimate(&robot, &logs, &["--truth", &file]);
+        let object = estimate(&robot, &logs, &["--truth", &file, "--json"]);
+        assert_eq!(output.status.code(), object.status.code());
+        (output.status.code(), printed(&output), json(&object))
+    };
+    let times = || (0..4000).map(|row| f64::from(row) * 0.02);
+    let (code, text, object) = compare("fit.truth", truth(times()));
+    assert_eq!(code, Some(0), "{text}");
+    assert!(
+        text.contains("NOTE: there is no true slip of right"),
+        "{text}"
+    );
+    assert!(
+        object["truth"][0]["count"].as_u64().unwrap() > 3000,
+        "{object}"
+    );
+    for (name, text) in [
+        ("epoch", truth(times().map(|time| time + 1.7e9))),
+        ("milliseconds", truth(times().map(|time| 1000.0 * time))),
+        (
+            "second",
+            truth(times().filter(|time| (40.0..41.0).contains(time))),
+        ),
+    ] {
+        let (code, text, object) = compare(&format!("{name}.truth"), text);
+        assert_eq!(code, Some(3), "{name}: {text}");
+        assert!(
+            text.contains("DOUBTFUL: left: ") && text.contains("have a true slip beside them"),
+            "{name}: {text}"
+        );
+        assert!(
+            object["doubts"][0].as_str().unwrap().starts_with("left: "),
+            "{name}: {object}"
+        );
+    }
+    let once = |time: &f64| (time * 50.0).round() as u32 % 50 == 0;
+    let (code, text, object) = compare("seldom.truth", truth(times().filter(once)));
+    assert_eq!(code, Some(0), "{text}");
+    assert!(text.contains("NOTE: left: "), "{text}");
+    assert!(object["truth"][0]["lag_s"].is_null(), "{object}");
+    for (name, text, message) in [
+        (
+            "empty",
+            "time_s,left_slip\n".to_owned(),
+            "holds no slip of a wheel",
+        ),
+        (
+            "reversed",
+            truth(times().map(|time| 80.0 - time)),
+            "line 3, column 1 `time_s`: is 0.02 s older than the row before it",
+        ),
+    ] {
+        let (code, text, _) = compare(&format!("{name}.truth"), text);
+        assert_eq!(code, Some(2), "{name}: {text}");
+        assert!(text.contains(message), "{name}: {text}");
+    }
+}
