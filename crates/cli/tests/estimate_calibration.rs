@@ -120,6 +120,137 @@ fn json(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
+#[test]
+fn what_estimate_finds_wrong_in_a_log_is_not_calibrated_away() {
+    for (name, drive, found) in [
+        (
+            "yaw",
+            Drive {
+                yaw_offset: 0.35,
+                ..SOUND
+            },
+            "to the left of the direction",
+        ),
+        (
+            "standing",
+            Drive {
+                is_left_standing: true,
+                ..SOUND
+            },
+            "left is `Invalid(Inconsistent)`",
+        ),
+        (
+            "exchanged",
+            Drive {
+                is_exchanged: true,
+                ..SOUND
+            },
+            "encoders are exchanged",
+        ),
+        (
+            "gyro",
+            Drive {
+                gyro_scale: 57.3,
+                ..SOUND
+            },
+            "the gyro turns by",
+        ),
+    ] {
+        let folder = Folder::new(&format!("calibrate-wrong-{name}"));
+        let (robot, logs) = logs(&folder, &[drive]);
+        let target = folder.path("new.toml");
+        for flag in ["--calibrate", "--calibrate-radius"] {
+            let output = estimate(&robot, &logs, &[flag, &target]);
+            let text = printed(&output);
+            assert_eq!(output.status.code(), Some(3), "{name}: {text}");
+            assert!(
+                text.starts_with("DOUBTFUL: ") && text.contains(found),
+                "{name}: {text}"
+            );
+            assert!(text.contains("new.toml` is not written"), "{name}: {text}");
+            assert!(!std::path::Path::new(&target).exists(), "{name}");
+        }
+        let output = estimate(&robot, &logs, &["--calibrate", &target, "--json"]);
+        let object = json(&output);
+        assert!(object["output"].is_null(), "{name}: {object}");
+        assert!(
+            object["doubts"][0].as_str().unwrap().contains(found),
+            "{name}: {object}"
+        );
+    }
+}
+
+/// Radii that are described badly are what the calibration is for.
+#[test]
+fn wrong_radii_are_calibrated_without_a_doubt() {
+    for radius in [0.6, 0.8, 1.04, 1.3, 1.8] {
+        let folder = Folder::new(&format!("calibrate-radius-{radius}"));
+        let (robot, logs) = logs(&folder, &[Drive { radius, ..SOUND }]);
+        let target = folder.path("new.toml");
+        for (flag, key) in [
+            ("--calibrate", "radius"),
+            ("--calibrate-radius", "radius_factor"),
+        ] {
+            let output = estimate(&robot, &logs, &[flag, &target, "--json"]);
+            assert_eq!(
+                output.status.code(),
+                Some(0),
+                "{radius}: {}",
+                printed(&output)
+            );
+            let object = json(&output);
+            let factor = object[key]
+                .as_f64()
+                .or_else(|| object[key]["value"].as_f64());
+            assert!(
+                (factor.unwrap() / radius - 1.0).abs() < 0.01,
+                "{radius}: {object}"
+            );
+            assert!(
+                object["doubts"].as_array().unwrap().is_empty() && object["output"].is_string()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_log_that_is_too_short_to_calibrate_is_doubtful() {
+    let folder = Folder::new("calibrate-short");
+    let (robot, logs) = logs(&folder, &[SOUND]);
+    for flag in ["--calibrate", "--calibrate-radius"] {
+        let output = estimate(
+            &robot,
+            &logs,
+            &[flag, &folder.path("new.toml"), "--from-s", "77.5"],
+        );
+        let text = printed(&output);
+        assert_eq!(output.status.code(), Some(3), "{text}");
+        assert!(
+            text.contains("DOUBTFUL: the wheels ran") && text.contains("wrote "),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn a_log_counts_once() {
+    let folder = Folder::new("calibrate-twice");
+    let (robot, logs) = logs(&folder, &[SOUND]);
+    let aside = folder.path("./log0.csv");
+    let twice = [logs[0].clone(), aside];
+    for flag in [
+        "--calibrate",
+        "--calibrate-radius",
+        "--calibrate-intervals",
+        "--learn-ground",
+    ] {
+        let output = estimate(&robot, &twice, &[flag, &folder.path("new.toml")]);
+        let text = printed(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains("log0.csv` belongs to two LOGs"), "{text}");
+    }
+}
+
 /// A table of true slips of the left wheel at these times.
 fn truth(times: impl Iterator<Item = f64>) -> String {
     let mut text = String::from("time_s,left_slip\n");

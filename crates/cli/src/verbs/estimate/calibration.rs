@@ -1,5 +1,6 @@
 //! `estimate --calibrate…`: what runs with a reference show of the robot file.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _; // writing to a string cannot fail
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -10,17 +11,26 @@ use grouser_log::Log;
 use grouser_replay::Error::{NoReference, NoWheels, WheelNotMeasured};
 use grouser_replay::{
     Calibration, Factor, GeometryCalibration, Inputs, IntervalCalibration, ReferenceDelay,
-    calibrate_geometry, calibrate_intervals, calibrate_radius, calibrate_reference_delay,
+    calibrate_geometry, calibrate_intervals, calibrate_radius, calibrate_reference_delay, run_into,
 };
-use grouser_report::{Fields, Object, fields};
+use grouser_report::{Fields, fields};
 use grouser_slip::WheelRole;
 
 use super::object::reference_delay;
 use super::request::Request;
+use super::reservations::inconsistent;
+use super::row_watch::RowWatch;
 use crate::error::{Error, Result, shown};
+use crate::exit::Outcome;
 use crate::output::OutputFile;
 use crate::session::Session;
 use crate::verb_report::Report;
+
+/// Runs with a shorter way by the wheels in sum do not show a radius well, m: the reference is some millimetres off, and starts and
+/// stops some centimetres.
+const MIN_WAY_M: f64 = 2.0;
+/// A radius with a wider interval (95 %, half of it over the radius) is doubtful: slips are then known to no better than that.
+const MAX_HALF_WIDTH: f64 = 0.1;
 
 /// What is calibrated.
 #[derive(Clone, Copy)]
@@ -48,19 +58,89 @@ pub(super) fn run(
     let logs = read_runs(files, request, session)?;
     let Calibrated {
         revision,
-        object,
-        mut text,
+        found,
+        text,
+        doubt,
     } = match job {
-        Job::Radius => radius(&logs, request, files.target)?,
-        Job::Geometry => geometry(&logs, request, files.target)?,
-        Job::Intervals => intervals(&logs, request, files.target)?,
+        Job::Radius => radius(&logs, request)?,
+        Job::Geometry => geometry(&logs, request)?,
+        Job::Intervals => intervals(&logs, request)?,
     };
-    let rewritten = revised(&Document::read(files.robot)?, &revision)?;
-    let written = output.write_all(rewritten.as_bytes());
-    written.map_err(|error| Error::file("write", files.target, &error))?;
-    output.finish()?;
-    let _ = writeln!(text, "wrote {}", shown(files.target));
-    Ok(Report::done(object, text))
+    let Runs {
+        mut doubts,
+        travel_m,
+    } = doubts_of(&logs, files, request)?;
+    // What is wrong in a log would be hidden in the robot file; a short log alone is only known badly.
+    let is_written = doubts.is_empty();
+    doubts.extend(doubt);
+    if !matches!(job, Job::Intervals) && !(travel_m >= MIN_WAY_M) {
+        doubts.push(format!(
+            "the wheels ran {travel_m:.1} m: less than {MIN_WAY_M} m do not show the radius well"
+        ));
+    }
+    let mut shown_text = String::new();
+    for doubt in &doubts {
+        let _ = writeln!(shown_text, "DOUBTFUL: {doubt}");
+    }
+    shown_text.push_str(&text);
+    if is_written {
+        let rewritten = revised(&Document::read(files.robot)?, &revision)?;
+        let written = output.write_all(rewritten.as_bytes());
+        written.map_err(|error| Error::file("write", files.target, &error))?;
+        output.finish()?;
+        let _ = writeln!(shown_text, "wrote {}", shown(files.target));
+    } else {
+        let _ = writeln!(
+            shown_text,
+            "{} is not written: correct the robot file or the logs, and calibrate then",
+            shown(files.target)
+        );
+    }
+    let output = Written {
+        target: is_written.then_some(files.target),
+        doubts: &doubts,
+    };
+    let object = match &found {
+        Found::Radius(found, radii) => of_radius().object((found, radii, output)),
+        Found::Geometry(found, delay) => of_geometry().object((found, *delay, output)),
+        Found::Intervals(found) => of_intervals().object((found, output)),
+    };
+    Ok(Report {
+        outcome: if doubts.is_empty() {
+            Outcome::Done
+        } else {
+            Outcome::Doubtful
+        },
+        warnings: doubts,
+        ..Report::done(object, shown_text)
+    })
+}
+
+/// What `estimate` finds in the runs of a calibration.
+struct Runs {
+    /// What would make its result doubtful, or a wheel `Invalid`.
+    doubts: Vec<String>,
+    /// The way of the wheels of all runs, m.
+    travel_m: f64,
+}
+
+fn doubts_of(logs: &[Log], files: &Files<'_>, request: &Request) -> Result<Runs> {
+    let mut runs = Runs {
+        doubts: Vec::new(),
+        travel_m: 0.0,
+    };
+    for (log, path) in logs.iter().zip(files.logs) {
+        let mut watch = RowWatch::new(request);
+        let summary = run_into(log, &request.robot, &request.options, &mut watch)?;
+        runs.travel_m += summary.along.travel_wheels.abs();
+        let doubts = summary.doubts().into_iter().map(|doubt| doubt.to_string());
+        let all = doubts.chain(inconsistent(&summary, &watch.rows));
+        runs.doubts.extend(all.map(|doubt| match logs {
+            [_] => doubt,
+            _ => format!("{}: {doubt}", shown(path)),
+        }));
+    }
+    Ok(runs)
 }
 
 /// The log of each run.
@@ -70,8 +150,20 @@ pub(super) fn read_runs(
     session: &mut Session,
 ) -> Result<Vec<Log>> {
     let mut logs = Vec::new();
+    let mut read = BTreeSet::new();
     for path in files.logs {
         let log = request.log(std::slice::from_ref(path))?;
+        let of_log: Vec<PathBuf> = log
+            .files()
+            .filter_map(|file| file.canonicalize().ok())
+            .collect();
+        if let Some(twice) = of_log.iter().find(|file| read.contains(*file)) {
+            return Err(Error::usage(
+                format!("{} belongs to two LOGs", shown(twice)),
+                "each LOG is a run of its own here: one that is counted twice would agree with itself",
+            ));
+        }
+        read.extend(of_log);
         let is_one_of_several = files.logs.len() > 1;
         if let Err(error @ (NoWheels { .. } | WheelNotMeasured { .. } | NoReference { .. })) =
             Inputs::of(&log, &request.robot, &request.options)
@@ -94,11 +186,20 @@ pub(super) fn read_runs(
 /// What changes in the robot file, and what is said of it.
 struct Calibrated {
     revision: Revision,
-    object: Object,
+    found: Found,
     text: String,
+    /// Why it is known badly.
+    doubt: Option<String>,
 }
 
-fn radius(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated> {
+enum Found {
+    /// With the radius of each powered wheel, m.
+    Radius(Calibration, Vec<(String, f64)>),
+    Geometry(GeometryCalibration, Option<ReferenceDelay>),
+    Intervals(IntervalCalibration),
+}
+
+fn radius(logs: &[Log], request: &Request) -> Result<Calibrated> {
     let found = calibrate_radius(logs, &request.robot, &request.options)?;
     let each: Vec<String> = found
         .factors
@@ -116,8 +217,9 @@ fn radius(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated> 
             radius: Some(found.factor),
             ..Revision::default()
         },
-        object: of_radius().object((&found, &radii, target)),
+        found: Found::Radius(found, radii),
         text,
+        doubt: None,
     })
 }
 
@@ -130,7 +232,7 @@ fn radii(request: &Request, factor: f64) -> Vec<(String, f64)> {
         .collect()
 }
 
-fn geometry(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated> {
+fn geometry(logs: &[Log], request: &Request) -> Result<Calibrated> {
     let found = calibrate_geometry(logs, &request.robot, &request.options)?;
     let mut text = String::new();
     for (name, factor) in [
@@ -147,10 +249,9 @@ fn geometry(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated
                 text,
                 "{name}: {value:.4} ± {half:.4} of the robot file's (95 %)"
             ),
-            Some(Factor { value, .. }) => writeln!(
-                text,
-                "{name}: {value:.4} of the robot file's (too short for an interval)"
-            ),
+            Some(Factor { value, .. }) => {
+                writeln!(text, "{name}: {value:.4} of the robot file's (no interval)")
+            }
         };
     }
     let delay = calibrate_reference_delay(logs, &request.robot, &request.options)?;
@@ -178,6 +279,14 @@ fn geometry(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated
             )
         }
     };
+    let doubt = match found.radius.half_width {
+        None => Some("one run of less than 25 s shows no interval of the radius".to_owned()),
+        Some(half) if half > MAX_HALF_WIDTH * found.radius.value => Some(format!(
+            "the radius is known to ± {:.0} % only: it differs between the runs, or within them",
+            100.0 * half / found.radius.value
+        )),
+        Some(_) => None,
+    };
     Ok(Calibrated {
         revision: Revision {
             radius: Some(found.radius.value),
@@ -188,16 +297,18 @@ fn geometry(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated
                 .map(|delay| delay.delay_s),
             ..Revision::default()
         },
-        object: of_geometry().object((&found, delay, target)),
+        found: Found::Geometry(found, delay),
         text,
+        doubt,
     })
 }
 
-fn intervals(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrated> {
+fn intervals(logs: &[Log], request: &Request) -> Result<Calibrated> {
     let found = calibrate_intervals(logs, &request.robot, &request.options)?;
     let text = format!(
-        "interval factor: {:.3}\n90 % intervals contain {:.1} % of the true slips in runs that the factor was not taken \
-         from ({:.1} % without it), median half-width {:.3}\n",
+        "interval factor: {:.3}\n90 % intervals contain {:.1} % of the slips by the reference in runs that the factor was not taken \
+         from ({:.1} % without it), median half-width {:.3}\nnot observable: errors of radii, axes or of the reference's scale that \
+         the runs share\n",
         found.factor,
         100.0 * found.coverage,
         100.0 * found.coverage_before,
@@ -208,12 +319,28 @@ fn intervals(logs: &[Log], request: &Request, target: &Path) -> Result<Calibrate
             interval: Some(found.factor),
             ..Revision::default()
         },
-        object: of_intervals().object((&found, target)),
+        found: Found::Intervals(found),
         text,
+        doubt: None,
     })
 }
 
-type Radius<'a> = (&'a Calibration, &'a Vec<(String, f64)>, &'a Path);
+/// What became of the robot file.
+#[derive(Clone, Copy)]
+struct Written<'a> {
+    target: Option<&'a Path>,
+    doubts: &'a [String],
+}
+
+fn written<'a>() -> Fields<'a, Written<'a>> {
+    fields! { |written: Written<'a>|
+        "doubts" "why the result is doubtful" = written.doubts.to_vec();
+        "output" "the file that was written; null of logs in which something is wrong" =
+            written.target.map(|target| target.display().to_string());
+    }
+}
+
+type Radius<'a> = (&'a Calibration, &'a Vec<(String, f64)>, Written<'a>);
 
 /// The JSON object of a calibrated radius.
 fn of_radius<'a>() -> Fields<'a, Radius<'a>> {
@@ -222,17 +349,17 @@ fn of_radius<'a>() -> Fields<'a, Radius<'a>> {
         "radius_factors" "the same of each run" = found.0.factors.clone();
         "half_spread" "half of their spread" = found.0.half_spread();
         "radii_m" "effective radius of each powered wheel" values = Some(found.1.iter().cloned());
-        "output" "the file that was written" = found.2.display().to_string();
+        join(written()) = found.2;
     }
 }
 
-type Geometry<'a> = (&'a GeometryCalibration, Option<ReferenceDelay>, &'a Path);
+type Geometry<'a> = (&'a GeometryCalibration, Option<ReferenceDelay>, Written<'a>);
 
 fn of_geometry<'a>() -> Fields<'a, Geometry<'a>> {
     fn factor<'a>() -> Fields<'a, Factor> {
         fields! { |factor: Factor|
             "value" "right value over that of the robot file" = factor.value;
-            "half_width" "half of its 95 % interval; null of less than 25 s" = factor.half_width;
+            "half_width" "half of its 95 % interval; null of one run of less than 25 s" = factor.half_width;
         }
     }
     fields! { |found: Geometry<'a>|
@@ -241,21 +368,21 @@ fn of_geometry<'a>() -> Fields<'a, Geometry<'a>> {
         "yaw_rate" "yaw rate; null where it is not observable" group(factor()) = found.0.yaw_rate;
         "reference_delay" "how much later the reference is stamped than wheels and gyro; null where it is not observable"
             group(reference_delay()) = found.1;
-        "output" "the file that was written" = found.2.display().to_string();
+        join(written()) = found.2;
     }
 }
 
-type Intervals<'a> = (&'a IntervalCalibration, &'a Path);
+type Intervals<'a> = (&'a IntervalCalibration, Written<'a>);
 
 fn of_intervals<'a>() -> Fields<'a, Intervals<'a>> {
     fields! { |found: Intervals<'a>|
         "interval_factor" "factor on the standard deviations of the slips" = found.0.factor;
-        "coverage" "share of the 90 % intervals that hold the true slip, in runs left out of the calibration" =
+        "coverage" "share of the 90 % intervals that hold the slip by the reference, in runs left out of the calibration" =
             found.0.coverage;
         "coverages" "the same of each run" = found.0.coverages.clone();
         "coverage_before" "the same without a factor" = found.0.coverage_before;
         "half_width" "median half-width of the 90 % intervals" = found.0.half_width;
-        "output" "the file that was written" = found.1.display().to_string();
+        join(written()) = found.1;
     }
 }
 

@@ -33,7 +33,7 @@ pub(super) fn reservations(found: Found<'_>) -> Vec<String> {
 }
 
 /// Wheels that contradict the others for long.
-fn inconsistent(summary: &Summary, rows: &[WheelRows]) -> Vec<String> {
+pub(super) fn inconsistent(summary: &Summary, rows: &[WheelRows]) -> Vec<String> {
     let wheels = summary.wheels.iter().zip(rows);
     let found = wheels.filter_map(|(wheel, rows)| {
         let [from, to] = rows.inconsistent_s()?;
