@@ -251,6 +251,28 @@ fn a_log_counts_once() {
     }
 }
 
+#[test]
+fn the_interval_of_a_radius_contains_how_runs_differ() {
+    let folder = Folder::new("calibrate-scatter");
+    let radii = [0.98, 1.01, 0.995, 1.02];
+    let drives = radii.map(|radius| Drive {
+        radius,
+        duration_s: 40.0,
+        ..SOUND
+    });
+    let (robot, logs) = logs(&folder, &drives);
+    let output = estimate(
+        &robot,
+        &logs,
+        &["--calibrate", &folder.path("new.toml"), "--json"],
+    );
+    let object = json(&output);
+    let [value, half] = ["value", "half_width"].map(|key| object["radius"][key].as_f64().unwrap());
+    // their mean is 1.00125, with a standard error of 0.0087; Student's t of three degrees of freedom is 3.18
+    assert!((value - 1.001).abs() < 0.003, "{object}");
+    assert!((0.022..0.034).contains(&half), "{object}");
+}
+
 /// A table of true slips of the left wheel at these times.
 fn truth(times: impl Iterator<Item = f64>) -> String {
     let mut text = String::from("time_s,left_slip\n");

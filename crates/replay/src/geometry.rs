@@ -29,7 +29,8 @@ const MAX_GAP_S: f64 = 1.0;
 pub struct Factor {
     /// Right value over the one in the robot file.
     pub value: f64,
-    /// Half of its 95 % interval, by a jackknife over blocks of 5 s; `None` of fewer than five blocks.
+    /// Half of its 95 % interval: the wider one of jackknives over blocks of 5 s and over the runs, so that what differs from run
+    /// to run (load, tyres, ground) is in it; `None` of one run of fewer than five blocks.
     pub half_width: Option<f64>,
 }
 
@@ -96,32 +97,85 @@ pub fn calibrate_geometry(
     file: &RobotFile,
     options: &Options,
 ) -> Result<GeometryCalibration> {
-    let mut blocks = Vec::new();
+    let (mut blocks, mut runs) = (Vec::new(), Vec::new());
     for log in logs {
-        blocks.extend(blocks_of(log, file, options)?);
+        let of_run = blocks_of(log, file, options)?;
+        runs.push(sum(&of_run));
+        blocks.extend(of_run);
     }
-    let mut all = Block::default();
-    for block in &blocks {
-        all.add(block, 1.0);
-    }
+    let all = sum(&blocks);
     if !(all.radius() > 0.2 && all.radius() < 5.0) {
         return Err(Error::NoCalibration {
             travel_reference: all.way_reference,
             travel_wheels: all.way_wheels,
         });
     }
-    let factor = |of: fn(&Block) -> f64| Factor {
-        value: of(&all),
-        half_width: half_width(&blocks, &all, of),
+    let factor = |of: fn(&Block) -> f64, weight: fn(&Block) -> f64| {
+        let of_blocks = half_width(&blocks, &all, of);
+        let of_runs = half_width_of_runs(&runs, &all, of, weight);
+        Factor {
+            value: of(&all),
+            half_width: of_blocks.into_iter().chain(of_runs).reduce(f64::max),
+        }
     };
     let is_sane = |factor: &Factor| factor.value > 0.2 && factor.value < 5.0;
     let turns = all.wheels[2] > MIN_TURN_RAD;
     let gyro_turns = all.gyro[4].sqrt() * all.gyro[0].sqrt() > MIN_TURN_RAD;
     Ok(GeometryCalibration {
-        radius: factor(Block::radius),
-        track: turns.then(|| factor(Block::track)).filter(is_sane),
-        yaw_rate: gyro_turns.then(|| factor(Block::yaw_rate)).filter(is_sane),
+        radius: factor(Block::radius, |run| run.way_wheels.abs()),
+        track: turns
+            .then(|| factor(Block::track, |run| run.wheels[1]))
+            .filter(is_sane),
+        yaw_rate: gyro_turns
+            .then(|| factor(Block::yaw_rate, |run| run.gyro[4]))
+            .filter(is_sane),
     })
+}
+
+fn sum(blocks: &[Block]) -> Block {
+    let mut all = Block::default();
+    for block in blocks {
+        all.add(block, 1.0);
+    }
+    all
+}
+
+/// The 95 % interval by the jackknife over runs of different weights: with h = Σ weights / weight of a run, its pseudo-value is
+/// h θ − (h − 1) θ without it, and the variance is the mean of (pseudo-value − θ)² / (h − 1).
+///
+/// Source: Busing, Meijer and van der Leeden 1999, *Delete-m Jackknife for Unequal m*; θ for the mean of the pseudo-values, which
+/// differ by what is of second order.
+fn half_width_of_runs(
+    runs: &[Block],
+    all: &Block,
+    of: fn(&Block) -> f64,
+    weight: fn(&Block) -> f64,
+) -> Option<f64> {
+    let used: Vec<&Block> = runs.iter().filter(|run| weight(run) > 0.0).collect();
+    if used.len() < 2 {
+        return None;
+    }
+    let total: f64 = used.iter().map(|run| weight(run)).sum();
+    let parts = used.iter().map(|run| {
+        let mut rest = *all;
+        rest.add(run, -1.0);
+        let others = total / weight(run) - 1.0;
+        // the pseudo-value less θ is (h − 1) (θ − θ without the run)
+        others * Real::powi(of(all) - of(&rest), 2)
+    });
+    let count = used.len() as f64;
+    let variance = parts.sum::<f64>() / count;
+    Some(student_97_5(count - 1.0) * variance.sqrt()).filter(|width| width.is_finite())
+}
+
+/// Quantile of Student's t at 97.5 %, to a hundredth.
+fn student_97_5(freedom: f64) -> f64 {
+    match freedom {
+        ..1.5 => 12.71,
+        ..2.5 => 4.30,
+        ..3.5 => 3.18,
+        _ => 1.96 + 2.37 / freedom + 2.82 / Real::powi(freedom, 2) + 2.0 / Real::powi(freedom, 3),
+    }
 }
 
 /// The 95 % interval by the jackknife: what is left without each block in turn.
@@ -139,11 +193,7 @@ fn half_width(blocks: &[Block], all: &Block, of: fn(&Block) -> f64) -> Option<f6
     let n = count as f64;
     let mean = left.iter().sum::<f64>() / n;
     let variance = left.iter().map(|x| Real::powi(x - mean, 2)).sum::<f64>() * (n - 1.0) / n;
-    // Student's t at 97.5 % to a hundredth from four degrees of freedom on.
-    let freedom = n - 1.0;
-    let quantile =
-        1.96 + 2.37 / freedom + 2.82 / Real::powi(freedom, 2) + 2.0 / Real::powi(freedom, 3);
-    Some(quantile * variance.sqrt()).filter(|width| width.is_finite())
+    Some(student_97_5(n - 1.0) * variance.sqrt()).filter(|width| width.is_finite())
 }
 
 fn blocks_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<Block>> {
