@@ -273,6 +273,38 @@ fn the_interval_of_a_radius_contains_how_runs_differ() {
     assert!((0.022..0.034).contains(&half), "{object}");
 }
 
+#[test]
+fn few_runs_do_not_narrow_intervals() {
+    let folder = Folder::new("calibrate-intervals-few");
+    let (robot, logs) = logs(
+        &folder,
+        &[
+            Drive {
+                left_slip: 0.15,
+                ..SOUND
+            },
+            SOUND,
+            Drive {
+                radius: 1.045,
+                ..SOUND
+            },
+        ],
+    );
+    let output = estimate(
+        &robot,
+        &logs,
+        &["--calibrate-intervals", &folder.path("new.toml")],
+    );
+    let text = printed(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert!(text.starts_with("interval factor: 1.000\n"), "{text}");
+    assert!(
+        text.contains("of the slips by the reference")
+            && text.contains("not observable: errors of radii"),
+        "{text}"
+    );
+}
+
 /// A table of true slips of the left wheel at these times.
 fn truth(times: impl Iterator<Item = f64>) -> String {
     let mut text = String::from("time_s,left_slip\n");

@@ -1,5 +1,6 @@
 //! Do the intervals of the slips hold what they promise? A factor on all sigmas from reference runs, by split conformal
-//! prediction, checked on runs that it was not taken from.
+//! prediction, checked on runs that it was not taken from. An error that the reference shares with the estimate, such as one of
+//! the radii or of the reference's scale, is not visible in it.
 
 use std::io;
 
@@ -21,15 +22,18 @@ pub(crate) const SIGMAS_90: f64 = 1.644_854;
 const TRUTH_WINDOW_S: f64 = 1.0;
 /// Fewer runs do not show how much runs differ.
 const MIN_RUNS: usize = 3;
+/// Fewer runs do not narrow intervals: that four runs or fewer agree does not show that the next one does.
+const MIN_RUNS_TO_NARROW: usize = 5;
 /// A wheel-run with fewer compared estimates does not count.
 const MIN_ROWS: usize = 20;
 
-/// What a calibration of intervals found.
+/// What a calibration of intervals found. The slip by the reference is no true slip: radii, axes and the reference's scale are
+/// those of the estimate too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IntervalCalibration {
-    /// Factor on the standard deviations of all slips.
+    /// Factor on the standard deviations of all slips; below 1 of five runs or more.
     pub factor: f64,
-    /// Share of each run's 90 % intervals that contain the true slip, with the factor from the other runs.
+    /// Share of each run's 90 % intervals that contain the slip by the reference, with the factor from the other runs.
     pub coverages: Vec<f64>,
     /// The mean of these, and that without a factor.
     pub coverage: f64,
@@ -39,10 +43,11 @@ pub struct IntervalCalibration {
     pub half_width: f64,
 }
 
-/// The factor on the standard deviations of the slips with which 90 % of the intervals contain the true slip in runs with a
-/// reference. Each run counts alike. `file` must not contain a factor yet: it is divided out.
+/// The factor on the standard deviations of the slips with which 90 % of the intervals contain the slip by the reference in runs with
+/// one. Each run counts alike. `file` must not contain a factor yet: it is divided out.
 ///
-/// The true slip of a wheel is the mean over the second about each estimate, by the run's own reference.
+/// The slip by the reference is the mean over the second about each estimate. Errors of radii, axes or of the reference's scale are
+/// in both and not visible. Fewer than five runs yield no factor below 1.
 ///
 /// # Errors
 /// As [`run`](crate::run()); [`Error::TooFewRuns`] for less than three runs with slips.
@@ -67,12 +72,18 @@ pub fn calibrate_intervals(
         });
     }
     let all: Vec<usize> = (0..runs.len()).collect();
-    let factor = factor_of(&runs, &all);
+    let min_factor = if runs.len() < MIN_RUNS_TO_NARROW {
+        1.0
+    } else {
+        0.0
+    };
+    let factor_of = |used: &[usize]| factor_of(&runs, used).max(min_factor);
+    let factor = factor_of(&all);
     let coverages: Vec<f64> = all
         .iter()
         .map(|held_out| {
             let others: Vec<usize> = all.iter().copied().filter(|run| run != held_out).collect();
-            coverage(&runs[*held_out], factor_of(&runs, &others))
+            coverage(&runs[*held_out], factor_of(&others))
         })
         .collect();
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
