@@ -15,7 +15,7 @@ use crate::least_squares::{
 use crate::parameter::Parameter;
 use crate::plate::{self, PlateFit, PlateRecord, PlateTest, fit_plates, read_bag};
 use crate::shear::{self, ShearFit, ShearReading, fit_shear};
-use crate::wheel::{self, Fixed, Prediction, WheelModel, WheelTest, predict};
+use crate::wheel::{self, Fixed, Misfit, Prediction, WheelModel, WheelTest, predict};
 
 /// A soil and how it was found.
 ///
@@ -94,6 +94,8 @@ pub struct WheelStage {
     pub said: Vec<Prediction>,
     /// The numbers.
     pub numbers: Vec<WheelNumber>,
+    /// Quantities whose readings lie further from the law than their stated scatter explains.
+    pub misfits: Vec<Misfit>,
     /// Correlation of each pair of them.
     pub correlation: Vec<Vec<f64>>,
     /// Greatest over least singular value of the scaled Jacobian.
@@ -190,10 +192,12 @@ fn wheel_stage(job: &WheelJob, out: &mut Identification) -> Result<()> {
     let changes = inherited::changes(plates, shear, job, (&fixed, &tests), &best);
     let inherited = uncertainty.widen(&best, job.loss, changes.as_deref());
     let quantile = student_quantile(0.975, uncertainty.freedom);
+    // how far a number may leave its bound, and takes others along, is no matter of a straight line
+    let any_on_bound = (0..best.x.len()).any(|index| best.on_bound(index));
     let intervals = (0..best.x.len())
         .into_par_iter()
         .map(|index| {
-            if job.profile {
+            if job.profile || any_on_bound {
                 let short = Settings {
                     steps: 40,
                     ..settings
@@ -218,6 +222,7 @@ fn wheel_stage(job: &WheelJob, out: &mut Identification) -> Result<()> {
             })
         })
         .collect::<Result<Vec<Interval>>>()?;
+    uncertainty.judge_intervals(&best, &intervals);
     let numbers = job
         .parameters
         .iter()
@@ -237,8 +242,11 @@ fn wheel_stage(job: &WheelJob, out: &mut Identification) -> Result<()> {
         parameter.put(&mut out.soil, *value);
     }
     out.soil.fitted = wheel::fitted_range(&job.wheel, &tests);
+    let said = predict(&fixed, &tests, &job.parameters, &best.x)?;
+    let freedom = uncertainty.freedom as f64 / best.residuals.len() as f64;
     out.wheel = Some(WheelStage {
-        said: predict(&fixed, &tests, &job.parameters, &best.x)?,
+        misfits: wheel::misfits(&tests, &said, &job.scatter, job.loss, freedom),
+        said,
         tests,
         numbers,
         correlation: uncertainty.correlation,

@@ -112,7 +112,11 @@ impl Identification {
 
     /// The numbers with their intervals in words, for the remarks of a soil file.
     pub(crate) fn remarks(&self) -> Vec<String> {
-        let mut list = Vec::new();
+        let doubts = self.doubts();
+        let mut list: Vec<String> = doubts
+            .iter()
+            .map(|doubt| format!("DOUBTFUL: {doubt}"))
+            .collect();
         for number in self.numbers() {
             let digits = if number.value.abs() > 1e3 { 0 } else { 4 };
             let end = |end: Option<f64>| end.map_or("open".to_owned(), |v| format!("{v:.digits$}"));

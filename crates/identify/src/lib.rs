@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod doubt;
 mod error;
 mod identification;
 mod identified;
@@ -19,6 +20,7 @@ pub mod shear;
 pub mod table;
 pub mod wheel;
 
+pub use doubt::Doubt;
 pub use error::{Error, Result};
 pub use identification::{
     Identification, PlateStage, ShearStage, WheelNumber, WheelStage, identify,

@@ -7,6 +7,7 @@
 )]
 
 mod coverage;
+mod doubts;
 mod identification;
 mod jobs;
 mod least_squares;

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use grouser_files::Document;
 use grouser_identify::least_squares::Verdict;
 use grouser_identify::{Identification, Job, Parameter, identify};
-use grouser_terra::{Angle, Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil};
+use grouser_terra::{Angle, Kinematics, OpenSoil, RigidWheel, Settings, Slip, Soil, WheelOnSoil};
 
 /// Normal numbers by Box and Muller, of a linear congruential generator.
 struct Noise(u64);
@@ -35,13 +35,13 @@ const DATUM_M: f64 = 1.5e-3;
 /// n_1, c_1, c_2 and the datum, as they are.
 const TRUTH: [f64; 4] = [0.22, 0.27, 0.31, DATUM_M];
 
-/// The soil without what the wheel tests find.
-fn soil() -> Soil {
+/// The soil of the tests.
+pub(crate) fn open_soil() -> OpenSoil {
     let soil = Soil::bekker(9e3, 1.3e6, 0.92);
     let soil = soil.cohesion(1600.0).phi(Angle::from_deg(34.0));
     let mut soil = soil.k_shear(0.016).stress_position(TRUTH[1], TRUTH[2]);
     Parameter::named("n_1").unwrap().put(&mut soil, TRUTH[0]);
-    soil.soil().unwrap()
+    soil
 }
 
 /// A folder with a job of noisy tests: plates of three sizes with a relative noise, a shear box with 80 Pa, and a wheel
@@ -95,9 +95,9 @@ fn laboratory(seed: u64, plate_noise: f64, wheel: &[[f64; 5]]) -> PathBuf {
 }
 
 /// Slip, load, pull, torque and sinkage without noise.
-fn wheel_tests() -> Vec<[f64; 5]> {
+pub(crate) fn wheel_tests() -> Vec<[f64; 5]> {
     let wheel = RigidWheel::new(0.13, 0.09).unwrap();
-    let wheel = WheelOnSoil::new(wheel, soil(), Settings::default()).unwrap();
+    let wheel = WheelOnSoil::new(wheel, open_soil().soil().unwrap(), Settings::default()).unwrap();
     let mut rows = Vec::new();
     for load in [70.0, 120.0] {
         for slip in [0.03, 0.08, 0.15, 0.25, 0.35, 0.5, 0.65] {
@@ -115,7 +115,7 @@ fn wheel_tests() -> Vec<[f64; 5]> {
     rows
 }
 
-fn found(
+pub(crate) fn found(
     seed: u64,
     plate_noise: f64,
     wheel: &[[f64; 5]],

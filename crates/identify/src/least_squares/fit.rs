@@ -70,4 +70,10 @@ impl Fit {
         let (x, bound) = (self.x[index], &self.bounds[index]);
         x <= bound.lower || x >= bound.upper
     }
+
+    /// Is parameter `index` an offset, whose bounds are symmetric about 0? It is not judged by its own size.
+    pub(crate) fn is_offset(&self, index: usize) -> bool {
+        let bound = &self.bounds[index];
+        bound.lower == -bound.upper && bound.upper.is_finite()
+    }
 }

@@ -3,6 +3,7 @@
 use super::eigen::symmetric;
 use super::fit::Fit;
 use super::loss::Loss;
+use super::profile::Interval;
 use super::student::student_quantile;
 
 /// A direction of the scaled parameters along which the residuals change by less than this share of what
@@ -29,7 +30,8 @@ pub enum Verdict {
     OnBound,
     /// It can be exchanged for others without a trace in the residuals, or has no effect at all.
     NotIdentifiable,
-    /// It is seen, but its 95 % interval is as wide as its bounds, or its standard error exceeds a third of it.
+    /// It is seen, but its 95 % interval is as wide as its bounds or open, its standard error exceeds a third of it, or
+    /// another number that was fitted with it lies on a bound other than 0.
     Loose,
 }
 
@@ -64,6 +66,8 @@ pub struct Uncertainty {
     pub condition: f64,
     /// (JᵀWJ)⁻¹ without what the data do not see; 0 on bounds.
     inverse: Vec<Vec<f64>>,
+    /// How far all parameters move with one standard deviation of each independent mixture of those that lie on a bound.
+    bound_mixtures: Vec<Vec<f64>>,
 }
 
 impl Uncertainty {
@@ -72,6 +76,9 @@ impl Uncertainty {
     /// Covariance s² (JᵀWJ)⁻¹ with s² = Σ w r²/(m − n), on the parameters that lie on no bound. The matrix is
     /// scaled to unit diagonal and taken apart into eigenvectors; those whose eigenvalue is nothing beside the
     /// greatest belong to what the data do not determine, and every parameter with a share in them is named.
+    ///
+    /// A parameter on a bound is not known exactly: the errors of the others include how they move when it leaves the
+    /// bound, by as much as the data let it and at most by the width of its bounds.
     #[must_use]
     pub fn of(fit: &Fit, loss: Loss) -> Self {
         let n = fit.x.len();
@@ -122,6 +129,7 @@ impl Uncertainty {
                 .collect(),
             condition: (greatest / least.max(0.0)).sqrt(),
             inverse: vec![vec![0.0; n]; n],
+            bound_mixtures: Vec::new(),
         };
         let blind = |value: f64| !(value > BLIND_SINGULAR_RATIO * BLIND_SINGULAR_RATIO * greatest);
         for (place, &i) in seen.iter().enumerate() {
@@ -142,8 +150,80 @@ impl Uncertainty {
                 out.correlation[k][free[j]] = shared / apart;
             }
         }
+        let on_bound = out.on_bound_mixtures(fit, &product);
+        let changes: Vec<Vec<f64>> = on_bound
+            .iter()
+            .map(|mixture| {
+                let of = |row: &Vec<f64>| row.iter().zip(mixture).map(|(a, b)| a * b).sum();
+                fit.jacobian.iter().map(of).collect()
+            })
+            .collect();
+        let answers = out.moved(fit, loss, &changes);
+        out.add(&answers);
+        out.bound_mixtures = on_bound;
+        for (mixture, answer) in out.bound_mixtures.iter_mut().zip(&answers) {
+            for (x, moved) in mixture.iter_mut().zip(answer) {
+                *x += moved;
+            }
+        }
         out.find_loose(fit);
+        // a bound of 0 is one of nature, any other is where a search was stopped
+        let is_stopped = |k: usize| fit.on_bound(k) && fit.x[k] != 0.0 && product(k, k) > 0.0;
+        if (0..n).any(is_stopped) {
+            let verdicts = out.verdicts.iter_mut();
+            for verdict in verdicts.filter(|verdict| **verdict == Verdict::Identified) {
+                *verdict = Verdict::Loose;
+            }
+        }
         out
+    }
+
+    /// Independent mixtures of the parameters on bounds, each as far as one standard deviation of it, the free ones at 0.
+    ///
+    /// Their precision is the Schur complement S/s² of JᵀWJ, and 1/w² for bounds of width w, beyond which none can move.
+    fn on_bound_mixtures(
+        &self,
+        fit: &Fit,
+        product: &impl Fn(usize, usize) -> f64,
+    ) -> Vec<Vec<f64>> {
+        /// Where bounds are open on one side: multiples of the error that a number has with all others held.
+        const MAX_ERROR_GROWTH: f64 = 1e6;
+        let n = fit.x.len();
+        let s = self.residual_deviation;
+        if !(s > 0.0) {
+            return Vec::new();
+        }
+        let held: Vec<usize> = (0..n)
+            .filter(|k| fit.on_bound(*k) && product(*k, *k) > 0.0)
+            .collect();
+        let width = |k: usize| {
+            let bound = &fit.bounds[k];
+            (bound.upper - bound.lower).min(MAX_ERROR_GROWTH * s / product(k, k).sqrt())
+        };
+        let schur = |a: usize, b: usize| {
+            let rows = self.inverse.iter().enumerate();
+            let carried = rows.map(|(i, row)| {
+                let right: f64 = (0..n).map(|j| row[j] * product(j, b)).sum();
+                product(a, i) * right
+            });
+            product(a, b) - carried.sum::<f64>()
+        };
+        let precision = |&a: &usize| {
+            let entry = |&b: &usize| {
+                f64::from(u8::from(a == b)) + schur(a, b) * width(a) * width(b) / (s * s)
+            };
+            held.iter().map(entry).collect()
+        };
+        let mixture = |(value, vector): (f64, Vec<f64>)| {
+            let mut mixture = vec![0.0; n];
+            for (k, share) in held.iter().zip(vector) {
+                // rounding may leave a complement below 0
+                mixture[*k] = width(*k) * share / value.max(1.0).sqrt();
+            }
+            mixture
+        };
+        let modes = symmetric(held.iter().map(precision).collect());
+        modes.into_iter().map(mixture).collect()
     }
 
     /// The half width of a confidence interval of parameter `index`: t times its standard error.
@@ -154,23 +234,52 @@ impl Uncertainty {
 
     /// The same where `redundancy` readings count as one.
     pub(crate) fn of_alike(mut self, fit: &Fit, redundancy: f64) -> Self {
-        for error in &mut self.standard_errors {
+        let mixtures = self.bound_mixtures.iter_mut().flatten();
+        for error in self.standard_errors.iter_mut().chain(mixtures) {
             *error *= redundancy.sqrt();
         }
         self.find_loose(fit);
         self
     }
 
+    /// Calls no number identified whose `intervals` reach further than a third of it allows, or are open on both sides.
+    pub(crate) fn judge_intervals(&mut self, fit: &Fit, intervals: &[Interval]) {
+        let quantile = student_quantile(0.975, self.freedom);
+        for (k, interval) in intervals.iter().enumerate() {
+            let reach = |end: Option<f64>| end.map_or(0.0, |end| (end - fit.x[k]).abs());
+            let reach = reach(interval.low).max(reach(interval.high));
+            let is_wide = reach > quantile * MAX_RELATIVE_ERROR * fit.x[k].abs();
+            let is_open = interval.low.is_none() && interval.high.is_none();
+            if self.verdicts[k] == Verdict::Identified
+                && (is_open || (is_wide && !fit.is_offset(k)))
+            {
+                self.verdicts[k] = Verdict::Loose;
+            }
+        }
+    }
+
     /// Independent mixtures of these parameters, each as far as one standard deviation of it: the columns of a root of their
     /// covariance. `None` where the data do not determine one of them.
     pub(crate) fn scatter(&self, parameters: &[usize]) -> Option<Vec<Vec<f64>>> {
-        let moves = |k: usize| self.verdicts[k] != Verdict::OnBound;
-        let free: Vec<usize> = parameters.iter().copied().filter(|k| moves(*k)).collect();
-        let error = |k: usize| self.standard_errors[k];
+        let on_bound = |k: usize| self.verdicts[k] == Verdict::OnBound;
+        let together = |k: usize, j: usize| -> f64 {
+            let mixtures = self.bound_mixtures.iter();
+            mixtures.map(|mixture| mixture[k] * mixture[j]).sum()
+        };
+        let error = |k: usize| match on_bound(k) {
+            true => together(k, k).sqrt(),
+            false => self.standard_errors[k],
+        };
+        let moves = |k: &usize| !on_bound(*k) || error(*k) > 0.0;
+        let free: Vec<usize> = parameters.iter().copied().filter(moves).collect();
         if free.iter().any(|k| !error(*k).is_finite()) {
             return None;
         }
-        let correlation = |k: usize| free.iter().map(move |j| self.correlation[k][*j]).collect();
+        let alike = |k: usize, j: usize| match on_bound(k) || on_bound(j) {
+            true => together(k, j) / (error(k) * error(j)),
+            false => self.correlation[k][j],
+        };
+        let correlation = |k: usize| free.iter().map(move |j| alike(k, *j)).collect();
         let modes = symmetric(free.iter().map(|k| correlation(*k)).collect());
         let mixture = |(value, vector): (f64, Vec<f64>)| {
             let mut mixture = vec![0.0; self.standard_errors.len()];
@@ -204,6 +313,16 @@ impl Uncertainty {
             }
             return vec![f64::NAN; n];
         };
+        let moved = self.moved(fit, loss, changes);
+        self.add(&moved);
+        self.find_loose(fit);
+        let added = |k: usize| moved.iter().map(|x| x[k] * x[k]).sum::<f64>().sqrt();
+        (0..n).map(added).collect()
+    }
+
+    /// How far the answer moves with each of the residuals' `changes`.
+    fn moved(&self, fit: &Fit, loss: Loss, changes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let n = fit.x.len();
         let weights: Vec<f64> = fit.residuals.iter().map(|r| loss.weight(*r)).collect();
         let moved = |change: &Vec<f64>| -> Vec<f64> {
             let pull = |k: usize| -> f64 {
@@ -215,7 +334,15 @@ impl Uncertainty {
             rows.map(|row| -row.iter().zip(&pulls).map(|(a, b)| a * b).sum::<f64>())
                 .collect()
         };
-        let moved: Vec<Vec<f64>> = changes.iter().map(moved).collect();
+        changes.iter().map(moved).collect()
+    }
+
+    /// Adds independent movements of the answer to errors and correlations.
+    fn add(&mut self, moved: &[Vec<f64>]) {
+        if moved.is_empty() {
+            return;
+        }
+        let n = self.standard_errors.len();
         let added = |k: usize, j: usize| moved.iter().map(|x| x[k] * x[j]).sum::<f64>();
         let own = self.standard_errors.clone();
         let together =
@@ -228,8 +355,6 @@ impl Uncertainty {
             }
             self.standard_errors[k] = variance(k).sqrt();
         }
-        self.find_loose(fit);
-        (0..n).map(|k| added(k, k).sqrt()).collect()
     }
 
     fn find_loose(&mut self, fit: &Fit) {
@@ -240,10 +365,8 @@ impl Uncertainty {
             let width = 2.0 * self.half_width(k, 0.95);
             let bound = &fit.bounds[k];
             let range = bound.upper - bound.lower;
-            // an offset, whose bounds are symmetric about 0, is not judged by its own size
-            let is_offset = bound.lower == -bound.upper && range.is_finite();
             let uncertain = self.standard_errors[k] > MAX_RELATIVE_ERROR * fit.x[k].abs();
-            if width > range || (uncertain && !is_offset) {
+            if width > range || (uncertain && !fit.is_offset(k)) {
                 self.verdicts[k] = Verdict::Loose;
             }
         }

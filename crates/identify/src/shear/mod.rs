@@ -171,7 +171,7 @@ pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
     let mut rest = found.residuals.iter().copied();
     let series = tests.map(|test| rest.by_ref().take(test.len()).collect::<Vec<_>>());
     let redundancy = redundancy(series.map(Vec::into_iter));
-    let uncertainty = Uncertainty::of(&found, loss).of_alike(&found, redundancy);
+    let mut uncertainty = Uncertainty::of(&found, loss).of_alike(&found, redundancy);
     let mut intervals = [Interval {
         low: None,
         high: None,
@@ -180,6 +180,7 @@ pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
         let own = profile(&law, &found, index, 0.95, &settings)?;
         *slot = own.widened(found.x[index], redundancy.sqrt());
     }
+    uncertainty.judge_intervals(&found, &intervals);
     let three = |list: &[f64]| [list[0], list[1], list[2]];
     Ok(ShearFit {
         values: three(&found.x),

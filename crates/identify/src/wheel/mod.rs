@@ -1,9 +1,12 @@
 //! Wheel tests: one wheel on one soil at several slips.
 
+mod misfit;
 mod model;
 mod table;
 mod test;
 
+pub use misfit::Misfit;
+pub(crate) use misfit::misfits;
 pub use model::{Fixed, Prediction, WheelModel, predict};
 pub use table::read_table;
 pub use test::{Quantity, Scatter, Support, WheelTest, fitted_range};

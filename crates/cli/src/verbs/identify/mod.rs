@@ -11,6 +11,7 @@ use grouser_files::{Document, soil};
 use grouser_identify::{Identification, Job, identify};
 
 use crate::error::{Error, Result, shown};
+use crate::exit::Outcome;
 use crate::figure_file::{Target, ending};
 use crate::law_error::Names;
 use crate::output::OutputFile;
@@ -69,7 +70,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
                 stage.status.key()
             )
         });
+    let outcome = match found.doubts().as_slice() {
+        [] => Outcome::Done,
+        _ => Outcome::Doubtful,
+    };
     Ok(Report {
+        outcome,
         warnings: text::warnings(&found),
         ..Report::done(object::fields().object(&found), text).failing(failure)
     })

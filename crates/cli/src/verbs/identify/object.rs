@@ -12,6 +12,8 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Identification> {
         "shear" "what shear tests showed" maybe_named(line()) =
             found.shear.as_ref().map(|stage| named(stage.fit.numbers()));
         "wheel" "what wheel tests showed" group(wheel()) = found.wheel.as_ref();
+        "doubts" "why the result is doubtful" =
+            found.doubts().iter().map(ToString::to_string).collect::<Vec<_>>();
         "missing" "numbers that neither tests nor the file give" = found.missing();
     }
 }

@@ -1,0 +1,131 @@
+//! Why a soil that was found is doubtful.
+
+use core::fmt;
+
+use crate::identification::Identification;
+use crate::identified::IdentifiedNumber;
+use crate::least_squares::Verdict;
+use crate::wheel::{Misfit, Support};
+
+/// Why the result of a job is doubtful; displayed as a sentence without a full stop.
+///
+/// ```
+/// use grouser_files::Document;
+/// use grouser_identify::{Job, identify};
+///
+/// let job = Job::read(&Document::read("../../examples/bevameter/tests.toml".as_ref())?)?;
+/// assert_eq!(identify(&job)?.doubts(), []);
+/// # Ok::<(), grouser_identify::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// Numbers lie on bounds: other than 0, or so that others are not determined.
+    OnBound {
+        /// Their keys.
+        names: Vec<String>,
+        /// The keys of the numbers fitted with them that are not determined.
+        undetermined: Vec<String>,
+    },
+    /// Readings lie further from the law than their stated scatter explains.
+    Misfit(Vec<Misfit>),
+    /// The soil that was found does not bear the load of wheel tests at any sinkage up to the hub.
+    HubBuried {
+        /// How many tests.
+        buried: usize,
+        /// Of how many.
+        tests: usize,
+    },
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OnBound {
+                names,
+                undetermined,
+            } => {
+                let verb = if names.len() == 1 { "lies" } else { "lie" };
+                let names = names.join(", ");
+                write!(
+                    f,
+                    "{names} {verb} on a bound: the law does not fit, the bound is wrong, or tests are missing. "
+                )?;
+                match undetermined.as_slice() {
+                    [] => write!(f, "The other numbers depend on that"),
+                    others => write!(f, "Not determined with that: {}", others.join(", ")),
+                }
+            }
+            Self::Misfit(misfits) => {
+                let each = |misfit: &Misfit| {
+                    format!(
+                        "{} (of {} readings) by {:.1} times",
+                        misfit.quantity.key(),
+                        misfit.readings,
+                        misfit.ratio
+                    )
+                };
+                let each: Vec<String> = misfits.iter().map(each).collect();
+                write!(
+                    f,
+                    "readings scatter about the law more than stated: {} the stated scatter. The law, [soil], a sign or \
+                     a unit is wrong, or the scatter is. Errors and intervals are widened, but do not contain a wrong law",
+                    each.join(", ")
+                )
+            }
+            Self::HubBuried { buried, tests } => write!(
+                f,
+                "{buried} of {tests} wheel tests: the soil found does not bear the load at any sinkage up to the hub. \
+                 The wheel is taken to sit at the hub there, whatever the load: check the unit of the loads"
+            ),
+        }
+    }
+}
+
+impl Identification {
+    /// Why the result is doubtful; empty where it is not.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<Doubt> {
+        let mut doubts = Vec::new();
+        if let Some(stage) = &self.plates {
+            doubts.extend(on_bound(&stage.fit.numbers()));
+        }
+        if let Some(stage) = &self.shear {
+            doubts.extend(on_bound(&stage.fit.numbers()));
+        }
+        if let Some(stage) = &self.wheel {
+            if !stage.misfits.is_empty() {
+                doubts.push(Doubt::Misfit(stage.misfits.clone()));
+            }
+            let pairs = stage.tests.iter().zip(&stage.said);
+            let is_buried =
+                |test: &Support, hub_buried: bool| hub_buried && matches!(test, Support::Load(_));
+            let buried = pairs.filter(|(test, said)| is_buried(&test.support, said.hub_buried));
+            let (buried, tests) = (buried.count(), stage.tests.len());
+            if buried > 0 {
+                doubts.push(Doubt::HubBuried { buried, tests });
+            }
+            doubts.extend(on_bound(&stage.in_key_units()));
+        }
+        doubts
+    }
+}
+
+/// The doubt about numbers that were fitted together. A bound of 0 is one of nature, as of the cohesion of dry sand: where
+/// the others are determined with it, whose errors include it, there is no doubt.
+fn on_bound(numbers: &[IdentifiedNumber]) -> Option<Doubt> {
+    let name = |number: &IdentifiedNumber| number.name.clone();
+    let (bound, others): (Vec<_>, Vec<_>) = numbers
+        .iter()
+        .partition(|number| number.verdict == Verdict::OnBound);
+    let undetermined: Vec<String> = others
+        .into_iter()
+        .filter(|number| number.verdict != Verdict::Identified)
+        .map(name)
+        .collect();
+    let is_natural = bound.iter().all(|number| number.value == 0.0);
+    (!bound.is_empty() && !(is_natural && undetermined.is_empty())).then(|| Doubt::OnBound {
+        names: bound.into_iter().map(name).collect(),
+        undetermined,
+    })
+}

@@ -1,0 +1,69 @@
+//! Do readings lie further from the law than their stated scatter explains?
+
+use super::model::Prediction;
+use super::test::{Quantity, Scatter, WheelTest};
+use crate::least_squares::Loss;
+use grouser_real::Real;
+
+/// The normal quantile of a probability of 0.999: of a thousand sound jobs one is called a misfit.
+const SIGNIFICANT_SIGMA: f64 = 3.090_232;
+/// Scatters are stated by hand, from a few repeated readings: a ratio up to this one is no misfit.
+const MAX_SCATTER_RATIO: f64 = 1.5;
+/// The efficiency of the median size as an estimate of a normal scatter. Source: Huber & Ronchetti, Robust Statistics,
+/// 2009, section 5.1.
+const MEDIAN_EFFICIENCY: f64 = 0.37;
+/// The median size of a standard normal number.
+const MEDIAN_SIZE: f64 = 0.674_489_750_196_081_7;
+
+/// A quantity whose readings lie further from the law than their stated scatter explains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Misfit {
+    /// The quantity.
+    pub quantity: Quantity,
+    /// Standard deviation of its readings about the law, in stated standard deviations.
+    pub ratio: f64,
+    /// How many readings it has.
+    pub readings: usize,
+}
+
+/// The quantities of `tests` that fail the chi-square test of their stated `scatter` at 0.1 %, and by more than half of it;
+/// `freedom` is the share of readings that the fitted numbers leave free. With Huber's loss outliers are expected: the
+/// median size of the residuals is tested.
+///
+/// The quantile is Wilson & Hilferty's, Proc. National Academy of Sciences 17 (1931).
+pub(crate) fn misfits(
+    tests: &[WheelTest],
+    said: &[Prediction],
+    scatter: &Scatter,
+    loss: Loss,
+    freedom: f64,
+) -> Vec<Misfit> {
+    let of = |quantity: Quantity| {
+        let pairs = tests.iter().zip(said);
+        let residual = |(test, said): (&WheelTest, &Prediction)| {
+            Some((said.of(quantity) - test.read(quantity)?) / scatter.of(quantity))
+        };
+        let mut squares: Vec<f64> = pairs.filter_map(residual).map(|r| r * r).collect();
+        let readings = squares.len();
+        let free = readings as f64 * freedom;
+        let (variance, free) = match loss {
+            Loss::Squares => (squares.iter().sum::<f64>() / free, free),
+            Loss::Huber { .. } => {
+                squares.sort_by(f64::total_cmp);
+                let median = squares.get(readings / 2)?;
+                let variance = median / (MEDIAN_SIZE * MEDIAN_SIZE * freedom);
+                (variance, MEDIAN_EFFICIENCY * free)
+            }
+        };
+        let spread = 2.0 / (9.0 * free);
+        let limit = Real::powi(1.0 - spread + SIGNIFICANT_SIGMA * spread.sqrt(), 3);
+        let ratio = variance.sqrt();
+        (variance > limit && ratio > MAX_SCATTER_RATIO).then_some(Misfit {
+            quantity,
+            ratio,
+            readings,
+        })
+    };
+    Quantity::ALL.into_iter().filter_map(of).collect()
+}

@@ -1,0 +1,131 @@
+//! Is a result that does not describe the soil called doubtful, and one that does not?
+
+use grouser_identify::least_squares::{Loss, Verdict};
+use grouser_identify::shear::{ShearReading, fit_shear};
+use grouser_identify::{Doubt, Job, Parameter, WheelNumber};
+use grouser_terra::OpenSoil;
+
+use crate::coverage::{found, open_soil, wheel_tests};
+
+/// Only wheel tests, on a soil that is known.
+fn wheel_alone(job: &mut Job, known: OpenSoil) {
+    job.plates.clear();
+    job.shear = None;
+    job.soil = known;
+}
+
+#[test]
+fn tests_of_the_law_are_not_doubtful() {
+    let wheel = wheel_tests();
+    for seed in 1..=20 {
+        let found = found(seed, 0.03, &wheel, |job| {
+            wheel_alone(job, open_soil());
+            if seed % 2 == 0 {
+                job.wheel.as_mut().unwrap().loss = Loss::Huber { threshold: 1.345 };
+            }
+        });
+        assert_eq!(found.doubts(), [], "seed {seed}");
+    }
+}
+
+/// Another exponent than the soil's, and forces of the other sign: residuals of many times their scatter.
+#[test]
+fn readings_off_the_law_are_doubtful() {
+    let is_misfit =
+        |doubt: &Doubt| matches!(doubt, Doubt::Misfit(misfits) if misfits[0].ratio > 2.0);
+    let wheel = wheel_tests();
+    let mut wrong = open_soil();
+    wrong.n = Some(0.6);
+    for loss in [Loss::Squares, Loss::Huber { threshold: 1.345 }] {
+        let doubts = found(1, 0.03, &wheel, |job| {
+            wheel_alone(job, wrong);
+            job.wheel.as_mut().unwrap().loss = loss;
+        })
+        .doubts();
+        assert!(doubts.iter().any(is_misfit), "{doubts:?}");
+        let negated: Vec<[f64; 5]> = wheel
+            .iter()
+            .map(|[slip, load, pull, torque, z]| [*slip, *load, -pull, *torque, *z])
+            .collect();
+        let doubts = found(1, 0.03, &negated, |job| {
+            wheel_alone(job, open_soil());
+            job.wheel.as_mut().unwrap().loss = loss;
+        })
+        .doubts();
+        assert!(doubts.iter().any(is_misfit), "{doubts:?}");
+    }
+}
+
+#[test]
+fn loads_that_the_soil_does_not_bear_are_doubtful() {
+    let heavy: Vec<[f64; 5]> = wheel_tests()
+        .into_iter()
+        .map(|[slip, load, pull, torque, z]| [slip, 1000.0 * load, pull, torque, z])
+        .collect();
+    let doubts = found(1, 0.03, &heavy, |job| wheel_alone(job, open_soil())).doubts();
+    let (buried, tests) = (28, 28);
+    assert!(
+        doubts.contains(&Doubt::HubBuried { buried, tests }),
+        "{doubts:?}"
+    );
+}
+
+/// One load leaves nine numbers open: some end on a bound, and what depends on them is not known better than they are.
+#[test]
+fn numbers_beside_one_on_its_bound_include_it() {
+    let keys = [
+        "c_1",
+        "c_2",
+        "n_1",
+        "cohesion_kpa",
+        "phi_deg",
+        "k_shear_m",
+        "n",
+        "k_phi_kn_per_m_n2",
+        "sinkage_datum_m",
+    ];
+    let parameters = keys.map(|key| Parameter::named(key).unwrap());
+    let one_load: Vec<[f64; 5]> = wheel_tests()
+        .into_iter()
+        .filter(|row| row[1] < 100.0)
+        .collect();
+    let truth = open_soil();
+    let (mut on_bound, mut wrong) = (0, 0);
+    for seed in 1..=8 {
+        let found = found(seed, 0.03, &one_load, |job| {
+            wheel_alone(job, open_soil());
+            let wheel = job.wheel.as_mut().unwrap();
+            wheel.parameters = parameters.to_vec();
+            wheel.starts.starts = 4;
+        });
+        let numbers = &found.wheel.as_ref().unwrap().numbers;
+        let is_on_bound = |number: &WheelNumber| number.verdict == Verdict::OnBound;
+        if !numbers.iter().any(is_on_bound) {
+            continue;
+        }
+        on_bound += 1;
+        for number in numbers.iter().filter(|n| n.verdict == Verdict::Identified) {
+            let (low, high) = (number.interval.low, number.interval.high);
+            let truth = number.parameter.of(&truth).unwrap_or(1.5e-3);
+            let holds = low.is_none_or(|low| low <= truth) && high.is_none_or(|high| truth <= high);
+            println!("seed {seed}: {number:?}, truth {truth}");
+            wrong += u32::from(!holds);
+        }
+    }
+    println!("{on_bound} of 8 on a bound, {wrong} identified numbers wrong");
+    assert!(on_bound >= 3 && wrong <= 1);
+}
+
+/// Three readings at one normal stress, from c 1 kPa, φ 32°, K 12 mm: c and K end on bounds, and φ is not known.
+#[test]
+fn friction_beside_a_cohesion_on_its_bound_is_not_identified() {
+    let reading = |(displacement, shear): (f64, f64)| ShearReading {
+        normal: 3e3,
+        displacement,
+        shear,
+    };
+    let readings = [(1e-3, 150.38), (2e-3, 426.4), (3e-3, 661.09)].map(reading);
+    let found = fit_shear(&readings, Loss::Squares).unwrap();
+    assert_eq!(found.uncertainty.verdicts[2], Verdict::OnBound);
+    assert_ne!(found.uncertainty.verdicts[1], Verdict::Identified);
+}
