@@ -5,6 +5,7 @@ use core::fmt;
 use crate::identification::Identification;
 use crate::identified::IdentifiedNumber;
 use crate::least_squares::Verdict;
+use crate::shear::ShearReading;
 use crate::wheel::{Misfit, Support};
 
 /// Why the result of a job is doubtful; displayed as a sentence without a full stop.
@@ -26,6 +27,15 @@ pub enum Doubt {
         names: Vec<String>,
         /// The keys of the numbers fitted with them that are not determined.
         undetermined: Vec<String>,
+    },
+    /// Many readings of a plate have no positive force, or many of a shear test a negative displacement or normal stress.
+    WrongSign {
+        /// What the readings are.
+        what: &'static str,
+        /// How many.
+        readings: usize,
+        /// Of how many.
+        of: usize,
     },
     /// Readings lie further from the law than their stated scatter explains.
     Misfit(Vec<Misfit>),
@@ -56,6 +66,7 @@ impl fmt::Display for Doubt {
                     others => write!(f, "Not determined with that: {}", others.join(", ")),
                 }
             }
+            Self::WrongSign { what, readings, of } => write!(f, "{readings} of {of} {what}"),
             Self::Misfit(misfits) => {
                 let each = |misfit: &Misfit| {
                     format!(
@@ -88,9 +99,24 @@ impl Identification {
     pub fn doubts(&self) -> Vec<Doubt> {
         let mut doubts = Vec::new();
         if let Some(stage) = &self.plates {
+            let used = stage.fit.fit.residuals.len();
+            let unloaded = stage.fit.left_out.unloaded;
+            doubts.extend(wrong_sign(
+                "plate readings below `least_depth_m` have a force of 0 or less and are left out: those that stay \
+                 are the greater ones",
+                unloaded,
+                used + unloaded,
+            ));
             doubts.extend(on_bound(&stage.fit.numbers()));
         }
         if let Some(stage) = &self.shear {
+            let is_wrong =
+                |reading: &&ShearReading| reading.normal < 0.0 || reading.displacement < 0.0;
+            doubts.extend(wrong_sign(
+                "shear readings have a negative displacement or normal stress",
+                stage.readings.iter().filter(is_wrong).count(),
+                stage.readings.len(),
+            ));
             doubts.extend(on_bound(&stage.fit.numbers()));
         }
         if let Some(stage) = &self.wheel {
@@ -109,6 +135,12 @@ impl Identification {
         }
         doubts
     }
+}
+
+fn wrong_sign(what: &'static str, readings: usize, of: usize) -> Option<Doubt> {
+    /// Of the readings: fewer are noise about 0, or the moment before the plate touches the ground.
+    const MAX_SHARE: f64 = 0.05;
+    (readings as f64 > MAX_SHARE * of as f64).then_some(Doubt::WrongSign { what, readings, of })
 }
 
 /// The doubt about numbers that were fitted together. A bound of 0 is one of nature, as of the cohesion of dry sand: where

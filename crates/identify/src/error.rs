@@ -29,6 +29,12 @@ pub enum Error {
         /// Parameters.
         parameters: usize,
     },
+    /// Tests with fewer readings than a law needs.
+    #[error("{message}")]
+    TooFewReadings {
+        /// How many there are, of which tests, how many were left out and why.
+        message: String,
+    },
     /// More parameters than starts can be drawn for.
     #[error("{parameters} parameters are too many, the limit is 64")]
     TooMany {

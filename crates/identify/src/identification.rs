@@ -157,7 +157,12 @@ fn plates(job: &Job) -> Result<PlateStage> {
             }
         }
     }
-    let fit = fit_plates(&tests, &job.plate_settings)?;
+    let fit = fit_plates(&tests, &job.plate_settings).map_err(|error| match error {
+        Error::TooFew { .. } => Error::TooFewReadings {
+            message: plate::too_few(&tests, &job.plate_settings),
+        },
+        other => other,
+    })?;
     Ok(PlateStage {
         tests,
         records,

@@ -1,8 +1,9 @@
 //! Is a result that does not describe the soil called doubtful, and one that does not?
 
+use grouser_files::Document;
 use grouser_identify::least_squares::{Loss, Verdict};
 use grouser_identify::shear::{ShearReading, fit_shear};
-use grouser_identify::{Doubt, Job, Parameter, WheelNumber};
+use grouser_identify::{Doubt, Job, Parameter, WheelNumber, identify};
 use grouser_terra::OpenSoil;
 
 use crate::coverage::{found, open_soil, wheel_tests};
@@ -128,4 +129,55 @@ fn friction_beside_a_cohesion_on_its_bound_is_not_identified() {
     let found = fit_shear(&readings, Loss::Squares).unwrap();
     assert_eq!(found.uncertainty.verdicts[2], Verdict::OnBound);
     assert_ne!(found.uncertainty.verdicts[1], Verdict::Identified);
+}
+
+/// A disc of 60 mm in 20 depths, with forces of `sign`.
+fn plate(sign: impl Fn(u32) -> f64) -> String {
+    let mut table = String::from("plate_diameter_mm,depth_mm,force_n\n");
+    for step in 1..=20 {
+        let depth = 2.0 * f64::from(step);
+        let force = sign(step) * 4.0 * depth.powf(1.1) * (1.0 + 0.01 * f64::from(step % 3));
+        table.push_str(&format!("60,{depth},{force}\n"));
+    }
+    table
+}
+
+fn of_plates(name: &str, table: &str) -> grouser_identify::Result<Vec<Doubt>> {
+    let folder = format!("grouser-doubts-{name}-{}", std::process::id());
+    let folder = std::env::temp_dir().join(folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("plates.csv"), table).unwrap();
+    let job = "format = 1\nname = \"x\"\n[[plate]]\ntable = \"plates.csv\"\n";
+    std::fs::write(folder.join("tests.toml"), job).unwrap();
+    let job = Job::read(&Document::read(&folder.join("tests.toml")).unwrap()).unwrap();
+    let found = identify(&job);
+    std::fs::remove_dir_all(folder).unwrap();
+    Ok(found?.doubts())
+}
+
+#[test]
+fn readings_without_a_force_are_counted() {
+    let doubts = of_plates("sound", &plate(|_| 1.0)).unwrap();
+    assert_eq!(doubts, []);
+    let half = of_plates(
+        "half",
+        &plate(|step| if step % 4 == 0 { -1.0 } else { 1.0 }),
+    )
+    .unwrap();
+    let is_named = |doubt: &Doubt| {
+        matches!(
+            doubt,
+            Doubt::WrongSign {
+                readings: 5,
+                of: 20,
+                ..
+            }
+        )
+    };
+    assert!(half.iter().any(is_named), "{half:?}");
+    let error = of_plates("none", &plate(|_| -1.0)).unwrap_err().to_string();
+    assert!(
+        error.contains("0 of 20 plate readings") && error.contains("20 have a force of 0 or less"),
+        "{error}"
+    );
 }

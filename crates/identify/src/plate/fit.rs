@@ -19,6 +19,41 @@ const LEAST_SCALE: f64 = 1e-9;
 /// The greatest modulus that soils may have, Pa/mⁿ.
 const MAX_MODULUS: f64 = 1e12;
 
+/// Fewer readings than these show no law.
+const MIN_READINGS: usize = 10;
+
+/// Readings of plate tests that no fit uses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct LeftOut {
+    /// Shallower than [`PlateSettings::least_depth`].
+    pub shallow: usize,
+    /// Deeper, with a force of 0 or less, which has no logarithm.
+    pub unloaded: usize,
+}
+
+impl LeftOut {
+    fn of(tests: &[PlateTest], settings: &PlateSettings) -> Self {
+        let mut out = Self::default();
+        for test in tests {
+            for (depth, force) in test.depth.iter().zip(&test.force) {
+                if !(*depth >= settings.least_depth) {
+                    out.shallow += 1;
+                } else if !(*force > 0.0) {
+                    out.unloaded += 1;
+                }
+            }
+        }
+        out
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub const fn count(self) -> usize {
+        self.shallow + self.unloaded
+    }
+}
+
 /// How plate tests are fitted.
 ///
 /// ```
@@ -80,6 +115,8 @@ pub struct PlateFit {
     pub parameters: Vec<PlateParameter>,
     /// Each test's readings that were used: index, and ln(p/p_model) there.
     pub residuals: Vec<Vec<(usize, f64)>>,
+    /// How many readings were not used.
+    pub left_out: LeftOut,
     /// Standard deviation of ln p about the law.
     pub relative_deviation: f64,
     /// How many times more readings there are than independent ones (from the residuals' correlation).
@@ -219,7 +256,7 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
         .collect();
     let count: usize = used.iter().map(Vec::len).sum();
     let shape = Shape::of(tests);
-    if count < 10 || used.iter().any(Vec::is_empty) {
+    if count < MIN_READINGS || used.iter().any(Vec::is_empty) {
         return Err(Error::TooFew {
             residuals: count,
             parameters: 1 + shape.moduli(),
@@ -273,8 +310,31 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
         &uncertainty,
         (&intervals, widen),
         (shape, residuals, redundancy),
-        search.loss,
+        (search.loss, LeftOut::of(tests, settings)),
     ))
+}
+
+/// Why [`fit_plates`] finds too few readings in `tests`: counts, and the least number.
+pub(crate) fn too_few(tests: &[PlateTest], settings: &PlateSettings) -> String {
+    let readings = |test: &PlateTest| test.depth.len();
+    let used = |tests: &[PlateTest]| {
+        tests.iter().map(readings).sum::<usize>() - LeftOut::of(tests, settings).count()
+    };
+    let LeftOut { shallow, unloaded } = LeftOut::of(tests, settings);
+    let least_mm = 1e3 * settings.least_depth;
+    let empty = tests
+        .iter()
+        .find(|test| used(std::slice::from_ref(test)) == 0);
+    let empty = empty.map_or(String::new(), |test| {
+        format!(", of test `{}` none", test.name)
+    });
+    format!(
+        "{} of {} plate readings can be used{empty}; a fit needs {MIN_READINGS}, and one of each test. {shallow} are \
+         shallower than {least_mm} mm (`least_depth_m`), and {unloaded} have a force of 0 or less: force is positive \
+         when the plate is pressed in",
+        used(tests),
+        tests.iter().map(readings).sum::<usize>(),
+    )
 }
 
 /// The fit, and the settings that it ended with. The threshold of Huber's loss counts multiples of the scatter, which is not
@@ -325,7 +385,7 @@ fn assemble(
     uncertainty: &Uncertainty,
     (intervals, widen): (&[Interval], f64),
     (shape, residuals, redundancy): (Shape, Vec<Vec<(usize, f64)>>, f64),
-    loss: Loss,
+    (loss, left_out): (Loss, LeftOut),
 ) -> PlateFit {
     let n = found.x[0];
     let number = |name: String, index: usize| {
@@ -382,6 +442,7 @@ fn assemble(
         k_phi,
         parameters,
         residuals,
+        left_out,
         relative_deviation: uncertainty.residual_deviation,
         redundancy,
         fit: found.clone(),

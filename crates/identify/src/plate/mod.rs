@@ -6,5 +6,6 @@ mod fit;
 mod test;
 
 pub use bag::{BagSource, DepthColumn, PlateRecord, read_bag};
-pub use fit::{PlateFit, PlateParameter, PlateSettings, fit_plates};
+pub(crate) use fit::too_few;
+pub use fit::{LeftOut, PlateFit, PlateParameter, PlateSettings, fit_plates};
 pub use test::{Plate, PlateTest, read_table};

@@ -24,6 +24,7 @@ pub(crate) fn plates<'a>() -> Fields<'a, &'a PlateFit> {
         "n" "exponent of sinkage" = fit.n;
         "k_c_kn_per_m_n1" "cohesive modulus" = fit.k_c / 1e3;
         "k_phi_kn_per_m_n2" "frictional modulus" = fit.k_phi / 1e3;
+        "left_out" "readings that were not used" = fit.left_out.count();
         "redundancy" "readings for each independent one" = fit.redundancy;
         "relative_deviation" "scatter about the law" = fit.relative_deviation;
         "parameters" "the numbers that were fitted" named(line()) = named(fit.numbers());

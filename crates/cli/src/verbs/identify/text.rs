@@ -23,6 +23,17 @@ pub(super) fn text(found: &Identification) -> String {
             rounded(readings as f64 / stage.fit.redundancy, 3),
             rounded(100.0 * stage.fit.relative_deviation, 2),
         );
+        let left_out = stage.fit.left_out;
+        if left_out.count() > 0 {
+            let _ = writeln!(
+                out,
+                "{} of {} readings left out: {} shallower than the least depth, {} with a force of 0 or less",
+                left_out.count(),
+                left_out.count() + readings,
+                left_out.shallow,
+                left_out.unloaded
+            );
+        }
         for record in &stage.records {
             let _ = writeln!(
                 out,
