@@ -28,6 +28,11 @@ pub enum Doubt {
         /// The keys of the numbers fitted with them that are not determined.
         undetermined: Vec<String>,
     },
+    /// The modulus k_phi of plates is negative: wide wheels have no pressure.
+    NegativeModulus {
+        /// The width from which on k_c/b + k_phi is negative, m.
+        from_width: f64,
+    },
     /// Many readings of a plate have no positive force, or many of a shear test a negative displacement or normal stress.
     WrongSign {
         /// What the readings are.
@@ -66,6 +71,11 @@ impl fmt::Display for Doubt {
                     others => write!(f, "Not determined with that: {}", others.join(", ")),
                 }
             }
+            Self::NegativeModulus { from_width } => write!(
+                f,
+                "k_phi is negative, and so is the pressure under wheels of a width b from {from_width:.3} m on: are depth \
+                 and force exchanged, or the plates too alike?"
+            ),
             Self::WrongSign { what, readings, of } => write!(f, "{readings} of {of} {what}"),
             Self::Misfit(misfits) => {
                 let each = |misfit: &Misfit| {
@@ -99,6 +109,10 @@ impl Identification {
     pub fn doubts(&self) -> Vec<Doubt> {
         let mut doubts = Vec::new();
         if let Some(stage) = &self.plates {
+            if stage.fit.k_phi < 0.0 {
+                let from_width = (-stage.fit.k_c / stage.fit.k_phi).max(0.0);
+                doubts.push(Doubt::NegativeModulus { from_width });
+            }
             let used = stage.fit.fit.residuals.len();
             let unloaded = stage.fit.left_out.unloaded;
             doubts.extend(wrong_sign(

@@ -44,7 +44,19 @@ impl PlateFit {
             verdict: own.verdict,
             overruled: None,
         };
-        self.parameters.iter().map(number).collect()
+        let moduli = self.moduli.iter().zip([SoilNumber::KC, SoilNumber::KPhi]);
+        let moduli = moduli.map(|(own, key)| {
+            let unit = key.key_unit();
+            IdentifiedNumber {
+                name: key.key().to_owned(),
+                value: own.value / unit,
+                standard_error: own.standard_error / unit,
+                interval: scaled(own.interval, unit),
+                ..number(own)
+            }
+        });
+        let fitted = self.parameters.iter().map(number);
+        fitted.chain(moduli).collect()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use grouser_files::Document;
 use grouser_identify::least_squares::{Loss, Verdict};
+use grouser_identify::plate::{Plate, PlateSettings, PlateTest, fit_plates};
 use grouser_identify::shear::{ShearReading, fit_shear};
 use grouser_identify::{Doubt, Job, Parameter, WheelNumber, identify};
 use grouser_terra::OpenSoil;
@@ -180,4 +181,68 @@ fn readings_without_a_force_are_counted() {
         error.contains("0 of 20 plate readings") && error.contains("20 have a force of 0 or less"),
         "{error}"
     );
+}
+
+/// Two discs of 60 mm and `wide` mm with 1 % of scatter; k_c 3 kN/m^(n+1), k_phi 1500 kN/m^(n+2).
+fn two_discs(wide: f64) -> grouser_identify::plate::PlateFit {
+    let disc = |diameter: f64, wave: f64| {
+        let plate = Plate::disc(diameter).unwrap();
+        let depth: Vec<f64> = (2..=40).map(|step| 1e-3 * f64::from(step)).collect();
+        let force = depth.iter().enumerate().map(|(i, z)| {
+            let noise = 1.0 + 0.014 * (wave * i as f64).sin();
+            plate.area * (3e3 / plate.width + 1.5e6) * z.powf(1.1) * noise
+        });
+        PlateTest {
+            name: diameter.to_string(),
+            plate,
+            force: force.collect(),
+            depth,
+        }
+    };
+    fit_plates(
+        &[disc(0.06, 1.9), disc(1e-3 * wide, 2.3)],
+        &PlateSettings::default(),
+    )
+    .unwrap()
+}
+
+#[test]
+fn moduli_are_known_as_well_as_the_widths_separate_them() {
+    let [apart, near, same] = [100.0, 62.0, 60.0].map(two_discs);
+    for fit in [&apart, &near] {
+        for (modulus, truth) in fit.moduli.iter().zip([3e3, 1.5e6]) {
+            let (low, high) = (
+                modulus.interval.low.unwrap(),
+                modulus.interval.high.unwrap(),
+            );
+            assert!(low < truth && truth < high, "{modulus:?}");
+        }
+    }
+    assert_eq!(apart.moduli[1].verdict, Verdict::Identified);
+    assert_eq!(near.moduli[0].verdict, Verdict::Loose);
+    assert!(near.moduli[0].standard_error > 5.0 * apart.moduli[0].standard_error);
+    assert!(apart.is_separable() && near.is_separable() && !same.is_separable());
+    for modulus in &same.moduli {
+        assert_eq!(modulus.verdict, Verdict::NotIdentifiable);
+    }
+}
+
+/// Half of the readings are of the unloading: the error of k exceeds a third of it, that of ln k is 2 %.
+#[test]
+fn a_modulus_is_judged_by_itself_and_not_by_its_logarithm() {
+    let plate = Plate::disc(0.06).unwrap();
+    let depth = || (2..=40).map(|step| 1e-3 * f64::from(step));
+    let stress = |z: f64, unloading: bool| 1.5e6 * z.powf(if unloading { 4.0 } else { 1.1 });
+    let loading = depth().map(|z| plate.area * stress(z, false));
+    let unloading = depth().map(|z| 3e4 * plate.area * stress(z, true));
+    let test = PlateTest {
+        name: "x".to_owned(),
+        plate,
+        depth: depth().chain(depth().rev()).collect(),
+        force: loading.chain(unloading.rev()).collect(),
+    };
+    let fit = fit_plates(&[test], &PlateSettings::default()).unwrap();
+    let k = &fit.parameters[1];
+    assert!(k.standard_error > k.value / 3.0, "{k:?}");
+    assert_eq!(k.verdict, Verdict::Loose);
 }

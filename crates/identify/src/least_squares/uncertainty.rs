@@ -36,6 +36,15 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Itself, but loose where an identified number's standard error is too great a `share` of it.
+    pub(crate) fn of_share(self, share: f64) -> Self {
+        if self == Self::Identified && !(share <= MAX_RELATIVE_ERROR) {
+            Self::Loose
+        } else {
+            self
+        }
+    }
+
     /// Its name in files.
     #[must_use]
     pub const fn key(self) -> &'static str {

@@ -8,6 +8,7 @@ use super::test::PlateTest;
 use crate::error::{Error, Result};
 use crate::least_squares::{
     Bounded, Fit, Interval, Loss, Settings, Uncertainty, Verdict, fit, profile, redundancy,
+    student_quantile,
 };
 
 /// Rounds in which a robust fit and the scatter about it take turns.
@@ -113,6 +114,8 @@ pub struct PlateFit {
     pub k_phi: f64,
     /// The numbers with their uncertainty: n, then k_c and k_phi or k alone, then datums.
     pub parameters: Vec<PlateParameter>,
+    /// k_c and k_phi with their uncertainty, linear about the fit; not identifiable with plates of one width.
+    pub moduli: [PlateParameter; 2],
     /// Each test's readings that were used: index, and ln(p/p_model) there.
     pub residuals: Vec<Vec<(usize, f64)>>,
     /// How many readings were not used.
@@ -128,6 +131,32 @@ pub struct PlateFit {
 }
 
 impl PlateFit {
+    /// By the delta method, from the moduli under the narrowest and the widest plate.
+    fn find_errors_of_moduli(&mut self, tests: &[PlateTest], quantile: f64) {
+        // k at an infinite width is k_phi
+        let Some(mixtures) = self.scatter(tests, f64::INFINITY, true) else {
+            return;
+        };
+        // places in what `scatter` gives
+        for (modulus, place) in self.moduli.iter_mut().zip([2, 1]) {
+            let squares = mixtures.iter().map(|moved| moved[place] * moved[place]);
+            let error = squares.sum::<f64>().sqrt();
+            let end = |value: f64| value.is_finite().then_some(value);
+            modulus.standard_error = error;
+            modulus.interval = Interval {
+                low: end(modulus.value - quantile * error),
+                high: end(modulus.value + quantile * error),
+            };
+            modulus.verdict = Verdict::Identified.of_share(error / modulus.value.abs());
+        }
+    }
+
+    /// Do plates of several widths separate k_c from k_phi?
+    #[must_use]
+    pub fn is_separable(&self) -> bool {
+        self.moduli[0].standard_error.is_finite()
+    }
+
     /// How far (n, k_c/b + k_phi at the width b, k_c) move with one standard deviation of each independent mixture of what
     /// was fitted to `tests`, n held where it is not `free`; `None` where the tests do not determine them.
     pub(crate) fn scatter(
@@ -296,19 +325,22 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
         fit_datum: settings.fit_datum,
     });
     let (found, search) = fit_robustly(&law, count, start, settings.loss)?;
-    let uncertainty = Uncertainty::of(&found, search.loss);
     let residuals = split(&found.residuals, &used);
     let series = residuals.iter().map(|test| test.iter().map(|(_, r)| *r));
     let redundancy = redundancy(series);
-    let widen = redundancy.sqrt();
+    let mut uncertainty = Uncertainty::of(&found, search.loss).of_alike(&found, redundancy);
     let intervals = (0..found.x.len())
-        .map(|index| profile(&law, &found, index, 0.95, &search))
+        .map(|index| {
+            let own = profile(&law, &found, index, 0.95, &search)?;
+            Ok(own.widened(found.x[index], redundancy.sqrt()))
+        })
         .collect::<Result<Vec<Interval>>>()?;
+    uncertainty.judge_intervals(&found, &intervals);
     Ok(assemble(
         tests,
         &found,
         &uncertainty,
-        (&intervals, widen),
+        &intervals,
         (shape, residuals, redundancy),
         (search.loss, LeftOut::of(tests, settings)),
     ))
@@ -383,7 +415,7 @@ fn assemble(
     tests: &[PlateTest],
     found: &Fit,
     uncertainty: &Uncertainty,
-    (intervals, widen): (&[Interval], f64),
+    intervals: &[Interval],
     (shape, residuals, redundancy): (Shape, Vec<Vec<(usize, f64)>>, f64),
     (loss, left_out): (Loss, LeftOut),
 ) -> PlateFit {
@@ -393,8 +425,8 @@ fn assemble(
         PlateParameter {
             name,
             value: x,
-            standard_error: widen * uncertainty.standard_errors[index],
-            interval: intervals[index].widened(x, widen),
+            standard_error: uncertainty.standard_errors[index],
+            interval: intervals[index],
             verdict: uncertainty.verdicts[index],
         }
     };
@@ -409,6 +441,8 @@ fn assemble(
                 low: own.interval.low.map(Real::exp),
                 high: own.interval.high.map(Real::exp),
             },
+            // judged as itself, and not as its logarithm
+            verdict: own.verdict.of_share(own.standard_error),
             ..own
         }
     };
@@ -436,10 +470,23 @@ fn assemble(
     let datums = tests.iter().zip(parameters.len()..found.x.len());
     parameters
         .extend(datums.map(|(test, place)| number(format!("datum_m of {}", test.name), place)));
-    PlateFit {
+    let moduli = [("k_c_n_per_m_n1", k_c), ("k_phi_n_per_m_n2", k_phi)].map(|(name, value)| {
+        PlateParameter {
+            name: name.to_owned(),
+            value,
+            standard_error: f64::NAN,
+            interval: Interval {
+                low: None,
+                high: None,
+            },
+            verdict: Verdict::NotIdentifiable,
+        }
+    });
+    let mut fit = PlateFit {
         n,
         k_c,
         k_phi,
+        moduli,
         parameters,
         residuals,
         left_out,
@@ -447,7 +494,11 @@ fn assemble(
         redundancy,
         fit: found.clone(),
         loss,
+    };
+    if matches!(shape, Shape::Two { .. }) {
+        fit.find_errors_of_moduli(tests, student_quantile(0.975, uncertainty.freedom));
     }
+    fit
 }
 
 /// The residuals test by test, as measured over model.

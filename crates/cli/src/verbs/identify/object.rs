@@ -22,7 +22,8 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Identification> {
 pub(crate) fn plates<'a>() -> Fields<'a, &'a PlateFit> {
     fields! { |fit: &'a PlateFit|
         "n" "exponent of sinkage" = fit.n;
-        "k_c_kn_per_m_n1" "cohesive modulus" = fit.k_c / 1e3;
+        "k_c_kn_per_m_n1" "cohesive modulus; null with plates of one width" =
+            fit.is_separable().then_some(fit.k_c / 1e3);
         "k_phi_kn_per_m_n2" "frictional modulus" = fit.k_phi / 1e3;
         "left_out" "readings that were not used" = fit.left_out.count();
         "redundancy" "readings for each independent one" = fit.redundancy;

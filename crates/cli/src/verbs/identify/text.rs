@@ -44,12 +44,20 @@ pub(super) fn text(found: &Identification) -> String {
                 rounded(1e3 * record.contact_height, 4),
             );
         }
-        let _ = writeln!(
-            out,
-            "k_c {} kN/m^(n+1), k_phi {} kN/m^(n+2)",
-            rounded(stage.fit.k_c / 1e3, 4),
-            rounded(stage.fit.k_phi / 1e3, 4)
-        );
+        if stage.fit.is_separable() {
+            let moduli = [stage.fit.k_c, stage.fit.k_phi].map(|modulus| rounded(modulus / 1e3, 4));
+            let [k_c, k_phi] = moduli;
+            let _ = writeln!(out, "k_c {k_c} kN/m^(n+1), k_phi {k_phi} kN/m^(n+2)");
+        } else {
+            let widths = stage.tests.iter().map(|test| test.plate.width);
+            let _ = writeln!(
+                out,
+                "k {} kN/m^(n+2) at b = {} mm; plates of one width do not separate k_c from k_phi, which hold for wheels \
+                 of this width alone",
+                rounded(stage.fit.k_phi / 1e3, 4),
+                rounded(1e3 * widths.fold(0.0, f64::max), 4)
+            );
+        }
         out.push_str(&table(&stage.fit.numbers()));
     }
     if let Some(stage) = &found.shear {
@@ -101,7 +109,7 @@ pub(super) fn warnings(found: &Identification) -> Vec<String> {
             let what = match line.verdict {
                 Verdict::NotIdentifiable => "cannot be determined from these tests",
                 Verdict::OnBound => "lies on its bound",
-                Verdict::Loose => "is hardly determined: its interval is as wide as its bounds",
+                Verdict::Loose => "is hardly determined: its interval is as wide as its bounds, or its error exceeds a third of it",
                 _ => return None,
             };
             Some(format!("{} {what}", line.name))
