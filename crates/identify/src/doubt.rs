@@ -169,8 +169,8 @@ fn on_bound(numbers: &[IdentifiedNumber]) -> Option<Doubt> {
         .filter(|number| number.verdict != Verdict::Identified)
         .map(name)
         .collect();
-    let is_natural = bound.iter().all(|number| number.value == 0.0);
-    (!bound.is_empty() && !(is_natural && undetermined.is_empty())).then(|| Doubt::OnBound {
+    let is_stopped = bound.iter().any(|number| number.value != 0.0);
+    (is_stopped || (!bound.is_empty() && !undetermined.is_empty())).then(|| Doubt::OnBound {
         names: bound.into_iter().map(name).collect(),
         undetermined,
     })

@@ -1,5 +1,7 @@
 //! Is a result that does not describe the soil called doubtful, and one that does not?
 
+use std::fmt::Write as _;
+
 use grouser_files::Document;
 use grouser_identify::least_squares::{Loss, Verdict};
 use grouser_identify::plate::{Plate, PlateSettings, PlateTest, fit_plates};
@@ -10,10 +12,10 @@ use grouser_terra::OpenSoil;
 use crate::coverage::{found, open_soil, wheel_tests};
 
 /// Only wheel tests, on a soil that is known.
-fn wheel_alone(job: &mut Job, known: OpenSoil) {
+fn wheel_alone(job: &mut Job, known: &OpenSoil) {
     job.plates.clear();
     job.shear = None;
-    job.soil = known;
+    job.soil = *known;
 }
 
 #[test]
@@ -21,7 +23,7 @@ fn tests_of_the_law_are_not_doubtful() {
     let wheel = wheel_tests();
     for seed in 1..=20 {
         let found = found(seed, 0.03, &wheel, |job| {
-            wheel_alone(job, open_soil());
+            wheel_alone(job, &open_soil());
             if seed % 2 == 0 {
                 job.wheel.as_mut().unwrap().loss = Loss::Huber { threshold: 1.345 };
             }
@@ -40,7 +42,7 @@ fn readings_off_the_law_are_doubtful() {
     wrong.n = Some(0.6);
     for loss in [Loss::Squares, Loss::Huber { threshold: 1.345 }] {
         let doubts = found(1, 0.03, &wheel, |job| {
-            wheel_alone(job, wrong);
+            wheel_alone(job, &wrong);
             job.wheel.as_mut().unwrap().loss = loss;
         })
         .doubts();
@@ -50,7 +52,7 @@ fn readings_off_the_law_are_doubtful() {
             .map(|[slip, load, pull, torque, z]| [*slip, *load, -pull, *torque, *z])
             .collect();
         let doubts = found(1, 0.03, &negated, |job| {
-            wheel_alone(job, open_soil());
+            wheel_alone(job, &open_soil());
             job.wheel.as_mut().unwrap().loss = loss;
         })
         .doubts();
@@ -64,7 +66,7 @@ fn loads_that_the_soil_does_not_bear_are_doubtful() {
         .into_iter()
         .map(|[slip, load, pull, torque, z]| [slip, 1000.0 * load, pull, torque, z])
         .collect();
-    let doubts = found(1, 0.03, &heavy, |job| wheel_alone(job, open_soil())).doubts();
+    let doubts = found(1, 0.03, &heavy, |job| wheel_alone(job, &open_soil())).doubts();
     let (buried, tests) = (28, 28);
     assert!(
         doubts.contains(&Doubt::HubBuried { buried, tests }),
@@ -95,7 +97,7 @@ fn numbers_beside_one_on_its_bound_include_it() {
     let (mut on_bound, mut wrong) = (0, 0);
     for seed in 1..=8 {
         let found = found(seed, 0.03, &one_load, |job| {
-            wheel_alone(job, open_soil());
+            wheel_alone(job, &open_soil());
             let wheel = job.wheel.as_mut().unwrap();
             wheel.parameters = parameters.to_vec();
             wheel.starts.starts = 4;
@@ -138,7 +140,7 @@ fn plate(sign: impl Fn(u32) -> f64) -> String {
     for step in 1..=20 {
         let depth = 2.0 * f64::from(step);
         let force = sign(step) * 4.0 * depth.powf(1.1) * (1.0 + 0.01 * f64::from(step % 3));
-        table.push_str(&format!("60,{depth},{force}\n"));
+        writeln!(table, "60,{depth},{force}").unwrap();
     }
     table
 }

@@ -275,18 +275,24 @@ impl Uncertainty {
             let mixtures = self.bound_mixtures.iter();
             mixtures.map(|mixture| mixture[k] * mixture[j]).sum()
         };
-        let error = |k: usize| match on_bound(k) {
-            true => together(k, k).sqrt(),
-            false => self.standard_errors[k],
+        let error = |k: usize| {
+            if on_bound(k) {
+                together(k, k).sqrt()
+            } else {
+                self.standard_errors[k]
+            }
         };
         let moves = |k: &usize| !on_bound(*k) || error(*k) > 0.0;
         let free: Vec<usize> = parameters.iter().copied().filter(moves).collect();
         if free.iter().any(|k| !error(*k).is_finite()) {
             return None;
         }
-        let alike = |k: usize, j: usize| match on_bound(k) || on_bound(j) {
-            true => together(k, j) / (error(k) * error(j)),
-            false => self.correlation[k][j],
+        let alike = |k: usize, j: usize| {
+            if on_bound(k) || on_bound(j) {
+                together(k, j) / (error(k) * error(j))
+            } else {
+                self.correlation[k][j]
+            }
         };
         let correlation = |k: usize| free.iter().map(move |j| alike(k, *j)).collect();
         let modes = symmetric(free.iter().map(|k| correlation(*k)).collect());
