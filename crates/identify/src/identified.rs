@@ -4,7 +4,7 @@ use grouser_files::soil::SoilNumber;
 
 use crate::identification::{Identification, WheelStage};
 use crate::least_squares::{Interval, Verdict};
-use crate::plate::PlateFit;
+use crate::plate::{PlateFit, PlateParameter};
 use crate::shear::ShearFit;
 
 /// An identified number in the unit of its name.
@@ -33,30 +33,34 @@ fn scaled(interval: Interval, unit: f64) -> Interval {
 }
 
 impl PlateFit {
-    /// The numbers, in the units of their names.
+    /// The numbers that were fitted, in the units of their names.
     #[must_use]
     pub fn numbers(&self) -> Vec<IdentifiedNumber> {
-        let number = |own: &crate::plate::PlateParameter| IdentifiedNumber {
-            name: own.name.clone(),
-            value: own.value,
-            standard_error: own.standard_error,
-            interval: own.interval,
-            verdict: own.verdict,
-            overruled: None,
-        };
-        let moduli = self.moduli.iter().zip([SoilNumber::KC, SoilNumber::KPhi]);
-        let moduli = moduli.map(|(own, key)| {
-            let unit = key.key_unit();
-            IdentifiedNumber {
-                name: key.key().to_owned(),
-                value: own.value / unit,
-                standard_error: own.standard_error / unit,
-                interval: scaled(own.interval, unit),
-                ..number(own)
-            }
-        });
-        let fitted = self.parameters.iter().map(number);
-        fitted.chain(moduli).collect()
+        self.parameters
+            .iter()
+            .map(|own| plate_number(own, own.name.clone(), 1.0))
+            .collect()
+    }
+
+    /// [`PlateFit::moduli`] in the units of their keys in soil files.
+    #[must_use]
+    pub fn moduli_in_key_units(&self) -> Vec<IdentifiedNumber> {
+        self.moduli
+            .iter()
+            .zip([SoilNumber::KC, SoilNumber::KPhi])
+            .map(|(own, key)| plate_number(own, key.key().to_owned(), key.key_unit()))
+            .collect()
+    }
+}
+
+fn plate_number(own: &PlateParameter, name: String, unit: f64) -> IdentifiedNumber {
+    IdentifiedNumber {
+        name,
+        value: own.value / unit,
+        standard_error: own.standard_error / unit,
+        interval: scaled(own.interval, unit),
+        verdict: own.verdict,
+        overruled: None,
     }
 }
 
@@ -129,7 +133,10 @@ impl Identification {
             .iter()
             .map(|doubt| format!("DOUBTFUL: {doubt}"))
             .collect();
-        for number in self.numbers() {
+        // with plates of one width the file's k_c and k_phi are no numbers of the soil
+        let one_width = self.plates.iter().filter(|stage| !stage.fit.is_separable());
+        let moduli = one_width.flat_map(|stage| stage.fit.moduli_in_key_units());
+        for number in self.numbers().into_iter().chain(moduli) {
             let digits = if number.value.abs() > 1e3 { 0 } else { 4 };
             let end = |end: Option<f64>| end.map_or("open".to_owned(), |v| format!("{v:.digits$}"));
             let IdentifiedNumber {

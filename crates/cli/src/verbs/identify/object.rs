@@ -29,6 +29,7 @@ pub(crate) fn plates<'a>() -> Fields<'a, &'a PlateFit> {
         "redundancy" "readings for each independent one" = fit.redundancy;
         "relative_deviation" "scatter about the law" = fit.relative_deviation;
         "parameters" "the numbers that were fitted" named(line()) = named(fit.numbers());
+        "moduli" "k_c and k_phi with their uncertainty" named(line()) = named(fit.moduli_in_key_units());
     }
 }
 

@@ -58,7 +58,9 @@ pub(super) fn text(found: &Identification) -> String {
                 rounded(1e3 * widths.fold(0.0, f64::max), 4)
             );
         }
-        out.push_str(&table(&stage.fit.numbers()));
+        let mut numbers = stage.fit.numbers();
+        numbers.extend(stage.fit.moduli_in_key_units());
+        out.push_str(&table(&numbers));
     }
     if let Some(stage) = &found.shear {
         let readings = stage.readings.len();
@@ -102,9 +104,12 @@ pub(super) fn text(found: &Identification) -> String {
 
 /// What must not be overlooked.
 pub(super) fn warnings(found: &Identification) -> Vec<String> {
+    let moduli = found.plates.iter();
+    let moduli = moduli.flat_map(|stage| stage.fit.moduli_in_key_units());
     found
         .numbers()
-        .iter()
+        .into_iter()
+        .chain(moduli)
         .filter_map(|line| {
             let what = match line.verdict {
                 Verdict::NotIdentifiable => "cannot be determined from these tests",
