@@ -5,8 +5,8 @@ use grouser_real::Real;
 
 use super::estimator::Core;
 use super::ground_track::{Awaiting, Inertial, Outcome};
-use super::motion_model::{COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW};
 use super::kalman::Kalman;
+use super::motion_model::{COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW};
 use super::multiple_model::TurnError;
 use super::settings::FilterSettings;
 use super::wheel_bank::WheelBank;
@@ -31,7 +31,8 @@ impl Core {
             return;
         };
         let has_gyro = self.gyro.is_trusted(time_ns, &self.settings);
-        let by_wheels = turn_by_wheels(&self.wheels, &self.state, &self.settings).filter(|_| !has_gyro);
+        let by_wheels =
+            turn_by_wheels(&self.wheels, &self.state, &self.settings).filter(|_| !has_gyro);
         let yaw_rate = self.state.mean(YAW);
         let turn_error = if has_gyro {
             TurnError {
@@ -44,7 +45,8 @@ impl Core {
             TurnError {
                 by_gyro: false,
                 removed: 0.0,
-                sigma: by_wheels.map_or_else(|| self.state.sigma(YAW), |turn| Real::sqrt(turn.variance)),
+                sigma: by_wheels
+                    .map_or_else(|| self.state.sigma(YAW), |turn| Real::sqrt(turn.variance)),
                 memory: WHEEL_TURN_ERROR_MEMORY_S,
             }
         };
@@ -190,7 +192,8 @@ impl Core {
             }
         }
         // the next sample may come as late as the next row of a table
-        let by_wheels = turn_by_wheels(&self.wheels, &self.state, &self.settings).filter(|_| !has_gyro);
+        let by_wheels =
+            turn_by_wheels(&self.wheels, &self.state, &self.settings).filter(|_| !has_gyro);
         self.follow_ground_motion(now_ns, by_wheels.map(|turn| turn.value));
     }
 

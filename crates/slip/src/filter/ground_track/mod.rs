@@ -351,8 +351,7 @@ impl GroundTrack {
             direction: rims.direction,
             turn: inertial.turn_rate * dt,
             turn_error: inertial.turn_error,
-            curvature: (inertial.curvature)
-                .map(|curvature| curvature * Real::cos(rims.direction)),
+            curvature: (inertial.curvature).map(|curvature| curvature * Real::cos(rims.direction)),
             acceleration: force.map(|force| (force, density)),
             rim: Rim {
                 speed: rims.speed,
