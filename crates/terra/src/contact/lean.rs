@@ -162,6 +162,8 @@ pub(crate) struct Frame<R> {
 
 /// The rules of a contact: those of one exponent for all lanes, or of one for each.
 pub(crate) trait LeanRules<R> {
+    /// Are nodes computed in pairs? Where the rules of each lane are computed first, it gains too little for the code.
+    const IN_PAIRS: bool;
     /// How many nodes the friction's rule has.
     fn count(&self) -> usize;
     /// A node of it, four over the node, and its weight.
@@ -173,6 +175,8 @@ pub(crate) trait LeanRules<R> {
 }
 
 impl<R: Real> LeanRules<R> for SharedRules<'_> {
+    const IN_PAIRS: bool = true;
+
     #[inline(always)]
     fn count(&self) -> usize {
         self.friction.nodes.len()
@@ -197,6 +201,8 @@ impl<R: Real> LeanRules<R> for SharedRules<'_> {
 }
 
 impl<R: Real> LeanRules<R> for LaneRules<R> {
+    const IN_PAIRS: bool = false;
+
     #[inline(always)]
     fn count(&self) -> usize {
         self.count
@@ -252,28 +258,37 @@ impl<R: Short> LeanContact<R> {
         }
     }
 
-    /// All nodes, one after the other.
+    /// All nodes.
     #[inline(always)]
-    pub(crate) fn sums(self, rules: &impl LeanRules<R>) -> LeanSums<R> {
+    pub(crate) fn sums<Rules: LeanRules<R>>(self, rules: &Rules) -> LeanSums<R> {
+        let in_pairs = |count: usize| {
+            if Rules::IN_PAIRS {
+                count - count % 2
+            } else {
+                0
+            }
+        };
         let frame = self.frame();
         let mut sums = LeanSums::zero();
         let count = rules.count();
-        for pair in 0..count / 2 {
-            frame.friction::<2>(2 * pair, rules, &mut sums);
+        for k in (0..in_pairs(count)).step_by(2) {
+            frame.friction::<2>(k, rules, &mut sums);
         }
-        if count % 2 == 1 {
-            frame.friction::<1>(count - 1, rules, &mut sums);
+        for k in in_pairs(count)..count {
+            frame.friction::<1>(k, rules, &mut sums);
         }
         let rule = rules.cohesion();
         // every rule of Legendre's in use has an even number of nodes: its upper half determines them all
         let half = rule.nodes.len() / 2;
         let before = |x: f64| R::from_f64(x - 0.5);
-        let (nodes, one) = rule.nodes[half..].as_chunks::<2>();
-        let (weights, last) = rule.weights[half..].as_chunks::<2>();
-        for (x, weight) in nodes.iter().zip(weights) {
+        let (nodes, weights) = (&rule.nodes[half..], &rule.weights[half..]);
+        let (nodes, singles) = nodes.split_at(in_pairs(nodes.len()));
+        let (weights, single_weights) = weights.split_at(in_pairs(weights.len()));
+        let pairs = nodes.as_chunks::<2>().0.iter();
+        for (x, weight) in pairs.zip(weights.as_chunks::<2>().0) {
             frame.cohesion(x.map(before), weight.map(R::from_f64), &mut sums);
         }
-        if let (&[x], &[weight]) = (one, last) {
+        for (&x, &weight) in singles.iter().zip(single_weights) {
             frame.cohesion([before(x)], [R::from_f64(weight)], &mut sums);
         }
         frame.finish(&mut sums);
