@@ -5,11 +5,8 @@ use grouser_real::Real;
 
 use super::estimator::Core;
 use super::ground_track::{Awaiting, Inertial, Outcome};
-use super::kalman::Kalman;
 use super::motion_model::{COMMON_SLIP, FORWARD, GYRO_BIAS, LEFT, YAW};
 use super::multiple_model::TurnError;
-use super::settings::FilterSettings;
-use super::wheel_bank::WheelBank;
 use crate::fault::Fault;
 use crate::history::nanoseconds;
 use crate::sample::Measurement;
@@ -27,12 +24,12 @@ const BETTER_VARIANCE_SHARE: f64 = 0.9;
 impl Core {
     /// Predicts the motion over the ground, and puts it in the state.
     pub(super) fn predict_ground_motion(&mut self, time_ns: i64) {
-        let Some(ground) = &mut self.ground else {
+        if self.ground.is_none() {
             return;
-        };
+        }
         let has_gyro = self.gyro.is_trusted(time_ns, &self.settings);
-        let by_wheels =
-            turn_by_wheels(&self.wheels, &self.state, &self.settings).filter(|_| !has_gyro);
+        let by_wheels = (!has_gyro).then(|| self.turn_by_wheels()).flatten();
+        let steered = (!has_gyro).then(|| self.wheels.steered_turn(1.0, &self.settings));
         let yaw_rate = self.state.mean(YAW);
         let turn_error = if has_gyro {
             TurnError {
@@ -54,9 +51,10 @@ impl Core {
             yaw_rate,
             turn_rate: by_wheels.map_or(yaw_rate, |turn| turn.value),
             turn_error,
-            curvature: (self.wheels.steered_turn(1.0, &self.settings))
-                .filter(|_| !has_gyro)
-                .map(|turn| turn.value),
+            curvature: steered.flatten().map(|turn| turn.value),
+        };
+        let Some(ground) = &mut self.ground else {
+            return;
         };
         if !ground.force.awaits(time_ns) {
             ground.step(time_ns, &self.wheels, inertial, &self.settings);
@@ -183,7 +181,7 @@ impl Core {
         if accepted {
             self.reference.accepted_ns = Some(now_ns);
             self.speed_known_ns = Some(now_ns);
-            let is_led = turn_by_wheels(&self.wheels, &self.state, &self.settings).is_some();
+            let is_led = self.turn_by_wheels().is_some();
             if let Some(motion) = motion.filter(|_| !has_gyro && !is_led) {
                 self.update_turn(&motion, now_ns);
             }
@@ -192,8 +190,7 @@ impl Core {
             }
         }
         // the next sample may come as late as the next row of a table
-        let by_wheels =
-            turn_by_wheels(&self.wheels, &self.state, &self.settings).filter(|_| !has_gyro);
+        let by_wheels = (!has_gyro).then(|| self.turn_by_wheels()).flatten();
         self.follow_ground_motion(now_ns, by_wheels.map(|turn| turn.value));
     }
 
@@ -212,22 +209,19 @@ impl Core {
             self.state.reset(GYRO_BIAS, bias, variance);
         }
     }
-}
 
-/// The yaw rate that the wheels show and its variance: by how they are steered, else by how unlike their rims run.
-pub(super) fn turn_by_wheels(
-    wheels: &WheelBank,
-    state: &Kalman,
-    settings: &FilterSettings,
-) -> Option<Measured> {
-    wheels
-        .steered_turn(state.mean(FORWARD), settings)
-        .or_else(|| {
-            let value = wheels.yaw_rate()?;
-            let sigma = wheels.turn_sigma(value, settings);
-            Some(Measured {
-                value,
-                variance: sigma * sigma,
+    /// The yaw rate that the wheels show and its variance: by how they are steered, else by how unlike their rims run.
+    pub(super) fn turn_by_wheels(&self) -> Option<Measured> {
+        let forward = self.state.mean(FORWARD);
+        self.wheels
+            .steered_turn(forward, &self.settings)
+            .or_else(|| {
+                let value = self.wheels.yaw_rate()?;
+                let sigma = self.wheels.turn_sigma(value, &self.settings);
+                Some(Measured {
+                    value,
+                    variance: sigma * sigma,
+                })
             })
-        })
+    }
 }

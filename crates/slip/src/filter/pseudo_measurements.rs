@@ -5,7 +5,6 @@ use grouser_real::Real;
 
 use super::PSEUDO_MEASUREMENT_PERIOD_S;
 use super::estimator::Core;
-use super::ground_motion::turn_by_wheels;
 use super::motion_model::{self, FORWARD};
 
 /// The robot stands when all wheels have been still for this long, s.
@@ -44,7 +43,7 @@ impl Core {
             motion_model::hold(&mut self.state, row, 0.0, sigma);
         }
         if !self.gyro.is_trusted(time_ns, &self.settings)
-            && let Some(turn) = turn_by_wheels(&self.wheels, &self.state, &self.settings)
+            && let Some(turn) = self.turn_by_wheels()
         {
             let turn = turn.value;
             let sigma = WHEEL_TURN_SHARE * turn.abs() + WHEEL_TURN_RAD_PER_S;
