@@ -398,7 +398,7 @@ pub(crate) fn sine_cosine<R: Real>(theta: R) -> (R, R) {
     (sin, cos.mul_add(y, R::ONE))
 }
 
-/// A function of each number. Not `map`, which is no part of its caller where that has instructions of its own, and then
+/// A function of each number. Not `map`, which is no part of its caller where that has its own instructions, and then
 /// passes every number through memory.
 #[inline(always)]
 pub(crate) fn of_each<R: Copy, const N: usize>(a: [R; N], f: impl Fn(R) -> R) -> [R; N] {
