@@ -37,7 +37,7 @@ pub(crate) struct Smoother {
     settings: FilterSettings,
     samples: Vec<Sample>,
     moments: VecDeque<Moment>,
-    /// Robots without a free wheel are smoothed by all positions at once.
+    /// Is the common slip of the wheels smoothed by all positions at once? So it is for robots without a free wheel.
     is_by_positions: bool,
 }
 
@@ -95,12 +95,7 @@ impl Smoother {
         };
         let latency = latency_ns(&self.settings);
         let path = LoggedPath::of(&self.moments, &self.samples, latency);
-        if let Some(path) = path.filter(|_| self.is_by_positions) {
-            let waiting = self.moments.iter_mut();
-            let given_out = waiting.filter(|moment| moment.time_ns < until_ns);
-            path.smooth(given_out, &self.settings);
-            return Ok(());
-        }
+        let path = path.filter(|_| self.is_by_positions);
         let settings = FilterSettings {
             reference_latency: 0.0,
             ..self.settings
@@ -118,9 +113,12 @@ impl Smoother {
             }
             let _refused = filter.update(sample);
         }
-        let joint = Joint::new(&self.robot, &self.settings, &pairs);
-        for (moment, after) in pairs {
-            joint.join(moment, &after);
+        let joint = Joint::new(&self.robot, &self.settings, path.is_some(), &pairs);
+        for (moment, after) in &mut pairs {
+            joint.join(moment, after);
+        }
+        if let Some(path) = path {
+            path.smooth(pairs.into_iter().map(|(moment, _)| moment), &self.settings);
         }
         Ok(())
     }
@@ -129,6 +127,7 @@ impl Smoother {
 /// What the backward filter knows at a moment.
 struct After {
     wheels: Vec<WheelEstimate>,
+    common_slip: Measured,
     speeds: [Measured; 3],
 }
 
@@ -138,6 +137,7 @@ impl After {
         let body = known.body;
         Self {
             wheels: known.wheels.to_vec(),
+            common_slip: body.common_slip,
             speeds: [body.forward, body.left, body.yaw_rate],
         }
     }
@@ -217,6 +217,8 @@ pub fn smoothed(
 struct Joint<'a> {
     robot: &'a Robot,
     settings: &'a FilterSettings,
+    /// Are only the differences of the wheels from the common slip joined, which is smoothed by all positions?
+    is_beside_common: bool,
     /// How much further apart the two sides are than they say, as a share of that variance, of each wheel.
     apart: Vec<f64>,
 }
@@ -227,27 +229,24 @@ const MIN_VARIANCE: f64 = 1e-10;
 /// A number with its variance.
 type Known = (f64, f64);
 
-/// The slips of a wheel by both sides, where both are sure of themselves.
-fn both(before: &WheelEstimate, after: &WheelEstimate) -> Option<(Known, Known)> {
-    let of = |wheel: &WheelEstimate| {
-        let sure = wheel.health == Health::Ok;
-        Some((wheel.slip?.value(), Real::powi(wheel.sigma?, 2))).filter(|_| sure)
-    };
-    Some((of(before)?, of(after)?))
-}
-
 impl<'a> Joint<'a> {
-    fn new(robot: &'a Robot, settings: &'a FilterSettings, pairs: &[(&mut Moment, After)]) -> Self {
+    fn new(
+        robot: &'a Robot,
+        settings: &'a FilterSettings,
+        is_beside_common: bool,
+        pairs: &[(&mut Moment, After)],
+    ) -> Self {
         let mut joint = Self {
             robot,
             settings,
+            is_beside_common,
             apart: vec![1.0; robot.wheels().len()],
         };
         for index in 0..joint.apart.len() {
             let (mut sum, mut count) = (0.0, 0.0);
             for (moment, after) in pairs {
-                if let Some((f, b)) = both(&moment.wheels[index], &after.wheels[index]) {
-                    let shared = joint.shared(f.0);
+                if let Some((f, b)) = joint.both(moment, after, index) {
+                    let shared = joint.shared(moment, index);
                     let said = (f.1 - shared).max(MIN_VARIANCE) + (b.1 - shared).max(MIN_VARIANCE);
                     sum += Real::powi(f.0 - b.0, 2) / said;
                     count += 1.0;
@@ -260,31 +259,59 @@ impl<'a> Joint<'a> {
         joint
     }
 
+    /// The slips of a wheel by both sides, where both are sure of themselves; or their differences from the common one.
+    fn both(&self, moment: &Moment, after: &After, index: usize) -> Option<(Known, Known)> {
+        let of = |wheel: &WheelEstimate, common: Known| {
+            let known = (wheel.slip?.value(), Real::powi(wheel.sigma?, 2));
+            let own = (known.0 - common.0, (known.1 - common.1).max(MIN_VARIANCE));
+            Some(own).filter(|_| wheel.health == Health::Ok)
+        };
+        let before = of(&moment.wheels[index], self.common(moment.common_slip))?;
+        let after = of(&after.wheels[index], self.common(Some(after.common_slip)))?;
+        Some((before, after))
+    }
+
+    /// What is known of the wheels' common slip, where it is no part of what is joined; else 0.
+    fn common(&self, slip: Option<Measured>) -> Known {
+        let known = slip.filter(|_| self.is_beside_common);
+        known.map_or((0.0, 0.0), |slip| (slip.value, slip.variance))
+    }
+
     /// Variance that both sides have in common at this slip.
-    fn shared(&self, slip: f64) -> f64 {
+    fn shared(&self, moment: &Moment, index: usize) -> f64 {
         let s = self.settings;
+        let slip = moment.wheels[index].slip.map_or(0.0, Slip::value);
         (Real::powi(s.radius_sigma, 2) + Real::powi(s.free_slip.sigma, 2))
             * Real::powi(1.0 - slip, 2)
     }
 
     fn join(&self, moment: &mut Moment, after: &After) {
         let described = self.robot.wheels().iter().zip(&self.apart);
-        let wheels = moment.wheels.iter_mut().zip(&after.wheels);
-        for ((before, after), (wheel, apart)) in wheels.zip(described) {
+        for (index, (wheel, apart)) in described.enumerate() {
             if wheel.role == WheelRole::Powered
-                && let Some((f, b)) = both(before, after)
+                && let Some((f, b)) = self.both(moment, after, index)
             {
                 let s = self.settings;
-                let prior = Real::powi(s.slip.sigma, 2) + Real::powi(s.wheel_slip_sigma, 2);
-                let shared = self.shared(f.0);
+                let own = (0.0, Real::powi(s.wheel_slip_sigma, 2));
+                let prior = if self.is_beside_common {
+                    own
+                } else {
+                    (s.slip.mean, own.1 + Real::powi(s.slip.sigma, 2))
+                };
+                let shared = self.shared(moment, index);
                 let scaled = |(slip, variance): Known| {
                     (slip, shared + apart * (variance - shared).max(MIN_VARIANCE))
                 };
-                let prior = (s.slip.mean, apart * prior);
+                let prior = (prior.0, apart * prior.1);
                 let (slip, variance) = joined(scaled(f), scaled(b), Some(prior), shared);
-                before.slip = Slip::new(slip.clamp(-1.0, 1.0)).ok();
-                before.sigma = Some(variance.sqrt());
+                let common = self.common(moment.common_slip);
+                let before = &mut moment.wheels[index];
+                before.slip = Slip::new((common.0 + slip).clamp(-1.0, 1.0)).ok();
+                before.sigma = Some((common.1 + variance).sqrt());
             }
+        }
+        if self.is_beside_common {
+            return;
         }
         let sure = after.wheels.iter().any(|wheel| wheel.health == Health::Ok);
         if let Some(motion) = &mut moment.motion
