@@ -103,7 +103,9 @@ pub(super) fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -
     let of_a_wheel = is(&["wheel", "motor", "left", "right", "joint"])
         || words.iter().any(|word| is_numbered(word))
         || ((stated.is_some() || is(&["rpm"]))
-            && words.iter().any(|word| word.len() == 2 && is_corner(word)));
+            && words.iter().any(|word| word.len() == 2 && is_corner(word)))
+        || (stated == Some(Quantity::Speed)
+            && matches!(words, [speed, place] if speed == "v" && is_corner(place)));
     if !command && let Some(found) = stated.and_then(|stated| by_unit(words, stated, of_a_wheel)) {
         return Some(found);
     }
@@ -325,7 +327,7 @@ pub(super) fn wheel(words: &[String]) -> Option<String> {
         "speed", "rate", "omega", "rpm", "position", "pos", "angle", "joint", "rad", "deg", "per",
         "s", "data", "msg", "raw", "degrees", "motor", "m", "mps", "torque", "effort", "current",
         "steering", "steer", "state", "states", "odo", "odometer", "distance", "dist", "mm", "cm",
-        "ft",
+        "ft", "v",
     ];
     let kept: Vec<&str> = words
         .iter()
@@ -461,6 +463,18 @@ mod tests {
             ("wheel_speed_fl_kmh", M::WheelSpeed, Some("fl"), "km/h"),
             ("fr_wheel_speed_mm_s", M::WheelSpeed, Some("fr"), "mm/s"),
             ("fl_speed_m_s", M::WheelSpeed, Some("fl"), "m/s"),
+            ("left_vel (in/s)", M::WheelSpeed, Some("left"), "in/s"),
+            ("v_l(ips)", M::WheelSpeed, Some("l"), "in/s"),
+            ("v_r [m/s]", M::WheelSpeed, Some("r"), "m/s"),
+            ("wheel_speed_rl_ft_s", M::WheelSpeed, Some("rl"), "ft/s"),
+            (
+                "axis0_left_vel (turns/s)",
+                M::WheelRate,
+                Some("axis0_left"),
+                "turn/s",
+            ),
+            ("left_motor_rps", M::WheelRate, Some("left"), "turn/s"),
+            ("gps_speed_mph", M::SpeedSize, None, "mph"),
             ("left_vel_mps", M::WheelSpeed, Some("left"), "m/s"),
             ("wheel_rate_fl_deg_s", M::WheelRate, Some("fl"), "deg/s"),
             ("fl_rpm", M::WheelRate, Some("fl"), "rpm"),
@@ -507,7 +521,9 @@ mod tests {
             "pose_x_km",
             "odo_left_km",
             "left_distance_m",
-            "wheel_speed_fl_mph",
+            "wheel_speed_fl (furlong/h)",
+            "left_vel [wheel/s]",
+            "left_camera_fps",
             "acc_x_mg",
             "pose_x_deg",
             "pose_heading_mm",

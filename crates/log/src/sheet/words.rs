@@ -43,6 +43,11 @@ pub(super) const UNIT_WORDS: &[(&str, &str)] = &[
     ("mm s", "mm/s"),
     ("cm per s", "cm/s"),
     ("cm s", "cm/s"),
+    ("in per s", "in/s"),
+    ("in s", "in/s"),
+    ("ips", "in/s"),
+    ("ft per s", "ft/s"),
+    ("ft s", "ft/s"),
     ("m per s", "m/s"),
     ("m s", "m/s"),
     ("mps", "m/s"),
@@ -53,6 +58,15 @@ pub(super) const UNIT_WORDS: &[(&str, &str)] = &[
     ("deg s", "deg/s"),
     ("dps", "deg/s"),
     ("rpm", "rpm"),
+    ("turns per s", "turn/s"),
+    ("turn per s", "turn/s"),
+    ("turns s", "turn/s"),
+    ("turn s", "turn/s"),
+    ("revs per s", "turn/s"),
+    ("rev per s", "turn/s"),
+    ("revs s", "turn/s"),
+    ("rev s", "turn/s"),
+    ("rps", "turn/s"),
     ("n m", "N m"),
     ("nm", "N m"),
     ("mnm", "mN m"),
@@ -85,12 +99,19 @@ pub(super) fn split_unit(name: &str) -> (Vec<String>, Option<&'static str>) {
         before.is_some_and(|before| before.ends_with(' '))
     };
     let Some((spelled, unit)) = UNIT_WORDS.iter().find(ends) else {
-        return (all, None);
+        return (all, is_of_another_unit(name).then_some("another unit"));
     };
     if *unit != "tick" {
         all.truncate(all.len() - spelled.split(' ').count());
     }
     (all, Some(unit))
+}
+
+/// Does a name end with a quotient in brackets, as `speed (furlong/h)` does?
+fn is_of_another_unit(name: &str) -> bool {
+    let inside = name.trim_end().strip_suffix([')', ']']);
+    let inside = inside.and_then(|text| Some(text.rsplit_once(['(', '['])?.1));
+    inside.is_some_and(|unit| unit.contains('/'))
 }
 
 /// The unit of a column whose name is one of `names` and at most a unit; `default` where it states none.
