@@ -166,7 +166,10 @@ fn lacks(survey: &Survey) -> Vec<&'static str> {
             &[Use::Wheels][..],
             "wheel angles or rates (sensor_msgs/JointState)",
         ),
-        (&[Use::YawRate], "a yaw rate (sensor_msgs/Imu)"),
+        (
+            &[Use::YawRate, Use::Motion, Use::Transforms],
+            "a yaw rate or a heading (sensor_msgs/Imu, or a pose)",
+        ),
         (
             &[Use::Motion, Use::Position, Use::Transforms],
             "a pose, place or speed over ground (nav_msgs/Odometry, geometry_msgs/PoseStamped, PointStamped, …)",
@@ -275,7 +278,7 @@ fn text(survey: &Survey) -> String {
     );
     let missing = lacks(survey);
     if missing.is_empty() {
-        lines.push("has wheels, yaw rate and motion".to_owned());
+        lines.push("has wheels, turn and motion".to_owned());
     } else {
         lines.push(format!("for slip it lacks {}", missing.join("; ")));
     }

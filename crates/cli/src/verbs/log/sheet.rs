@@ -40,10 +40,15 @@ fn lacks(sheet: &Sheet) -> Vec<&'static str> {
         Meaning::SpeedSize,
         Meaning::DisplacementForward,
     ];
+    let turn = [
+        Meaning::YawRate,
+        Meaning::PoseYaw,
+        Meaning::DisplacementTurn,
+    ];
     let needs = [
         (sheet.time.is_some(), "a column of time"),
         (has(&wheels), "wheel counts, angles, ways or rates"),
-        (has(&[Meaning::YawRate]), "a yaw rate"),
+        (has(&turn), "a yaw rate or a heading"),
         (
             has(&motion),
             "a pose, displacement or speed over ground (a free wheel does as well)",
@@ -150,7 +155,7 @@ fn text(sheet: &Sheet) -> String {
     out.push_str(&seen.table(Column::all(sheet)));
     let missing = lacks(sheet);
     if missing.is_empty() {
-        out.push_str("\nhas time, wheels, yaw rate and motion, by the names of its columns\n");
+        out.push_str("\nhas time, wheels, turn and motion, by the names of its columns\n");
     } else {
         let _ = writeln!(
             out,
