@@ -209,6 +209,7 @@ fn column_maps_that_contradict_themselves() {
     };
     let time = "time = { column = \"t\", unit = \"s\" }";
     let rate = "{ column = \"g\", meaning = \"yaw_rate\", unit = \"deg/s\" }";
+    let pose = "{ column = \"x\", meaning = \"pose_x\", unit = \"m\" }, { column = \"y\", meaning = \"pose_y\", unit = \"m\" }";
     let good = map(&format!("[[table]]\n{time}\ncolumns = [{rate}]")).unwrap();
     assert!((good.tables[0].columns[0].factor - 0.017_453_292_519_943_295).abs() < 1e-17);
     for (table, what) in [
@@ -233,8 +234,26 @@ fn column_maps_that_contradict_themselves() {
             "separator",
         ),
         (
-            format!("[[table]]\n{time}\nheader_lines = 0\ncolumns = [{rate}]"),
-            "no header",
+            format!("[[table]]\n{time}\nheader_lines = -1\ncolumns = [{rate}]"),
+            "lines before the header",
+        ),
+        (
+            format!("[[table]]\n{time}\nheader_lines = 0\nnames_line = 1\ncolumns = [{rate}]"),
+            "names without a header",
+        ),
+        (
+            format!(
+                "[[table]]\n{time}\ncolumns = [{pose}, {{ column = \"w\", meaning = \"orientation_w\", unit = \"1\" }}]"
+            ),
+            "a part of a quaternion alone",
+        ),
+        (
+            format!(
+                "[[table]]\n{time}\ncolumns = [{pose}, {{ column = \"a\", meaning = \"pose_yaw\", unit = \"rad\" }}, \
+                 {{ column = \"z\", meaning = \"orientation_z\", unit = \"1\" }}, \
+                 {{ column = \"w\", meaning = \"orientation_w\", unit = \"1\" }}]"
+            ),
+            "two headings",
         ),
         (
             format!("[[table]]\n{time}\nnames_line = 2\ncolumns = [{rate}]"),

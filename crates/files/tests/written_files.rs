@@ -108,7 +108,7 @@ fn map() -> impl Strategy<Value = ColumnMap> {
     let table = (
         proptest::option::of("[a-z*]{1,8}"),
         proptest::sample::select(&b",;\t| "[..]),
-        (1..10_usize, 1..10_usize),
+        prop_oneof![Just((0, 0)), (1..10_usize, 1..10_usize)],
         (
             any::<bool>(),
             name(),

@@ -6,6 +6,7 @@ use grouser_slip::Measurement;
 
 use crate::error::BadField;
 use crate::message::NavSatFix;
+use crate::recording::yaw;
 
 /// The readings that a set of columns gives.
 #[derive(Clone, Debug)]
@@ -19,13 +20,21 @@ enum Slot {
     /// Forwards, and to the left where that is measured.
     Acceleration(Part, Option<Part>),
     Displacement(Part, Part, Option<Part>),
-    Pose(Part, Part, Part),
+    Pose(Part, Part, Heading),
     /// A place without a heading.
     Place(Part, Part),
     /// Latitude, longitude and altitude of a fix, its kind, and its standard deviation.
     Fix([Part; 2], Option<Part>, Option<FixKind>, Option<Part>),
     Speed(Part, Option<Part>),
     Command(Part, Option<Part>),
+}
+
+/// What has the heading of a pose.
+#[derive(Clone, Copy, Debug)]
+enum Heading {
+    Yaw(Part),
+    /// Parts x and y of a quaternion, where they are there, z and w.
+    Orientation([Option<Part>; 2], [Part; 2]),
 }
 
 /// What says whether a fix has a position.
@@ -53,7 +62,7 @@ impl Part {
 
 /// What a column of a table measures: places without a heading become displacements.
 pub(crate) fn measured(columns: &[Column], column: &Column) -> Meaning {
-    let has_heading = || columns.iter().any(|c| c.meaning == Meaning::PoseYaw);
+    let has_heading = || columns.iter().any(|c| c.meaning.is_heading());
     match column.meaning {
         Meaning::PoseX if !has_heading() => Meaning::DisplacementForward,
         Meaning::PoseY if !has_heading() => Meaning::DisplacementLeft,
@@ -75,6 +84,16 @@ impl Slots {
             let at = columns.iter().position(|c| c.meaning == meaning)?;
             Some(of(at))
         };
+        let orientation = || {
+            let [x, y] = [Meaning::OrientationX, Meaning::OrientationY].map(part);
+            let z_and_w = part(Meaning::OrientationZ).zip(part(Meaning::OrientationW));
+            z_and_w.map(|(z, w)| Heading::Orientation([x, y], [z, w]))
+        };
+        let heading = || {
+            part(Meaning::PoseYaw)
+                .map(Heading::Yaw)
+                .or_else(orientation)
+        };
         let mut slots = Vec::new();
         for (index, column) in columns.iter().enumerate() {
             let own = of(index);
@@ -90,8 +109,8 @@ impl Slots {
                 }
                 Meaning::DisplacementForward => part(Meaning::DisplacementLeft)
                     .map(|left| Slot::Displacement(own, left, part(Meaning::DisplacementTurn))),
-                Meaning::PoseX => part(Meaning::PoseY).map(|y| match part(Meaning::PoseYaw) {
-                    Some(yaw) => Slot::Pose(own, y, yaw),
+                Meaning::PoseX => part(Meaning::PoseY).map(|y| match heading() {
+                    Some(heading) => Slot::Pose(own, y, heading),
                     None => Slot::Place(own, y),
                 }),
                 Meaning::Latitude => part(Meaning::Longitude).map(|longitude| {
@@ -181,10 +200,22 @@ impl Slots {
                         }
                     })
                 }
-                Slot::Pose(x, y, yaw) => number(x)?
-                    .zip(number(y)?)
-                    .zip(number(yaw)?)
-                    .map(|((x, y), yaw)| Measurement::Pose { x, y, yaw }),
+                Slot::Pose(x, y, heading) => {
+                    let yaw = match heading {
+                        Heading::Yaw(part) => number(part)?,
+                        Heading::Orientation([x, y], [z, w]) => {
+                            let flat = |part: Option<Part>| part.map_or(Ok(Some(0.0)), number);
+                            let tilt = flat(x)?.zip(flat(y)?);
+                            let turn = number(z)?.zip(number(w)?);
+                            tilt.zip(turn)
+                                .and_then(|((x, y), (z, w))| yaw([x, y, z, w]))
+                        }
+                    };
+                    number(x)?
+                        .zip(number(y)?)
+                        .zip(yaw)
+                        .map(|((x, y), yaw)| Measurement::Pose { x, y, yaw })
+                }
                 Slot::Place(x, y) => {
                     number(x)?
                         .zip(number(y)?)

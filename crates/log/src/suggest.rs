@@ -222,11 +222,10 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
         let _ = writeln!(table, "decimal = {}", byte(sheet.decimal));
     }
     if (sheet.header_lines, sheet.names_line) != (1, 1) {
-        let _ = writeln!(
-            table,
-            "header_lines = {}\nnames_line = {}",
-            sheet.header_lines, sheet.names_line
-        );
+        let _ = writeln!(table, "header_lines = {}", sheet.header_lines);
+    }
+    if sheet.header_lines > 0 && (sheet.header_lines, sheet.names_line) != (1, 1) {
+        let _ = writeln!(table, "names_line = {}", sheet.names_line);
     }
     match &sheet.time {
         Some(time) => {
@@ -246,7 +245,8 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
         }
     }
     table.push_str("columns = [\n");
-    let lacks_yaw = sheet.has(Meaning::PoseX) && !sheet.has(Meaning::PoseYaw);
+    let has_heading = sheet.has(Meaning::PoseYaw) || sheet.has(Meaning::OrientationZ);
+    let lacks_yaw = sheet.has(Meaning::PoseX) && !has_heading;
     let time = sheet.time.as_ref().map(|time| time.column);
     for (index, column) in sheet.columns.iter().enumerate() {
         let Some(guess) = &column.guess else {

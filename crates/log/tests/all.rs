@@ -29,6 +29,7 @@ mod logs;
 mod long_definitions;
 mod mcap_damages;
 mod measured_bags;
+mod orientations;
 mod others_files;
 mod readings;
 mod recordings;

@@ -6,7 +6,7 @@
 //! [[table]]
 //! file = "*joint_states*"      # which of several files; absent: every file
 //! separator = ","              # one character, or "tab"
-//! header_lines = 1             # lines before the data
+//! header_lines = 1             # lines before the data; 0: the columns are named by their numbers, "1" for the first
 //! names_line = 1               # which of them names the columns
 //! decimal = "."                # or ","
 //! missing = ["nan"]            # what stands for "no value", besides an empty field
@@ -31,6 +31,9 @@ use crate::unit::Quantity;
 
 pub use write::to_toml;
 pub(crate) use write::{meaning, write_table};
+
+/// The maximum number of lines before the data.
+const MAX_HEADER_LINES: i64 = 1000;
 
 /// What a column means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +80,14 @@ pub enum Meaning {
     PoseY,
     /// Yaw angle in a fixed frame.
     PoseYaw,
+    /// Part x of the quaternion that turns the robot's frame to the fixed one; 0 where it is not there.
+    OrientationX,
+    /// Part y of it; 0 where it is not there.
+    OrientationY,
+    /// Part z of it.
+    OrientationZ,
+    /// Its real part.
+    OrientationW,
     /// Speed over ground forwards.
     SpeedForward,
     /// Speed over ground to the left.
@@ -103,7 +114,7 @@ pub enum Meaning {
 
 impl Meaning {
     /// Every meaning: its name in files, and what it measures.
-    pub const ALL: [(&'static str, Self, Quantity); 31] = [
+    pub const ALL: [(&'static str, Self, Quantity); 35] = [
         ("wheel_count", Self::WheelCount, Quantity::Ticks),
         ("wheel_angle", Self::WheelAngle, Quantity::Angle),
         ("wheel_distance", Self::WheelDistance, Quantity::Length),
@@ -140,6 +151,10 @@ impl Meaning {
         ("pose_x", Self::PoseX, Quantity::Length),
         ("pose_y", Self::PoseY, Quantity::Length),
         ("pose_yaw", Self::PoseYaw, Quantity::Angle),
+        ("orientation_x", Self::OrientationX, Quantity::Number),
+        ("orientation_y", Self::OrientationY, Quantity::Number),
+        ("orientation_z", Self::OrientationZ, Quantity::Number),
+        ("orientation_w", Self::OrientationW, Quantity::Number),
         ("speed_forward", Self::SpeedForward, Quantity::Speed),
         ("speed_left", Self::SpeedLeft, Quantity::Speed),
         ("speed_size", Self::SpeedSize, Quantity::Speed),
@@ -192,23 +207,31 @@ impl Meaning {
         }
     }
 
-    /// The meaning without which this one says nothing.
+    /// The meanings without which this one says nothing.
     #[must_use]
-    pub const fn needs(self) -> Option<Self> {
+    pub const fn needs(self) -> &'static [Self] {
         match self {
-            Self::DisplacementLeft | Self::DisplacementTurn => Some(Self::DisplacementForward),
-            Self::PoseY | Self::PoseYaw => Some(Self::PoseX),
-            Self::SpeedLeft => Some(Self::SpeedForward),
-            Self::CommandLeft => Some(Self::CommandForward),
-            Self::AccelerationLeft => Some(Self::AccelerationForward),
-            Self::DisplacementForward => Some(Self::DisplacementLeft),
-            Self::PoseX => Some(Self::PoseY),
-            Self::Latitude => Some(Self::Longitude),
+            Self::DisplacementLeft | Self::DisplacementTurn => &[Self::DisplacementForward],
+            Self::PoseY | Self::PoseYaw => &[Self::PoseX],
+            Self::OrientationX | Self::OrientationY | Self::OrientationW => &[Self::OrientationZ],
+            Self::OrientationZ => &[Self::PoseX, Self::OrientationW],
+            Self::SpeedLeft => &[Self::SpeedForward],
+            Self::CommandLeft => &[Self::CommandForward],
+            Self::AccelerationLeft => &[Self::AccelerationForward],
+            Self::DisplacementForward => &[Self::DisplacementLeft],
+            Self::PoseX => &[Self::PoseY],
+            Self::Latitude => &[Self::Longitude],
             Self::Longitude | Self::Altitude | Self::FixType | Self::FixStatus | Self::FixSigma => {
-                Some(Self::Latitude)
+                &[Self::Latitude]
             }
-            _ => None,
+            _ => &[],
         }
+    }
+
+    /// Is it a yaw angle, or the part of a quaternion that has it?
+    #[must_use]
+    pub const fn is_heading(self) -> bool {
+        matches!(self, Self::PoseYaw | Self::OrientationZ)
     }
 
     /// Its name in files.
@@ -276,9 +299,9 @@ pub struct Table {
     pub file: Option<String>,
     /// The separator, one byte.
     pub separator: u8,
-    /// Lines before the data.
+    /// Lines before the data; without any, columns are named by their numbers from 1.
     pub header_lines: usize,
-    /// Which of them names the columns, counted from 1.
+    /// Which of them names the columns, counted from 1; 0 where there is none.
     pub names_line: usize,
     /// The decimal mark, one byte.
     pub decimal: u8,
@@ -363,8 +386,10 @@ pub(crate) fn read_table(section: &Section<'_>) -> Result<Table> {
             message: "the decimal mark is the separator as well".into(),
         });
     }
-    let header_lines = line_count(section, "header_lines", 1)?;
-    let names_line = line_count(section, "names_line", header_lines)?;
+    let header_lines = section.optional_whole("header_lines", (0, MAX_HEADER_LINES))?;
+    let header_lines = header_lines.unwrap_or(1);
+    let names_line = section.optional_whole("names_line", (1, MAX_HEADER_LINES))?;
+    let names_line = names_line.unwrap_or(header_lines);
     if names_line > header_lines {
         return Err(Error::Contradiction {
             at: section.place_of("names_line"),
@@ -429,10 +454,6 @@ fn single_byte(section: &Section<'_>, key: &'static str, text: &str) -> Result<u
             meant: None,
         }),
     }
-}
-
-fn line_count(section: &Section<'_>, key: &'static str, default: usize) -> Result<usize> {
-    Ok(section.optional_whole(key, (1, 1000))?.unwrap_or(default))
 }
 
 fn read_column(section: &Section<'_>) -> Result<Column> {
@@ -515,16 +536,28 @@ pub(crate) fn check_together(at: &Place, columns: &[Column]) -> Result<()> {
             });
         }
         let is_there = |meaning| columns.iter().any(|other| other.meaning == meaning);
-        if column.meaning == Meaning::Latitude && is_there(Meaning::PoseX) {
+        let twice = [
+            (
+                Meaning::Latitude,
+                Meaning::PoseX,
+                "`pose_x` and `latitude` are places of one robot: leave one of them out",
+            ),
+            (
+                Meaning::OrientationZ,
+                Meaning::PoseYaw,
+                "`pose_yaw` and `orientation_z` are headings of one robot: leave one of them out",
+            ),
+        ];
+        let twice =
+            (twice.into_iter()).find(|(own, other, _)| column.meaning == *own && is_there(*other));
+        if let Some((.., message)) = twice {
             return Err(Error::Contradiction {
                 at: at.clone(),
-                message: "`pose_x` and `latitude` are places of one robot: leave one of them out"
-                    .into(),
+                message: message.into(),
             });
         }
-        if let Some(needed) = column.meaning.needs()
-            && !columns.iter().any(|other| other.meaning == needed)
-        {
+        let mut needs = column.meaning.needs().iter();
+        if let Some(needed) = needs.find(|needed| !is_there(**needed)) {
             return Err(Error::Contradiction {
                 at: at.clone(),
                 message: format!(

@@ -35,7 +35,9 @@ pub(crate) fn write_table(out: &mut TomlText, table: &Table) {
         ("header_lines", table.header_lines),
         ("names_line", table.names_line),
     ] {
-        out.whole(key, lines);
+        if (key, lines) != ("names_line", 0) {
+            out.whole(key, lines);
+        }
     }
     out.text("decimal", &char::from(table.decimal).to_string());
     out.texts("missing", &table.missing);

@@ -134,6 +134,8 @@ pub fn lines(text: &str) -> impl Iterator<Item = &str> {
 
 /// Splits `line` at `separator` into `fields`.
 ///
+/// Blanks separate as a run, and none begins or ends the line, so that columns may be aligned.
+///
 /// A quoted field ends on its own line: in a log an open quotation mark would swallow the rows after it.
 ///
 /// ```
@@ -151,9 +153,18 @@ pub fn lines(text: &str) -> impl Iterator<Item = &str> {
 /// [`BadQuote`] for a quotation mark that is not closed, or that text follows.
 pub fn split(line: &str, separator: u8, fields: &mut Vec<Field>) -> Result<(), BadQuote> {
     fields.clear();
+    let separates_in_runs = separator == b' ';
+    let line = if separates_in_runs {
+        line.trim_end_matches(' ')
+    } else {
+        line
+    };
     let bytes = line.as_bytes();
     let mut at = 0;
     loop {
+        while separates_in_runs && bytes.get(at) == Some(&b' ') {
+            at += 1;
+        }
         let quoted = bytes.get(at) == Some(&b'"');
         let (start, mut end) = (at + usize::from(quoted), at);
         if quoted {
@@ -225,6 +236,19 @@ mod tests {
         assert_eq!(fields("a,\"b").unwrap_err().field, 1);
         assert_eq!(fields("\"a\"b,c").unwrap_err().field, 0);
         assert_eq!(fields("\"").unwrap_err().field, 0);
+    }
+
+    #[test]
+    fn blanks_separate_as_a_run() {
+        for line in ["0.5 -1 2", "0.5   -1 2", "  0.5 -1  2 "] {
+            let mut found = Vec::new();
+            split(line, b' ', &mut found).unwrap();
+            let texts: Vec<&str> = found.iter().map(|field| field.text(line)).collect();
+            assert_eq!(texts, ["0.5", "-1", "2"], "{line:?}");
+        }
+        let mut found = Vec::new();
+        split("   ", b' ', &mut found).unwrap();
+        assert_eq!(found.len(), 1);
     }
 
     #[test]

@@ -47,6 +47,11 @@ impl Lines {
     }
 }
 
+/// The names of a header line that is marked as a comment, as `# timestamp tx ty` is.
+pub(crate) fn names(line: &str) -> &str {
+    line.strip_prefix("# ").unwrap_or(line)
+}
+
 impl<R: BufRead> Lines<R> {
     /// Reads from `input`; errors call it `file`.
     ///

@@ -13,6 +13,7 @@ mod row;
 
 pub use crate::error::NotANumber;
 pub use fields::{BadQuote, Field, lines, quoted, split};
+pub(crate) use lines::names;
 pub use lines::{LINE_LIMIT, Lines};
 pub use number::finite;
 pub(crate) use number::time_ns;

@@ -111,6 +111,7 @@ impl CsvReader {
             }
             let text = lines.text()?;
             if number == table.names_line {
+                let text = super::lines::names(text);
                 header = lines.cell();
                 split(text, table.separator, &mut fields)
                     .map_err(|bad| bad_quote(&header, &[], bad))?;
@@ -119,6 +120,10 @@ impl CsvReader {
                     .map(|field| field.text(text).trim().to_owned())
                     .collect();
             }
+        }
+        if table.header_lines == 0 {
+            names = numbers(source, table.separator)?;
+            header.line = 1;
         }
         let time = find(&names, &table.time.column, &header)?;
         let nanoseconds = (table.time.nanoseconds.as_ref())
@@ -268,6 +273,23 @@ impl Iterator for CsvReader {
         }
         self.ordered.pop().map(Ok)
     }
+}
+
+/// The names of columns without a header: their numbers from 1, as far as the first row goes.
+fn numbers(source: &Source, separator: u8) -> Result<Vec<String>> {
+    let mut lines = Lines::of(&source.as_it_is(), &Arc::default())?;
+    let mut fields = Vec::new();
+    if !lines.advance()? {
+        return Err(Error::Empty {
+            file: source.name(),
+            what: "nothing",
+        });
+    }
+    let here = lines.cell();
+    split(lines.text()?, separator, &mut fields).map_err(|bad| bad_quote(&here, &[], bad))?;
+    Ok((1..=fields.len())
+        .map(|number| number.to_string())
+        .collect())
 }
 
 fn find(names: &[String], column: &str, header: &Cell) -> Result<usize> {

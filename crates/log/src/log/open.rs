@@ -296,7 +296,11 @@ fn places(
     let gives_places = |index: &usize| Slots::new(columns(*index), wheels).gives_places();
     let with_places: Vec<usize> = (0..files.len()).filter(gives_places).collect();
     // a pose, or a way that is measured, says more
-    let others = [Meaning::PoseYaw, Meaning::DisplacementForward];
+    let others = [
+        Meaning::PoseYaw,
+        Meaning::OrientationZ,
+        Meaning::DisplacementForward,
+    ];
     let measures_motion = |meaning: &Meaning| {
         let all = (0..files.len()).flat_map(columns);
         let recording = recording.as_ref();

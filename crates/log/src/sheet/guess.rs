@@ -129,6 +129,7 @@ pub(super) fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -
     }
     if (turns && (is(&["z"]) || is_gyro(words)))
         || (is(&["yaw"]) && is(&["rate", "velocity"]))
+        || (is(&["z"]) && is(&["ang"]) && is(&["vel"]))
         || is(&["yawrate"])
         || (stated == Some(Quantity::AngularRate) && is(&["wz"]))
     {
@@ -139,7 +140,8 @@ pub(super) fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -
         let unit = if is(&["rpm"]) { "rpm" } else { "rad/s" };
         return of_wheel(Meaning::WheelRate, unit);
     }
-    if of_a_wheel && is(&["position", "pos", "angle"]) {
+    let is_angle = is(&["position", "pos", "angle"]) || counts && stated == Some(Quantity::Angle);
+    if of_a_wheel && is_angle {
         return of_wheel(Meaning::WheelAngle, "rad");
     }
     match words {
@@ -163,6 +165,30 @@ pub(super) fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -
     } else {
         None
     }
+}
+
+/// The part of a quaternion that a column is, with the words before it: `quat_x`, `pose.orientation.w`, `qz`. Not that of an
+/// IMU, whose heading is none of a pose.
+pub(super) fn orientation_part(name: &str) -> Option<(Vec<String>, Meaning)> {
+    let mut words = super::words::words(name);
+    let last = words.pop()?;
+    let is_quaternion = |word: &String| {
+        ["orientation", "quat", "quaternion", "rotation", "q"].contains(&word.as_str())
+    };
+    let part = match last.strip_prefix('q') {
+        Some(part) => part,
+        None if words.iter().any(is_quaternion) => &last,
+        None => return None,
+    };
+    let meaning = match part {
+        "x" => Meaning::OrientationX,
+        "y" => Meaning::OrientationY,
+        "z" => Meaning::OrientationZ,
+        "w" => Meaning::OrientationW,
+        _ => return None,
+    };
+    let is_of_imu = words.iter().any(|word| word == "imu");
+    (!is_of_imu).then_some((words, meaning))
 }
 
 /// The ways of ArduPilot's encoders of wheels, m: `WENC.Dist0`.
@@ -402,6 +428,10 @@ mod tests {
             ("left_angle", Some(""), false, M::WheelAngle, "rad"),
             ("left_angle", Some("turn"), false, M::WheelAngle, "turn"),
             ("gyro_z_dps", None, false, M::YawRate, "deg/s"),
+            ("ang_vel_z", None, false, M::YawRate, "rad/s"),
+            ("enc1_rad", None, false, M::WheelAngle, "rad"),
+            ("enc2", None, true, M::WheelCount, "tick"),
+            ("vel3_rad_s", None, false, M::WheelRate, "rad/s"),
             ("imu.z", None, false, M::YawRate, "rad/s"),
             ("angular_rate_z", None, false, M::YawRate, "rad/s"),
             ("yaw_velocity", None, false, M::YawRate, "rad/s"),
@@ -426,6 +456,9 @@ mod tests {
             ("wheel_ticks", None, true),
             ("yaw_rate", Some("m"), false),
             ("gyro_x", None, false),
+            ("ang_vel_x", None, false),
+            ("enc1", None, false),
+            ("current1", None, false),
             ("angular_z", None, false),
             ("velocity_z", None, false),
             ("yaw", None, false),

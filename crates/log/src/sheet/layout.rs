@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::csv::{Lines, finite, split};
+use crate::csv::{Lines, finite, names, split};
 use crate::error::{Error, Result};
 
 /// The layout is read from this many lines.
@@ -85,15 +85,26 @@ impl Layout {
             numbers > 0 && 3 * numbers >= fields.iter().filter(|field| !field.is_empty()).count()
         };
         let header_lines = first.iter().position(is_data).unwrap_or(first.len());
-        if header_lines == 0 || header_lines > MAX_HEADER_LINES {
+        if header_lines > MAX_HEADER_LINES {
             return Err(empty("no header line that names its columns"));
+        }
+        let is_number = |field: &String| field.is_empty() || finite(field, decimal).is_ok();
+        if header_lines == 0 && fields(&first[0], separator).iter().all(is_number) {
+            return Ok(Self {
+                separator,
+                decimal,
+                header_lines,
+                names_line: 0,
+                names: (1..=width).map(|number| number.to_string()).collect(),
+                units: Vec::new(),
+            });
         }
         if header_lines == first.len() {
             return Err(empty("a header and no data"));
         }
         let header: Vec<Vec<String>> = first[..header_lines]
             .iter()
-            .map(|line| fields(line, separator))
+            .map(|line| fields(names(line), separator))
             .collect();
         // The last line that names every column differently.
         let names = header.iter().rposition(|fields| {

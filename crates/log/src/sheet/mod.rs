@@ -21,15 +21,17 @@ use crate::recording::is_of_wheels;
 use crate::source::Source;
 pub use guess::Guess;
 pub(crate) use guess::guess;
-use guess::of_fix_numbers;
+use guess::{of_fix_numbers, orientation_part};
 use layout::Layout;
 use open::of_turning;
 pub(crate) use open::{is_beyond_radians, open_question, perhaps};
 use time_column::{seconds_and_nanoseconds, time_rank, time_unit};
-use words::bare_unit;
+use words::{bare_unit, split_unit, words};
 
 /// A yaw of more than a turn may be one in degrees, rad.
 const MAX_YAW_RAD: f64 = 6.4;
+/// Parts of a quaternion are at most 1, but for rounding.
+const MAX_QUATERNION_PART: f64 = 1.001;
 /// The maximum number of columns that are listed.
 const MAX_COLUMNS: usize = 1024;
 /// An interval of more than this many medians is a gap.
@@ -155,7 +157,11 @@ impl Sheet {
         }
         let listed = layout.names.len().min(MAX_COLUMNS);
         let pair = seconds_and_nanoseconds(&layout.names[..listed]);
-        let candidates = time_candidates(&layout.names, pair);
+        let candidates = if layout.header_lines == 0 {
+            vec![0]
+        } else {
+            time_candidates(&layout.names, pair)
+        };
         let mut clocks: Vec<Clock> = candidates.iter().map(|_| Clock::default()).collect();
         let mut lasts = vec![f64::NEG_INFINITY; sheet.columns.len()];
         let mut fields = Vec::new();
@@ -228,7 +234,11 @@ impl Sheet {
         let time = sheet.time.as_ref().map(|time| time.column);
         guess_columns(&mut sheet.columns, time, &layout.units);
         choose_places(&mut sheet.columns);
+        if layout.header_lines == 0 {
+            guess_trajectory(&mut sheet.columns);
+        }
         guess_pose(&mut sheet.columns);
+        guess_orientation(&mut sheet.columns);
         drop_doubles(&mut sheet.columns);
         Ok(sheet)
     }
@@ -361,15 +371,24 @@ fn guess_pose(columns: &mut [SheetColumn]) {
         if has(columns, Meaning::Latitude) {
             return;
         }
-        let place = |bare, of_vicon| find(&[bare], Some("m")).or_else(|| find(&[of_vicon], None));
-        let places = (place("x", "tx"), place("y", "ty"), yaw);
-        let (Some(x), Some(y), Some(yaw)) = places else {
+        // beside a quaternion, `tx` is in m, as SLAM writes it
+        let has_quaternion = columns.iter().any(|column| {
+            let part = orientation_part(&column.name);
+            part.is_some_and(|(_, meaning)| meaning == Meaning::OrientationW)
+        });
+        let of_slam = Some("m").filter(|_| has_quaternion);
+        let place =
+            |bare, of_vicon| find(&[bare], Some("m")).or_else(|| find(&[of_vicon], of_slam));
+        let (Some(x), Some(y)) = (place("x", "tx"), place("y", "ty")) else {
             return;
         };
+        if yaw.is_none() && !has_quaternion {
+            return;
+        }
         [
             Some((Meaning::PoseX, x)),
             Some((Meaning::PoseY, y)),
-            Some((Meaning::PoseYaw, yaw)),
+            yaw.map(|yaw| (Meaning::PoseYaw, yaw)),
         ]
     };
     for (meaning, (index, unit)) in found.into_iter().flatten() {
@@ -388,10 +407,79 @@ fn guess_pose(columns: &mut [SheetColumn]) {
     }
 }
 
+/// A table of eight columns without names, of which the last four are a rotation, is a path as SLAM writes it (the format of the
+/// TUM RGB-D benchmark): time, x, y, z, and the quaternion x, y, z, w.
+fn guess_trajectory(columns: &mut [SheetColumn]) {
+    let [_, x, y, _, parts @ ..] = columns else {
+        return;
+    };
+    let number = |column: &SheetColumn| finite(&column.first, b'.').unwrap_or(f64::NAN);
+    let size: f64 = parts.iter().map(|part| Real::powi(number(part), 2)).sum();
+    if parts.len() != 4 || !((size - 1.0).abs() < 2e-3) {
+        return;
+    }
+    let [i, j, k, w] = parts else { return };
+    for (column, meaning, unit) in [
+        (x, Meaning::PoseX, "m"),
+        (y, Meaning::PoseY, "m"),
+        (i, Meaning::OrientationX, "1"),
+        (j, Meaning::OrientationY, "1"),
+        (k, Meaning::OrientationZ, "1"),
+        (w, Meaning::OrientationW, "1"),
+    ] {
+        column.guess = Some(Guess {
+            meaning,
+            wheel: None,
+            unit,
+        });
+    }
+}
+
+/// The quaternion of the pose, where no column is its yaw: of several the one whose name begins most as that of the place does.
+fn guess_orientation(columns: &mut [SheetColumn]) {
+    let of = |meaning| {
+        let means = move |column: &&SheetColumn| {
+            let guess = column.guess.as_ref();
+            guess.is_some_and(|guess| guess.meaning == meaning)
+        };
+        columns.iter().find(means)
+    };
+    let Some(place) = of(Meaning::PoseX).filter(|_| of(Meaning::PoseYaw).is_none()) else {
+        return;
+    };
+    let place = words(&place.name);
+    let is_part = |column: &SheetColumn| {
+        let is_free = column.guess.is_none() && column.others == 0 && column.numbers > 0;
+        is_free && column.max.max(-column.min) <= MAX_QUATERNION_PART
+    };
+    let parts: Vec<(usize, Vec<String>, Meaning)> = (columns.iter().enumerate())
+        .filter(|(_, column)| is_part(column))
+        .filter_map(|(index, column)| {
+            let (before, meaning) = orientation_part(&column.name)?;
+            Some((index, before, meaning))
+        })
+        .collect();
+    let real = parts.iter().filter(|part| part.2 == Meaning::OrientationW);
+    let alike = |words: &[String]| words.iter().zip(&place).take_while(|(a, b)| a == b).count();
+    let Some((_, before, _)) = real.max_by_key(|part| alike(&part.1)) else {
+        return;
+    };
+    for (index, _, meaning) in parts.iter().filter(|part| part.1 == *before) {
+        columns[*index].guess = Some(Guess {
+            meaning: *meaning,
+            wheel: None,
+            unit: "1",
+        });
+    }
+}
+
 /// A meaning that two columns claim goes to the first; one that needs another is nothing without it.
 fn drop_doubles(columns: &mut [SheetColumn]) {
     let mut taken: Vec<Guess> = Vec::new();
-    for column in columns.iter_mut() {
+    // that one of which its name states the unit, the first of several
+    let states_unit = |column: &SheetColumn| split_unit(&column.name).1.is_some();
+    let (stated, others): (Vec<_>, Vec<_>) = columns.iter_mut().partition(|c| states_unit(c));
+    for column in stated.into_iter().chain(others) {
         let Some(guess) = &column.guess else { continue };
         let double = |other: &Guess| other.meaning == guess.meaning && other.wheel == guess.wheel;
         if taken.iter().any(double) {
@@ -406,11 +494,9 @@ fn drop_doubles(columns: &mut [SheetColumn]) {
             .filter_map(|c| Some(c.guess.as_ref()?.meaning))
             .collect();
         let lone = columns.iter_mut().find(|column| {
-            let needed = column
-                .guess
-                .as_ref()
-                .and_then(|guess| guess.meaning.needs());
-            needed.is_some_and(|needed| !held.contains(&needed))
+            let guess = column.guess.as_ref();
+            let mut needs = guess.into_iter().flat_map(|guess| guess.meaning.needs());
+            needs.any(|needed| !held.contains(needed))
         });
         match lone {
             Some(column) => column.guess = None,

@@ -1,5 +1,10 @@
 //! The words of a column's name, and the unit that it ends with.
 
+/// What people number by wheel.
+const NUMBERED: &[&str] = &[
+    "enc", "encoder", "ticks", "vel", "omega", "rpm", "torque", "current", "wheel", "motor",
+];
+
 /// The words of a name in lower case: `field.header.stamp`, `leftEncoder` and `gyro_z_rad_per_s` fall apart.
 pub(super) fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = vec![String::new()];
@@ -15,8 +20,12 @@ pub(super) fn words(name: &str) -> Vec<String> {
         }
         lower = letter.is_lowercase();
     }
-    // `m1pos` is `m1`, `pos`.
+    // `m1pos` is `m1`, `pos`, and `enc1` is `enc`, `w1`.
     let glued = |word: String| {
+        let kind = word.trim_end_matches(|letter: char| letter.is_ascii_digit());
+        if NUMBERED.contains(&kind) && kind.len() < word.len() {
+            return vec![kind.to_owned(), format!("w{}", &word[kind.len()..])];
+        }
         let tail = ["pos", "vel", "enc"].into_iter().find(|tail| {
             word.len() > tail.len() && word.len() <= tail.len() + 2 && word.ends_with(tail)
         });
@@ -141,6 +150,10 @@ mod tests {
             ("a1B", "a1b"),
             ("m1pos", "m1 pos"),
             ("m1enc", "m1 enc"),
+            ("enc1_rad", "enc w1 rad"),
+            ("vel12", "vel w12"),
+            ("velocity1", "velocity1"),
+            ("imu1", "imu1"),
             ("mvel", "m vel"),
             ("m12pos", "m12pos"),
             ("pos", "pos"),

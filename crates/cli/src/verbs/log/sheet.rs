@@ -43,6 +43,7 @@ fn lacks(sheet: &Sheet) -> Vec<&'static str> {
     let turn = [
         Meaning::YawRate,
         Meaning::PoseYaw,
+        Meaning::OrientationZ,
         Meaning::DisplacementTurn,
     ];
     let needs = [
