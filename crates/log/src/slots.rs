@@ -37,6 +37,24 @@ enum Heading {
     Orientation([Option<Part>; 2], [Part; 2]),
 }
 
+impl Heading {
+    /// The yaw, rad; `None` where a part is missing or the parts are no rotation.
+    fn yaw(
+        self,
+        number: &dyn Fn(Part) -> Result<Option<f64>, BadField>,
+    ) -> Result<Option<f64>, BadField> {
+        match self {
+            Self::Yaw(part) => number(part),
+            Self::Orientation([x, y], [z, w]) => {
+                let flat = |part: Option<Part>| part.map_or(Ok(Some(0.0)), number);
+                let (tilt, turn) = (flat(x)?.zip(flat(y)?), number(z)?.zip(number(w)?));
+                let parts = tilt.zip(turn);
+                Ok(parts.and_then(|((x, y), (z, w))| yaw([x, y, z, w])))
+            }
+        }
+    }
+}
+
 /// What says whether a fix has a position.
 #[derive(Clone, Copy, Debug)]
 enum FixKind {
@@ -201,16 +219,7 @@ impl Slots {
                     })
                 }
                 Slot::Pose(x, y, heading) => {
-                    let yaw = match heading {
-                        Heading::Yaw(part) => number(part)?,
-                        Heading::Orientation([x, y], [z, w]) => {
-                            let flat = |part: Option<Part>| part.map_or(Ok(Some(0.0)), number);
-                            let tilt = flat(x)?.zip(flat(y)?);
-                            let turn = number(z)?.zip(number(w)?);
-                            tilt.zip(turn)
-                                .and_then(|((x, y), (z, w))| yaw([x, y, z, w]))
-                        }
-                    };
+                    let yaw = heading.yaw(number)?;
                     number(x)?
                         .zip(number(y)?)
                         .zip(yaw)
