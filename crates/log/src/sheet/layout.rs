@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 const LAYOUT_LINES: usize = 64;
 /// The maximum number of header lines.
 const MAX_HEADER_LINES: usize = 20;
+const NO_NAMES: &str = "no header line that names its columns (a column map with `header_lines = 0` calls them by their numbers)";
 const SEPARATORS: [u8; 5] = [b',', b';', b'\t', b'|', b' '];
 
 /// The layout of a table.
@@ -86,7 +87,7 @@ impl Layout {
         };
         let header_lines = first.iter().position(is_data).unwrap_or(first.len());
         if header_lines > MAX_HEADER_LINES {
-            return Err(empty("no header line that names its columns"));
+            return Err(empty(NO_NAMES));
         }
         let is_number = |field: &String| field.is_empty() || finite(field, decimal).is_ok();
         if header_lines == 0 && fields(&first[0], separator).iter().all(is_number) {
@@ -116,7 +117,7 @@ impl Layout {
                 unique.len() == given.len() && given.len() + 1 >= width
             }
         });
-        let names = names.ok_or_else(|| empty("no header line that names its columns"))?;
+        let names = names.ok_or_else(|| empty(NO_NAMES))?;
         let units = header.iter().position(|fields| {
             fields.len() == width
                 && fields

@@ -164,7 +164,7 @@ fn apart(turns: &TurnCheck, summary: &Summary) -> String {
     } else {
         let [track, radii] = turns.geometry.map(|error| 100.0 * error.value);
         format!(
-            "an error of the description explains it (track {track:+.1} %, right radii {radii:+.1} %), slip is not observable"
+            "slip, or an error of the description (track {track:+.1} %, right radii {radii:+.1} %): not observable by these two"
         )
     };
     format!(
