@@ -140,7 +140,14 @@ pub(super) fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -
         let unit = if is(&["rpm"]) { "rpm" } else { "rad/s" };
         return of_wheel(Meaning::WheelRate, unit);
     }
-    let is_angle = is(&["position", "pos", "angle"]) || counts && stated == Some(Quantity::Angle);
+    // `left_rad`, `rear_right_wheel_deg`
+    let names_a_wheel = |word: &String| {
+        ["front", "rear", "wheel", "motor", "joint"].contains(&word.as_str())
+            || is_corner(word)
+            || is_numbered(word)
+    };
+    let is_angle = is(&["position", "pos", "angle"])
+        || stated == Some(Quantity::Angle) && (counts || words.iter().all(names_a_wheel));
     if of_a_wheel && is_angle {
         return of_wheel(Meaning::WheelAngle, "rad");
     }
@@ -430,6 +437,8 @@ mod tests {
             ("gyro_z_dps", None, false, M::YawRate, "deg/s"),
             ("ang_vel_z", None, false, M::YawRate, "rad/s"),
             ("enc1_rad", None, false, M::WheelAngle, "rad"),
+            ("left_rad", None, false, M::WheelAngle, "rad"),
+            ("rear_right_wheel_deg", None, false, M::WheelAngle, "deg"),
             ("enc2", None, true, M::WheelCount, "tick"),
             ("vel3_rad_s", None, false, M::WheelRate, "rad/s"),
             ("imu.z", None, false, M::YawRate, "rad/s"),
@@ -457,6 +466,7 @@ mod tests {
             ("yaw_rate", Some("m"), false),
             ("gyro_x", None, false),
             ("ang_vel_x", None, false),
+            ("left_arm_rad", None, false),
             ("enc1", None, false),
             ("current1", None, false),
             ("angular_z", None, false),
