@@ -3,6 +3,7 @@
 #[path = "../../log/tests/support/measured_data.rs"]
 mod measured_file;
 
+use std::fmt::Write as _; // writing to a string cannot fail
 use std::fs;
 
 use serde_json::Value;
@@ -338,6 +339,56 @@ fn speeds_of_rims_measure_wheels() {
         object["columns"][1]["probably"],
         "wheel_speed of fl in km/h"
     );
+}
+
+/// Wheels by their angles and a path as SLAM writes it, in one folder: the proposed robot file needs a radius alone.
+#[test]
+fn a_path_of_slam_beside_a_log_of_wheels_measures_their_slip() {
+    const RADIUS_M: f64 = 0.09;
+    const SLIP: f64 = 0.3;
+    let folder = Folder::new("log-slam");
+    let (mut wheels, mut path) = (String::from("time,left_rad,right_rad\n"), String::new());
+    for row in 0..600 {
+        // on a circle of 2 m to the left, at 0.1 m/s from 2 s on
+        let way = (0.1 * (0.1 * f64::from(row) - 2.0)).max(0.0);
+        let turn = way / 2.0;
+        let time = 1.7e9 + 0.1 * f64::from(row);
+        let angle = |side: f64| (way + side * turn) / (1.0 - SLIP) / RADIUS_M;
+        writeln!(wheels, "{time:.3},{:.6},{:.6}", angle(-0.2), angle(0.2)).unwrap();
+        if row % 2 == 0 {
+            let (sin, cos) = turn.sin_cos();
+            let (z, w) = (0.5 * turn).sin_cos();
+            writeln!(
+                path,
+                "{time:.6} {:.6} {:.6} 0.2 0 0 {z:.7} {w:.7}",
+                2.0 * sin,
+                2.0 - 2.0 * cos
+            )
+            .unwrap();
+        }
+    }
+    fs::write(folder.0.join("wheels.csv"), wheels).unwrap();
+    fs::write(folder.0.join("slam.txt"), path).unwrap();
+    let log = folder.0.to_str().unwrap();
+    let proposed = json(&["log", "info", log, "--suggest-robot"], 0);
+    let proposed = proposed["suggested_robot"].as_str().unwrap();
+    let robot = folder.0.join("robot.toml");
+    fs::write(
+        &robot,
+        proposed.replace("\"measure\"", &RADIUS_M.to_string()),
+    )
+    .unwrap();
+    let files = ["wheels.csv", "slam.txt"].map(|name| folder.0.join(name));
+    let [wheels, path] = files.each_ref().map(|file| file.to_str().unwrap());
+    let found = json(
+        &["estimate", wheels, path, "--robot", robot.to_str().unwrap()],
+        0,
+    );
+    assert_eq!(found["reference"], "pose");
+    for wheel in ["left", "right"] {
+        let median = found["wheels"][wheel]["median"].as_f64().unwrap();
+        assert!((median - SLIP).abs() < 0.01, "{found}");
+    }
 }
 
 #[test]
