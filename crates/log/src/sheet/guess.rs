@@ -1,5 +1,7 @@
 //! What a column probably means, by its name.
 
+use std::borrow::Cow;
+
 use grouser_files::columns::Meaning;
 use grouser_files::unit::{Quantity, UNITS};
 
@@ -26,7 +28,7 @@ fn is_numbered(word: &str) -> bool {
 
 /// The guess for a column; `unit` is what a header line says. It, or the unit in the name, must fit.
 pub(crate) fn guess(name: &str, unit: Option<&str>, whole: bool) -> Option<Guess> {
-    let (words, in_name) = split_unit(name);
+    let (words, in_name) = split_unit(&named_axis(name));
     let Some(unit) = unit.filter(|unit| !unit.is_empty()) else {
         let found = by_name_and_unit(&words, in_name, whole);
         return match in_name {
@@ -40,6 +42,18 @@ pub(crate) fn guess(name: &str, unit: Option<&str>, whole: bool) -> Option<Guess
     let spelled = super::words::words(unit).join(" ");
     let known = UNIT_WORDS.iter().find(|(words, _)| *words == spelled);
     by_name_and_unit(&words, known.map(|(_, unit)| *unit).or(Some(unit)), whole)
+}
+
+/// The name of a gyro with the letter of its axis: `gyro_rad[2]` is `gyro_rad z`.
+fn named_axis(name: &str) -> Cow<'_, str> {
+    let axes = [("[0]", "x"), ("[1]", "y"), ("[2]", "z")];
+    let ends = |(index, axis): (&str, &'static str)| Some((name.strip_suffix(index)?, axis));
+    match axes.into_iter().find_map(ends) {
+        Some((bare, axis)) if bare.to_lowercase().contains("gyro") => {
+            format!("{bare} {axis}").into()
+        }
+        _ => name.into(),
+    }
 }
 
 fn by_name_and_unit(words: &[String], stated: Option<&str>, whole: bool) -> Option<Guess> {
@@ -436,6 +450,7 @@ mod tests {
             ("left_angle", Some("turn"), false, M::WheelAngle, "turn"),
             ("gyro_z_dps", None, false, M::YawRate, "deg/s"),
             ("ang_vel_z", None, false, M::YawRate, "rad/s"),
+            ("gyro_rad[2]", None, false, M::YawRate, "rad/s"),
             ("enc1_rad", None, false, M::WheelAngle, "rad"),
             ("left_rad", None, false, M::WheelAngle, "rad"),
             ("rear_right_wheel_deg", None, false, M::WheelAngle, "deg"),
@@ -466,6 +481,8 @@ mod tests {
             ("yaw_rate", Some("m"), false),
             ("gyro_x", None, false),
             ("ang_vel_x", None, false),
+            ("gyro_rad[1]", None, false),
+            ("temperature[2]", None, false),
             ("left_arm_rad", None, false),
             ("enc1", None, false),
             ("current1", None, false),

@@ -61,12 +61,13 @@ pub(super) fn time_unit(column: &SheetColumn, median: Option<f64>) -> &'static s
             return unit;
         }
     }
-    // Since 1970, in any unit; else robots write ten to a thousand rows a second.
+    // Since 1970, in any unit; else robots write one to a thousand rows a second, and count nanoseconds from their start for fast
+    // ones alone.
     match (column.max, median) {
         (max, _) if max > 1e17 => "ns",
         (max, _) if max > 1e14 => "us",
         (max, _) if max > 1e11 => "ms",
-        (_, Some(median)) if median >= 1e5 => "ns",
+        (_, Some(median)) if median > 1e6 => "ns",
         (_, Some(median)) if median >= 500.0 => "us",
         (_, Some(median)) if median >= 1.0 => "ms",
         _ => "s",
@@ -128,8 +129,8 @@ mod tests {
             assert_eq!(unit("time", max, None), expected, "{max}");
         }
         for (median, expected) in [
-            (1e5, "ns"),
-            (99_999.0, "us"),
+            (2e6, "ns"),
+            (1e6, "us"),
             (500.0, "us"),
             (499.0, "ms"),
             (1.0, "ms"),
