@@ -377,6 +377,7 @@ impl Linkage {
 
     /// Velocity at `speeds` of a point of a link that is now at `at`, in the robot's frame, m/s.
     #[must_use]
+    #[inline]
     pub fn velocity(
         &self,
         speeds: &Speeds,
@@ -409,6 +410,7 @@ impl Linkage {
     }
 
     /// Adds a force (N) at the point `at` of a link and a moment (N m), in the robot's frame.
+    #[inline]
     pub fn push(
         &self,
         pose: &Pose,

@@ -76,6 +76,7 @@ impl Motor {
     /// assert!(motor.drive(10.0, 8.0).torque.abs() < 1e-9);
     /// ```
     #[must_use]
+    #[inline]
     pub fn drive(&self, torque: f64, rate: f64) -> MotorNow {
         let per_ampere = self.constant * self.gear;
         let driving = torque * rate >= 0.0;

@@ -15,6 +15,7 @@ pub(super) struct MotorDriver {
 impl MotorDriver {
     /// Torque (N m) that brings `rate` to its `setpoint` (rad/s), within `limit` (N m) either way; `max_torque` is the
     /// motor's greatest torque.
+    #[inline]
     pub(super) fn torque(
         &mut self,
         setpoint: f64,

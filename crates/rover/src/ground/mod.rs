@@ -318,6 +318,7 @@ impl Ground {
     /// undisturbed surface `reach` (m) before and behind it and half its `width` (m) to either side, so that
     /// an edge of the ground passes under the wheel gradually. Ruts lower the plane and do not tilt it.
     #[must_use]
+    #[inline]
     pub fn under(
         &self,
         (x, y): (f64, f64),
