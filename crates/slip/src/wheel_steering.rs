@@ -39,10 +39,10 @@ impl Steering {
         }
     }
 
-    /// Turns to `angle` (rad).
-    pub(crate) fn turn(&mut self, angle: f64) {
+    /// Turns to `angle` (rad); false where it has stood there already.
+    pub(crate) fn turn(&mut self, angle: f64) -> bool {
         if self.angle == Some(angle) {
-            return;
+            return false;
         }
         let [ahead, left] = self.arm;
         // Both the arm and the heading turn by the angle: d/dγ of the centre along the heading does not depend on it.
@@ -58,6 +58,7 @@ impl Steering {
         ];
         let (sin, cos) = Real::sin_cos(self.heading + angle);
         self.row = [cos, sin, sin * self.place[0] - cos * self.place[1]];
+        true
     }
 
     /// The row of its centre's speed along its heading, e · (v + Ω × p).

@@ -73,9 +73,11 @@ use crate::error::{Error, Result, check_range};
 use crate::fault::Fault;
 use crate::robot::Robot;
 use crate::sample::Sample;
+use crate::state::Health;
 use estimator::Core;
 use input::Input;
 pub use learnt::{Learnt, LearntWheel};
+use motion_model::{FORWARD, YAW};
 pub use output::{BodyEstimate, FilterOutput, Odometry, RimPath, WheelCheck};
 use sensor_clocks::ClockOutcome;
 pub use settings::{FilterSettings, SlipPrior};
@@ -157,10 +159,13 @@ impl SlipFilter {
     /// # Errors
     /// A [`Fault`] refuses the sample (or one that waited before it): it is counted and changes no estimate.
     pub fn update(&mut self, sample: Sample) -> ::core::result::Result<FilterOutput<'_>, Fault> {
-        self.push(sample).map(|()| self.latest())
+        let outcome = self.push(sample);
+        self.core.settle_estimates(&self.input);
+        outcome.map(|()| self.latest())
     }
 
-    /// [`SlipFilter::update`] without an output.
+    /// [`SlipFilter::update`] without an output: the wheels' estimates follow with the next time of a reading, or when they
+    /// are requested.
     pub(crate) fn push(&mut self, sample: Sample) -> ::core::result::Result<(), Fault> {
         let outcome = if sample.measurement.is_raw() {
             Ok(())
@@ -170,7 +175,6 @@ impl SlipFilter {
         if let Err(fault) = &outcome {
             self.input.rejected.count(fault);
         }
-        self.core.settle_estimates(&self.input);
         outcome
     }
 
@@ -178,6 +182,22 @@ impl SlipFilter {
     #[must_use]
     pub fn latest(&self) -> FilterOutput<'_> {
         self.core.output(&self.input)
+    }
+
+    /// The robot's forward speed, where any wheel shows it, m/s.
+    pub(crate) fn forward_speed(&self) -> Option<f64> {
+        let is_known = self
+            .core
+            .output
+            .estimates
+            .iter()
+            .any(|wheel| !matches!(wheel.health, Health::Invalid(_) | Health::Uninitialised));
+        is_known.then(|| self.core.state.mean(FORWARD))
+    }
+
+    /// Its yaw rate, rad/s.
+    pub(crate) fn yaw_rate(&self) -> f64 {
+        self.core.state.mean(YAW)
     }
 
     /// The output if it is `now_ns` and no sample has come since: silence is a fault too.

@@ -76,7 +76,9 @@ impl WheelBank {
 
     /// Steers a wheel, rad.
     pub(super) fn steer(&mut self, index: usize, angle: f64) -> Result<(), Fault> {
-        self.get_mut(index)?.steer(angle);
+        if !self.get_mut(index)?.steer(angle) {
+            return Ok(());
+        }
         let turned = |wheel: &WheelChannel| wheel.steering.has_turned();
         if self.lateral.is_some() && self.powered().any(turned) {
             // those that are not steered, where there are any, move along themselves

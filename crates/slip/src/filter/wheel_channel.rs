@@ -132,10 +132,11 @@ impl WheelChannel {
             })
     }
 
-    /// Sets the steering angle, rad.
-    pub(super) fn steer(&mut self, angle: f64) {
-        self.steering.turn(angle);
+    /// Sets the steering angle, rad; false where it is the last one.
+    pub(super) fn steer(&mut self, angle: f64) -> bool {
+        let has_changed = self.steering.turn(angle);
         self.row = self.steering.along();
+        has_changed
     }
 
     /// Its slip, as a row of the state: the wheel at `index` shares the common slip unless it is free.

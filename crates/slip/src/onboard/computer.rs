@@ -248,10 +248,11 @@ impl OnBoard {
         if !is_warm {
             return false;
         }
-        let is_accepted = self.filter.push(sample).is_ok();
-        if self.start.is_looking() {
-            self.start.update(&sample, &self.filter.latest());
+        if !self.start.is_looking() {
+            return self.filter.push(sample).is_ok();
         }
+        let is_accepted = self.filter.update(sample).is_ok();
+        self.start.update(&sample, &self.filter.latest());
         is_accepted
     }
 
@@ -280,7 +281,7 @@ impl OnBoard {
         let output = self.controller.step(&ControlInput {
             time_ns: now_ns,
             wheels: &self.observations,
-            speed: forward_speed(&self.filter.latest()),
+            speed: self.speed(),
             heading: Some(self.attitude.heading()),
             pitch: Some(self.attitude.pitch()),
             roll: Some(self.attitude.roll()),
@@ -349,9 +350,10 @@ impl OnBoard {
             learner.discard();
             return;
         }
-        let latest = self.filter.latest();
-        let speed = forward_speed(&latest).unwrap_or(0.0);
-        let motion = (speed, latest.body.yaw_rate.value);
+        let motion = (
+            self.filter.forward_speed().unwrap_or(0.0),
+            self.filter.yaw_rate(),
+        );
         let has_changed = learner.update(&self.observations, &self.torques, motion, step);
         if has_changed && let Some(slip) = learner.running_slip() {
             // the slip is held within the controller's limits
@@ -386,7 +388,8 @@ impl OnBoard {
         &self.observations
     }
 
-    /// The filter's output.
+    /// The filter's output. [`OnBoard::tick`] brings the wheels' estimates up to date; between two ticks they may be those of the moment
+    /// before the last readings.
     #[must_use]
     pub fn estimate(&self) -> FilterOutput<'_> {
         self.filter.latest()
@@ -395,7 +398,7 @@ impl OnBoard {
     /// Forward speed of the robot, m/s; `None` while no wheel shows it.
     #[must_use]
     pub fn speed(&self) -> Option<f64> {
-        forward_speed(&self.filter.latest())
+        self.filter.forward_speed()
     }
 
     /// The attitude.
@@ -474,13 +477,4 @@ impl OnBoard {
         self.attitude.set_heading(state.heading);
         Ok(())
     }
-}
-
-/// The robot's forward speed, where any wheel shows it.
-fn forward_speed(output: &FilterOutput<'_>) -> Option<f64> {
-    let is_known = output
-        .wheels
-        .iter()
-        .any(|wheel| !matches!(wheel.health, Health::Invalid(_) | Health::Uninitialised));
-    is_known.then_some(output.body.forward.value)
 }
