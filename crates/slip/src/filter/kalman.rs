@@ -218,25 +218,25 @@ impl Kalman {
             return 0.0;
         }
         let inverse = 1.0 / total;
-        for (i, gain) in self.gain.iter_mut().enumerate() {
-            *gain = if self.considered[i] {
-                0.0
-            } else {
-                self.spread[i] * inverse
-            };
-            self.mean[i] += *gain * measured.residual;
+        let numbers = self.mean.iter_mut().zip(&self.considered).zip(&self.spread);
+        for (gain, ((mean, considered), spread)) in self.gain.iter_mut().zip(numbers) {
+            *gain = if *considered { 0.0 } else { spread * inverse };
+            *mean += *gain * measured.residual;
         }
-        let mut rest = &mut self.covariance[..];
-        for i in 0..self.n {
-            let (row, below) = rest.split_at_mut(self.n - i);
-            let (gain, spread) = (&self.gain[i..], &self.spread[i..]);
-            if self.considered[i] {
-                add_multiple(row, -spread[0], gain);
-            } else if gain[0] != 0.0 {
-                add_multiple(row, -gain[0], spread);
+        let (mut rest, mut gain, mut spread) =
+            (&mut self.covariance[..], &self.gain[..], &self.spread[..]);
+        for considered in &self.considered {
+            let (row, below) = rest.split_at_mut(gain.len());
+            let (factor, entries) = if *considered {
+                (spread[0], gain)
+            } else {
+                (gain[0], spread)
+            };
+            if factor != 0.0 {
+                add_multiple(row, -factor, entries);
             }
             row[0] = row[0].max(VARIANCE_FLOOR);
-            rest = below;
+            (rest, gain, spread) = (below, &gain[1..], &spread[1..]);
         }
         measured.residual * measured.residual * inverse
     }
