@@ -82,9 +82,10 @@ impl ReorderBuffer {
             return Offered::TooLate;
         }
         let mut place = self.place(self.len);
-        for rank in (0..self.len).rev() {
-            let before = self.place(rank);
-            if precedes(&self.queue[before], &sample) {
+        let new = order(&sample);
+        for _ in 0..self.len {
+            let before = place.checked_sub(1).unwrap_or(self.queue.len() - 1);
+            if order(&self.queue[before]) <= new {
                 break;
             }
             self.queue[place] = self.queue[before];
@@ -100,13 +101,14 @@ impl ReorderBuffer {
     /// The oldest sample, if the horizon has passed it or `force` is set.
     pub(crate) fn release(&mut self, force: bool) -> Option<Sample> {
         let left = self.len.checked_sub(1)?;
-        let sample = self.queue[self.first];
+        let sample = &self.queue[self.first];
         let ripe = self
             .newest_ns
             .is_some_and(|newest| newest.saturating_sub(sample.time_ns) >= self.horizon_ns);
         if !ripe && !force {
             return None;
         }
+        let sample = *sample;
         self.first = self.place(1);
         self.len = left;
         self.released_ns = Some(sample.time_ns);
@@ -114,11 +116,10 @@ impl ReorderBuffer {
     }
 }
 
-/// Does `waiting` come out before `new`? Samples of one moment come out by their kind and wheel, so that the order in
-/// which they arrived does not matter.
-fn precedes(waiting: &Sample, new: &Sample) -> bool {
-    let key = |sample: &Sample| (sample.time_ns, rank(&sample.measurement));
-    key(waiting) <= key(new)
+/// By this samples come out: those of one moment by their kind and wheel, so that the order in which they arrived does not
+/// matter.
+fn order(sample: &Sample) -> (i64, (u8, usize)) {
+    (sample.time_ns, rank(&sample.measurement))
 }
 
 fn rank(measurement: &Measurement) -> (u8, usize) {

@@ -45,6 +45,8 @@ struct Sensor {
 pub(super) struct SensorClocks {
     wheels: usize,
     sensors: Box<[Sensor]>,
+    /// Has any sensor a refused time?
+    has_refused: bool,
     /// Number of missing samples.
     pub(super) dropped: u64,
     /// Number of clock steps followed.
@@ -57,6 +59,7 @@ impl SensorClocks {
             wheels,
             sensors: vec![Sensor::default(); ROBOT_SENSORS + WHEEL_SENSORS * wheels]
                 .into_boxed_slice(),
+            has_refused: false,
             dropped: 0,
             steps: 0,
         }
@@ -144,8 +147,10 @@ impl SensorClocks {
             }
             self.dropped = self.dropped.saturating_add(whole(missing).unsigned_abs());
             // all sensors share one clock: a sample that fits shows that it was not set
-            for sensor in &mut self.sensors {
-                sensor.refused_ns = None;
+            if core::mem::take(&mut self.has_refused) {
+                for sensor in &mut self.sensors {
+                    sensor.refused_ns = None;
+                }
             }
             return Ok(ClockOutcome::Continues);
         }
@@ -161,9 +166,8 @@ impl SensorClocks {
                 self.restart(time_ns, &sample.measurement);
                 return Ok(ClockOutcome::Set);
             }
-            if sensor.refused_ns != Some(time_ns) {
-                sensor.refused_ns = Some(time_ns);
-            }
+            sensor.refused_ns = Some(time_ns);
+            self.has_refused = true;
         }
         Err(if far {
             Fault::ClockStep {
