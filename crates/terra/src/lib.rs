@@ -88,7 +88,7 @@ pub use slip::{Slip, WheelMotion};
 pub use slip_model::{Mobilised, ModelOutcome, ModelSlip, slip_ani, slip_model};
 pub use slip_velocity::{SlipNorm, SlipVelocity};
 pub use soil::{LawChoice, Soil, SoilLaws, SoilParams};
-pub use soil_history::SoilHistory;
+pub use soil_history::{Entry, SideForce, SoilHistory};
 pub use status::SolveStatus;
 pub use traction::{BestSlip, SlopeOutcome, SteepestSlope};
 pub use wheel::{GrouserRule, Grousers, RigidWheel};

@@ -1,6 +1,7 @@
 //! Soil that a wheel has not finished digging, or that wheels have passed before.
 
 use crate::caution::Cautions;
+use crate::contact::entry_angle;
 use crate::error::{Error, Result};
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
@@ -43,79 +44,99 @@ impl SoilHistory {
     }
 }
 
+/// A sinkage with the entry angle that it gives: a step in time needs the angle twice, and an arc sine takes as long as a
+/// seventh of the forces.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Entry {
+    sinkage: f64,
+    theta_1: f64,
+}
+
+impl Entry {
+    /// That of a wheel of `radius` ([`RigidWheel::running_radius`](crate::RigidWheel::running_radius)) sunk by `sinkage`, both m.
+    ///
+    /// ```
+    /// use grouser_terra::Entry;
+    /// assert!((Entry::new(0.05, 0.1).theta_1().to_degrees() - 60.0).abs() < 1e-12);
+    /// ```
+    #[must_use]
+    #[inline]
+    pub fn new(sinkage: f64, radius: f64) -> Self {
+        Self {
+            sinkage,
+            theta_1: entry_angle(sinkage, radius),
+        }
+    }
+
+    /// The sinkage, m.
+    #[must_use]
+    #[inline]
+    pub const fn sinkage(&self) -> f64 {
+        self.sinkage
+    }
+
+    /// The entry angle, rad.
+    #[must_use]
+    #[inline]
+    pub const fn theta_1(&self) -> f64 {
+        self.theta_1
+    }
+}
+
+/// What a side force consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SideForce {
+    /// Shear alone: a wheel that hardly drifts ploughs nothing.
+    Shear,
+    /// Shear and the ploughed soil ([`OperatingPoint::side_force`](crate::OperatingPoint::side_force)).
+    Whole,
+}
+
 impl WheelOnSoil {
-    /// Forces at a sinkage (m) on soil with a history: [`WheelOnSoil::forces_at`] otherwise.
+    /// Forces on soil with a history, and the side force, N: [`WheelOnSoil::forces_at`] otherwise, and all that a step in time
+    /// needs of an operating point. The entry must be that of this wheel's radius.
     ///
     /// # Errors
     /// As [`WheelOnSoil::forces_at`]; [`Error::OutOfRange`] for a factor outside [0.001, 1000].
     ///
     /// ```
     /// use grouser_terra::{
-    ///     Kinematics, RigidWheel, Settings, Slip, SoilHistory, SoilParams, Soil, WheelOnSoil, catalogue,
+    ///     Entry, Kinematics, RigidWheel, Settings, SideForce, Slip, SoilHistory, SoilParams, Soil, WheelOnSoil, catalogue,
     /// };
     ///
     /// let sand = *catalogue::find("dry-sand").expect("in the catalogue").soil()?.params();
     /// let digging = Soil::new(SoilParams { n_1: 0.3, ..sand })?;
-    /// let on_soil = WheelOnSoil::new(RigidWheel::new(0.1, 0.05)?, digging, Settings::default())?;
+    /// let wheel = RigidWheel::new(0.1, 0.05)?;
+    /// let on_soil = WheelOnSoil::new(wheel, digging, Settings::default())?;
     /// let straight = |s| Ok::<_, grouser_terra::Error>(Kinematics::straight(Slip::new(s)?));
     /// // the slip has jumped from 0 to 0.6: the wheel bears more than it will when it has dug
     /// let before = SoilHistory::steady(straight(0.0)?);
-    /// let now = on_soil.forces_after(0.02, &straight(0.6)?, &before)?;
+    /// let entry = Entry::new(0.02, wheel.running_radius());
+    /// let (now, side) = on_soil.forces_after(&entry, &straight(0.6)?, &before, SideForce::Whole)?;
     /// assert!(now.vertical_force > 1.5 * on_soil.forces_at(0.02, &straight(0.6)?)?.vertical_force);
+    /// assert_eq!(side, 0.0);
     /// # Ok::<(), grouser_terra::Error>(())
     /// ```
     #[inline]
     pub fn forces_after(
         &self,
-        sinkage: f64,
+        entry: &Entry,
         kinematics: &Kinematics,
         history: &SoilHistory,
-    ) -> Result<Forces> {
-        let theta_1 = self.entry_angle(sinkage, kinematics)?;
-        self.check_history(history)?;
-        let contact = self.contact_after(theta_1, kinematics, history);
-        Ok(self.forces_of(&contact, kinematics))
-    }
-
-    /// Forces at a sinkage (m) on soil with a history, and the side force with the ploughed soil's part
-    /// ([`OperatingPoint::side_force`](crate::OperatingPoint::side_force)), N: all that a step in time needs of an operating point.
-    ///
-    /// # Errors
-    /// As [`WheelOnSoil::forces_after`].
-    ///
-    /// ```
-    /// use grouser_terra::{
-    ///     Accuracy, Kinematics, RigidWheel, Settings, SoilHistory, WheelOnSoil, catalogue,
-    /// };
-    ///
-    /// let sand = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
-    /// let settings = Settings { accuracy: Accuracy::Simulation, ..Settings::default() };
-    /// let on_soil = WheelOnSoil::new(RigidWheel::new(0.1, 0.05)?, sand, settings)?;
-    /// let drifting = Kinematics::from_speeds(0.08, 0.03, 0.1)?;
-    /// let steady = SoilHistory::steady(drifting);
-    /// let (forces, side) = on_soil.forces_and_side_after(0.02, &drifting, &steady)?;
-    /// let exact = on_soil.at_sinkage(0.02, &drifting)?;
-    /// assert!((side - exact.side_force).abs() < 1e-6 * forces.vertical_force);
-    /// # Ok::<(), grouser_terra::Error>(())
-    /// ```
-    #[inline]
-    pub fn forces_and_side_after(
-        &self,
-        sinkage: f64,
-        kinematics: &Kinematics,
-        history: &SoilHistory,
+        side: SideForce,
     ) -> Result<(Forces, f64)> {
-        let theta_1 = self.entry_angle(sinkage, kinematics)?;
-        self.check_history(history)?;
-        let contact = self.contact_after(theta_1, kinematics, history);
-        let forces = self.forces_of(&contact, kinematics);
-        let side = self.side_force(&contact, &forces, kinematics, &mut Cautions::default());
-        Ok((forces, side))
-    }
-
-    #[inline]
-    fn check_history(&self, history: &SoilHistory) -> Result<()> {
+        self.check_sinkage(entry.sinkage, kinematics)?;
         self.check_exponent(&history.dug_by)?;
-        Error::check_range("k_shear_factor", history.k_shear_factor, 1e-3, 1e3, "1")
+        Error::check_range("k_shear_factor", history.k_shear_factor, 1e-3, 1e3, "1")?;
+        let contact = self.contact_after(entry.theta_1, kinematics, history);
+        let forces = self.forces_of(&contact, kinematics);
+        let side = match side {
+            SideForce::Shear if kinematics.q_y() == 0.0 => 0.0,
+            SideForce::Shear => -kinematics.q_y().signum() * forces.side_shear,
+            SideForce::Whole => {
+                self.side_force(&contact, &forces, kinematics, &mut Cautions::default())
+            }
+        };
+        Ok((forces, side))
     }
 }

@@ -166,6 +166,13 @@ impl WheelOnSoil {
     /// The entry angle of a sinkage inside the model.
     #[inline]
     pub(crate) fn entry_angle(&self, sinkage: f64, kinematics: &Kinematics) -> Result<f64> {
+        self.check_sinkage(sinkage, kinematics)?;
+        Ok(entry_angle(sinkage, self.size.radius))
+    }
+
+    /// Is a sinkage inside the model?
+    #[inline]
+    pub(crate) fn check_sinkage(&self, sinkage: f64, kinematics: &Kinematics) -> Result<()> {
         let radius = self.size.radius;
         Error::check_range("sinkage", sinkage, 0.0, f64::MAX, "m")?;
         if sinkage >= radius * self.depth_limit(kinematics) {
@@ -179,7 +186,7 @@ impl WheelOnSoil {
                 radius,
             });
         }
-        Ok(entry_angle(sinkage, radius))
+        Ok(())
     }
 
     /// The greatest sinkage over the radius: 1, or with the law for the soil beside the hub [`BURIED_PER_RADIUS`].

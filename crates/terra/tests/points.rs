@@ -2,9 +2,9 @@
 
 use grouser_real::{Dual, Real};
 use grouser_terra::{
-    Accuracy, Angle, Bulldozing, Caution, DualInputs, Error, FittedRange, GrouserRule, Grousers,
-    Kinematics, LawChoice, OperatingPoint, RigidWheel, Settings, ShearLaw, Slip, Soil, SoilHistory,
-    SoilParams, WheelOnSoil, catalogue, entry_angle,
+    Accuracy, Angle, Bulldozing, Caution, DualInputs, Entry, Error, FittedRange, GrouserRule,
+    Grousers, Kinematics, LawChoice, OperatingPoint, RigidWheel, Settings, ShearLaw, SideForce,
+    Slip, Soil, SoilHistory, SoilParams, WheelOnSoil, catalogue, entry_angle,
 };
 
 const RADIUS_M: f64 = 0.1;
@@ -197,6 +197,7 @@ fn a_steady_history_changes_nothing() {
         bulldozing: Some(Bulldozing::Disc),
         ..LawChoice::default()
     };
+    let entry = Entry::new(0.02, RADIUS_M);
     for soil in [
         plain,
         SoilParams {
@@ -228,9 +229,12 @@ fn a_steady_history_changes_nothing() {
             let motion = drifting(0.2, degrees);
             let steady = SoilHistory::steady(motion);
             let point = on_soil.at_sinkage(0.02, &motion).unwrap();
-            let (forces, side) = on_soil
-                .forces_and_side_after(0.02, &motion, &steady)
-                .unwrap();
+            let after = |side| {
+                on_soil
+                    .forces_after(&entry, &motion, &steady, side)
+                    .unwrap()
+            };
+            let (forces, side) = after(SideForce::Whole);
             let size = point
                 .forces
                 .vertical_force
@@ -244,10 +248,8 @@ fn a_steady_history_changes_nothing() {
             ] {
                 assert!((a - b).abs() < 1e-12 * size, "{soil:?} {degrees}: {a} {b}");
             }
-            assert_eq!(
-                forces,
-                on_soil.forces_after(0.02, &motion, &steady).unwrap()
-            );
+            let by_shear = -forces.side_shear * (degrees / 75.0);
+            assert_eq!(after(SideForce::Shear), (forces, by_shear));
             // drift to the left is pushed to the right
             assert_eq!(
                 side.signum(),
@@ -268,7 +270,9 @@ fn a_steady_history_changes_nothing() {
             ..soil
         });
         let history = SoilHistory::steady(motion).with_k_shear_factor(factor);
-        let after = on_soil.forces_after(0.02, &motion, &history).unwrap();
+        let (after, _) = on_soil
+            .forces_after(&entry, &motion, &history, SideForce::Shear)
+            .unwrap();
         let expected = stiffer.forces_at(0.02, &motion).unwrap();
         assert!(
             (after.drawbar_pull - expected.drawbar_pull).abs() < 1e-12 * expected.vertical_force
@@ -276,7 +280,8 @@ fn a_steady_history_changes_nothing() {
         assert!((after.side_shear - expected.side_shear).abs() < 1e-12 * expected.vertical_force);
         for bad in [0.0, 1001.0, f64::NAN] {
             let history = SoilHistory::steady(motion).with_k_shear_factor(bad);
-            assert!(on_soil.forces_after(0.02, &motion, &history).is_err());
+            let after = on_soil.forces_after(&entry, &motion, &history, SideForce::Shear);
+            assert!(after.is_err());
         }
     }
 }

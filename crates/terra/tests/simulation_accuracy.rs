@@ -1,8 +1,8 @@
 //! Forces for steps in time against reference mode, over random contacts of every motion that a robot meets.
 
 use grouser_terra::{
-    Accuracy, Angle, Bulldozing, Forces, Kinematics, RigidWheel, Settings, ShearLaw, Slip, Soil,
-    SoilHistory, SoilParams, WheelOnSoil,
+    Accuracy, Angle, Bulldozing, Entry, Forces, Kinematics, RigidWheel, Settings, ShearLaw,
+    SideForce, Slip, Soil, SoilHistory, SoilParams, WheelOnSoil,
 };
 
 /// A stream of numbers in [0, 1) from a seed: SplitMix64.
@@ -161,7 +161,7 @@ fn laws_that_take_the_slip_angle_have_it_in_steps_too() {
             let on_soil = WheelOnSoil::new(wheel, soil, settings).unwrap();
             let steady = SoilHistory::steady(*motion);
             let (step, side) = on_soil
-                .forces_and_side_after(0.02, motion, &steady)
+                .forces_after(&Entry::new(0.02, 0.1), motion, &steady, SideForce::Whole)
                 .unwrap();
             let whole = on_soil.at_sinkage(0.02, motion).unwrap();
             [(step, side), (whole.forces, whole.side_force)]

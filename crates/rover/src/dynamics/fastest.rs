@@ -1,9 +1,11 @@
 //! How fast the fastest part of a robot on its ground settles: what bounds the step.
 
-use grouser_terra::{Kinematics, Slip, Soil};
+use grouser_terra::{Kinematics, Slip, Soil, entry_angle};
 
 use super::vehicle::{BEARING_RATE_RAD_PER_S, for_steps};
-use super::wheel_force::{SHEAR_LEAD_S, SINKAGE_LEAD_S, UNLOADING_SLOPE, contact_length};
+use super::wheel_force::{
+    MAX_SINKAGE_SHARE, SHEAR_LEAD_S, SINKAGE_LEAD_S, UNLOADING_SLOPE, contact_length,
+};
 use crate::body::{BodyState, MAX_FREEDOMS, MAX_SPEEDS, Speeds};
 use crate::error::{Error, Result};
 use crate::robot::{RobotModel, WheelMount};
@@ -81,9 +83,11 @@ impl Contact {
         };
         let gain = (torque(SHEAR_SLIP).map_err(law)? - torque(0.0).map_err(law)?) / SHEAR_SLIP;
         let radius = mount.wheel.running_radius();
+        let held = sinkage.min(MAX_SINKAGE_SHARE * radius);
+        let length = contact_length(radius, entry_angle(held, radius));
         Ok(Self {
             damping: UNLOADING_SLOPE * load / sinkage * SINKAGE_LEAD_S,
-            turning_damping: gain * radius / contact_length(&mount.wheel, sinkage) * SHEAR_LEAD_S,
+            turning_damping: gain * radius / length * SHEAR_LEAD_S,
         })
     }
 }

@@ -19,7 +19,7 @@
 //!   own; rolling forgets z_p over L.
 
 use grouser_real::Real;
-use grouser_terra::{Kinematics, RigidWheel, Slip, SoilHistory, WheelOnSoil};
+use grouser_terra::{Entry, Kinematics, SideForce, Slip, SoilHistory, WheelOnSoil};
 
 /// The shear is evaluated this much ahead in time, s. It damps a robot at rest with about 0.3 of the critical damping at a
 /// few kilogrammes a wheel.
@@ -29,7 +29,7 @@ pub(super) const SINKAGE_LEAD_S: f64 = 0.006;
 /// Slope of unloading: relative load per relative sinkage, 1. Sands have 5 to 50; beyond about 10 it no longer matters.
 pub(super) const UNLOADING_SLOPE: f64 = 6.0;
 /// A wheel sunk deeper than this share of its radius is buried: the laws end at 1.
-const MAX_SINKAGE_SHARE: f64 = 0.9;
+pub(super) const MAX_SINKAGE_SHARE: f64 = 0.9;
 /// Greatest drift over rolling speed at which the laws are evaluated: the shear is saturated there.
 const MAX_DRIFT_RATIO: f64 = 4.0;
 /// Drift over rolling speed below which a wheel runs straight, so that it is solved without a slip
@@ -77,8 +77,8 @@ pub struct WheelContact {
     direction: f64,
     /// Direction of travel, −1 to 1.
     travel: f64,
-    /// Sinkage to which the soil under it was pressed, m.
-    pressed: f64,
+    /// Sinkage to which the soil under it was pressed.
+    pressed: Entry,
 }
 
 /// How a wheel stands and moves in its contact plane.
@@ -151,6 +151,7 @@ impl WheelContact {
     }
 
     /// Moves on by `step` s and returns the forces.
+    #[inline]
     pub fn step(
         &mut self,
         pair: &WheelOnSoil,
@@ -161,20 +162,31 @@ impl WheelContact {
         let radius = pair.wheel().running_radius();
         let before = self.before.replace(*motion).unwrap_or(*motion);
         let amid = before.mean(motion);
-        let length = contact_length(pair.wheel(), self.pressed.max(motion.sinkage));
+        let limit = MAX_SINKAGE_SHARE * radius;
+        let buried = motion.sinkage > limit;
+        let before_step = self.pressed.sinkage();
+        let deepest = if motion.sinkage > before_step {
+            Entry::new(motion.sinkage.min(limit), radius)
+        } else {
+            self.pressed
+        };
+        let length = contact_length(radius, deepest.theta_1());
         let per_length = 1.0 / length;
         // what rolling leaves of the past, by the trapezoidal rule
         let half = 0.5 * step * amid.rolling() * per_length;
         let per_sum = 1.0 / (1.0 + half);
         let kept = (1.0 - half) * per_sum;
-        let forgotten = motion.sinkage + (self.pressed - motion.sinkage) * kept;
-        let limit = MAX_SINKAGE_SHARE * radius;
-        let buried = motion.sinkage > limit;
-        self.pressed = motion.sinkage.max(forgotten).clamp(0.0, limit);
-        if self.pressed <= 0.0 {
+        let forgotten = motion.sinkage + (before_step - motion.sinkage) * kept;
+        let pressed = motion.sinkage.max(forgotten).clamp(0.0, limit);
+        if pressed <= 0.0 {
             *self = Self::default();
             return WheelLoad::default();
         }
+        self.pressed = if pressed == deepest.sinkage() {
+            deepest
+        } else {
+            Entry::new(pressed, radius)
+        };
         let gained = step * per_sum;
         let limits = [1.0, MAX_DRIFT_RATIO];
         let (slipping_amid, slipping) = (amid.slip_velocity(), motion.slip_velocity());
@@ -193,14 +205,14 @@ impl WheelContact {
         self.dig(&amid, soil.settling_way, slips, step);
         let mut load = self.steady(pair, soil, slips);
         // W − k (z_p − z), the line of unloading, with its damping
-        let gap = (self.pressed - motion.sinkage.min(limit)) - SINKAGE_LEAD_S * motion.sinking;
-        let share = (1.0 - UNLOADING_SLOPE * gap / self.pressed).clamp(0.0, 3.0);
+        let gap = (pressed - motion.sinkage.min(limit)) - SINKAGE_LEAD_S * motion.sinking;
+        let share = (1.0 - UNLOADING_SLOPE * gap / pressed).clamp(0.0, 3.0);
         let scale = soil.strength * share;
         load.normal *= scale;
         load.along *= scale;
         load.across *= scale;
         load.torque *= scale;
-        load.pressed = self.pressed;
+        load.pressed = pressed;
         load.buried = buried;
         load
     }
@@ -235,13 +247,13 @@ impl WheelContact {
             k_shear: soil.k_shear,
         };
         if self.direction >= 1.0 {
-            let (load, resistance) = one_way(pair, self.pressed, [s, w], past(1.0));
+            let (load, resistance) = one_way(pair, &self.pressed, [s, w], past(1.0));
             return WheelLoad {
                 along: load.along - travel * resistance,
                 ..load
             };
         }
-        let (back, resistance) = one_way(pair, self.pressed, [-s, w], past(-1.0));
+        let (back, resistance) = one_way(pair, &self.pressed, [-s, w], past(-1.0));
         let mirrored = WheelLoad {
             along: -back.along - travel * resistance,
             torque: -back.torque,
@@ -250,7 +262,7 @@ impl WheelContact {
         if self.direction <= -1.0 {
             return mirrored;
         }
-        let (forth, resistance) = one_way(pair, self.pressed, [s, w], past(1.0));
+        let (forth, resistance) = one_way(pair, &self.pressed, [s, w], past(1.0));
         let forth = WheelLoad {
             along: forth.along - travel * resistance,
             ..forth
@@ -267,11 +279,9 @@ impl WheelContact {
     }
 }
 
-/// Length of the contact, m: the arc in front of the wheel's lowest point.
-pub(super) fn contact_length(wheel: &RigidWheel, sinkage: f64) -> f64 {
-    let radius = wheel.running_radius();
-    let theta_1 =
-        grouser_terra::entry_angle(sinkage.clamp(0.0, MAX_SINKAGE_SHARE * radius), radius);
+/// Length of the contact, m: the arc in front of the wheel's lowest point, of a wheel of `radius` (m) from the entry angle
+/// `theta_1` (rad) on.
+pub(super) fn contact_length(radius: f64, theta_1: f64) -> f64 {
     radius * theta_1.max(0.05)
 }
 
@@ -290,7 +300,7 @@ fn motion_at([s, w]: [f64; 2]) -> grouser_terra::Result<Kinematics> {
 
 /// The laws at slip `s` and drift `w` = v_y over the faster of rim and travel, rolling forwards: the load with the thrust
 /// alone along, and the resistance of the soil in front, N.
-fn one_way(pair: &WheelOnSoil, sinkage: f64, [s, w]: [f64; 2], past: Past) -> (WheelLoad, f64) {
+fn one_way(pair: &WheelOnSoil, entry: &Entry, [s, w]: [f64; 2], past: Past) -> (WheelLoad, f64) {
     let drift = if w.abs() < MIN_DRIFT_RATIO { 0.0 } else { w };
     let found = motion_at([s, drift]).and_then(|motion| {
         let dug_by = if past.dug == [s, w] {
@@ -299,12 +309,12 @@ fn one_way(pair: &WheelOnSoil, sinkage: f64, [s, w]: [f64; 2], past: Past) -> (W
             motion_at(past.dug)?
         };
         let history = SoilHistory::steady(dug_by).with_k_shear_factor(past.k_shear);
-        if drift.abs() > MIN_BULLDOZING_RATIO {
-            return pair.forces_and_side_after(sinkage, &motion, &history);
-        }
-        let forces = pair.forces_after(sinkage, &motion, &history)?;
-        let sideways = if drift == 0.0 { 0.0 } else { -drift.signum() };
-        Ok((forces, sideways * forces.side_shear))
+        let side = if drift.abs() > MIN_BULLDOZING_RATIO {
+            SideForce::Whole
+        } else {
+            SideForce::Shear
+        };
+        pair.forces_after(entry, &motion, &history, side)
     });
     // Soil, wheel and slip have been checked, so that nothing is left to refuse.
     let Ok((forces, across)) = found else {
@@ -315,7 +325,7 @@ fn one_way(pair: &WheelOnSoil, sinkage: f64, [s, w]: [f64; 2], past: Past) -> (W
         along: forces.thrust,
         across,
         torque: forces.torque,
-        pressed: sinkage,
+        pressed: entry.sinkage(),
         buried: false,
     };
     (load, forces.thrust - forces.drawbar_pull)
