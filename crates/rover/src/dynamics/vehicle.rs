@@ -76,6 +76,28 @@ pub struct WheelNow {
     pub soil: usize,
 }
 
+/// How a wheel meets the ground at a step, in the robot's frame.
+#[derive(Clone, Copy, Debug)]
+struct Meeting {
+    /// Its centre, m, and in the world.
+    at: Vector,
+    place: Vector,
+    axle: Vector,
+    /// The contact plane: normal to the ground, along the wheel and to its left.
+    up: Vector,
+    forward: Vector,
+    left: Vector,
+    /// Height of the centre in the wheel's plane, m.
+    height: f64,
+    /// Velocity of the centre, m/s.
+    velocity: Vector,
+    motion: WheelMotionNow,
+    soil: usize,
+    under: SoilUnder,
+    /// Depth of the rut that is already there, m.
+    rut: f64,
+}
+
 /// Where the energy went, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -133,6 +155,8 @@ pub struct Vehicle {
     /// Direction of each wheel's axle at its steering angle, in the pose of the description.
     axles: Vec<Vector>,
     inputs: Vec<WheelInput>,
+    /// How each wheel meets the ground in the step under way.
+    meetings: Vec<Meeting>,
     /// Acceleration of the origin in the robot's frame with gravity's reaction, m/s².
     specific_force: Vector,
     ledger: Ledger,
@@ -202,6 +226,7 @@ impl Vehicle {
             body_steps: Leapfrog::default(),
             spins_amid: vec![None; count],
             inputs: vec![WheelInput::default(); count],
+            meetings: Vec::with_capacity(count),
             specific_force: Vector::AXES[2] * gravity,
             ledger: Ledger::default(),
             time: 0.0,
@@ -290,9 +315,25 @@ impl Vehicle {
     pub fn advance(&mut self, ground: &mut Ground) {
         let mut forces = [0.0; MAX_SPEEDS];
         let axes = self.state.attitude.axes();
+        // wheel by wheel in three loops, since the contacts of several wheels are computed side by side where nothing of the
+        // rest lies between them
+        self.meetings.clear();
         for index in 0..self.wheels.len() {
             self.steer(index);
-            self.wheel_step(index, ground, axes, &mut forces);
+            let meeting = self.meet(index, ground, axes);
+            self.meetings.push(meeting);
+        }
+        let contacts = self
+            .contacts
+            .iter_mut()
+            .zip(&self.pairs)
+            .zip(&mut self.wheels);
+        for (meeting, ((contact, pairs), wheel)) in self.meetings.iter().zip(contacts) {
+            let pair = &pairs[meeting.soil.min(pairs.len() - 1)];
+            wheel.load = contact.step(pair, &meeting.under, &meeting.motion, self.step);
+        }
+        for index in 0..self.wheels.len() {
+            self.push(index, ground, &mut forces);
         }
         for (hold, rate) in self
             .model
@@ -330,19 +371,10 @@ impl Vehicle {
         }
     }
 
-    /// One wheel: contact, force, motor, spin; adds what it does to the body.
-    fn wheel_step(
-        &mut self,
-        index: usize,
-        ground: &mut Ground,
-        axes: Axes,
-        forces: &mut [f64; MAX_SPEEDS],
-    ) {
-        let step = self.step;
-        let input = self.inputs[index];
+    /// Where and how a wheel meets the ground.
+    fn meet(&self, index: usize, ground: &Ground, axes: Axes) -> Meeting {
         let mount = &self.model.wheels[index];
         let linkage = &self.model.linkage;
-        let wheel = &mut self.wheels[index];
         // the contact plane
         let at = linkage.point(&self.pose, mount.link, mount.centre);
         let place = self.state.position + axes.to_world(at);
@@ -373,16 +405,49 @@ impl Vehicle {
             sinkage: radius - height,
             sinking: -velocity.dot(up) * per_lean,
             velocity: [velocity.dot(forward), velocity.dot(left)],
-            rim: radius * wheel.spin,
+            rim: radius * self.wheels[index].spin,
         };
-        let pair = &self.pairs[index][spot.soil.min(self.pairs[index].len() - 1)];
-        let under = SoilUnder {
-            strength: spot.strength,
-            k_shear: spot.k_shear,
-            settling_way: ground.settling_way(),
-        };
-        let load = self.contacts[index].step(pair, &under, &motion, step);
+        Meeting {
+            at,
+            place,
+            axle,
+            up,
+            forward,
+            left,
+            height,
+            velocity,
+            motion,
+            soil: spot.soil,
+            under: SoilUnder {
+                strength: spot.strength,
+                k_shear: spot.k_shear,
+                settling_way: ground.settling_way(),
+            },
+            rut: spot.rut,
+        }
+    }
 
+    /// One wheel under its load: motor and spin; adds what it does to the body.
+    fn push(&mut self, index: usize, ground: &mut Ground, forces: &mut [f64; MAX_SPEEDS]) {
+        let step = self.step;
+        let input = self.inputs[index];
+        let mount = &self.model.wheels[index];
+        let linkage = &self.model.linkage;
+        let radius = mount.wheel.radius();
+        let wheel = &mut self.wheels[index];
+        let load = wheel.load;
+        let Meeting {
+            at,
+            place,
+            axle,
+            up,
+            forward,
+            left,
+            height,
+            velocity,
+            motion,
+            ..
+        } = self.meetings[index];
         // the motor and the bearing work between wheel and link, the soil on the wheel
         let carrier = Vector::AXES[1] * linkage.rate(&self.pose, mount.link);
         let link_rate = (self.state.turning() + carrier).dot(axle);
@@ -418,9 +483,8 @@ impl Vehicle {
         wheel.velocity = motion.velocity;
         wheel.rim = radius * wheel.spin;
         wheel.place = place;
-        wheel.load = load;
         wheel.motor = motor;
-        wheel.soil = spot.soil;
+        wheel.soil = self.meetings[index].soil;
         let lost = load.torque * spin_now - force.dot(velocity) - moment.dot(self.state.turning());
         self.ledger.soil += step * lost;
         self.ledger.electric += step * motor.power;
@@ -435,7 +499,7 @@ impl Vehicle {
             let share = 1.0 - behind / moved;
             let to = (x + share * (place.x - x), y + share * (place.y - y));
             if load.normal > 0.0 {
-                let depth = load.pressed + spot.rut;
+                let depth = load.pressed + self.meetings[index].rut;
                 let greater = motion.rim.abs().max(motion.velocity[0].abs());
                 let track = Track::new(
                     u8::try_from(index).unwrap_or(u8::MAX),
