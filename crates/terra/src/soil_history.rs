@@ -44,8 +44,8 @@ impl SoilHistory {
     }
 }
 
-/// A sinkage with the entry angle that it gives: a step in time needs the angle twice, and an arc sine takes as long as a
-/// seventh of the forces.
+/// A sinkage with the entry angle that it gives: a step in time needs the angle twice, for the length of the contact and
+/// for the forces, and computes its arc sine once.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Entry {
     sinkage: f64,

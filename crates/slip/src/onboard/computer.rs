@@ -388,8 +388,8 @@ impl OnBoard {
         &self.observations
     }
 
-    /// The filter's output. [`OnBoard::tick`] brings the wheels' estimates up to date; between two ticks they may be those of the moment
-    /// before the last readings.
+    /// The filter's output. [`OnBoard::tick`] brings the wheels' estimates up to date; between two ticks they may be those
+    /// of the moment before the last readings.
     #[must_use]
     pub fn estimate(&self) -> FilterOutput<'_> {
         self.filter.latest()
