@@ -88,7 +88,7 @@ pub enum Doubt {
     Reversed(u64),
     /// The speed over ground is never negative, though the wheels ran this far backwards, m.
     SpeedWithoutSign(f64),
-    /// The angle of the steering disagrees with the gyro.
+    /// The robot turns otherwise than as it is steered.
     Steering(SteeringFault),
     /// The filter refused most readings of its only reference.
     ReferenceRefused(ReferenceUse),
@@ -146,14 +146,15 @@ impl fmt::Display for Doubt {
                 "the speed over ground is never negative, but the wheels ran {way:.1} m backwards: it is the size of the speed. \
                  `meaning = \"speed_size\"` (of its column, or under `[[topics.field]]`) gives it the sign of the wheels"
             ),
-            Self::Steering(SteeringFault::Reversed) => write!(
-                f,
-                "the gyro turns against the steering: the sign of `steering_angle` is wrong (`scale = -1.0` in its column)"
-            ),
-            Self::Steering(SteeringFault::Unit) => write!(
-                f,
-                "`steering_angle` does not fit the gyro's turns: is its unit another than described (rad, deg)?"
-            ),
+            Self::Steering(fault) => {
+                f.write_str("the robot does not turn as its steering angle says: ")?;
+                f.write_str(match fault {
+                    SteeringFault::Reversed => {
+                        "the sign of the angle is wrong (`scale = -1.0` in its column), or that of what measures the turns"
+                    }
+                    SteeringFault::Unit => "is its unit another than described (rad, deg), or does it stay the same?",
+                })
+            }
             Self::ReferenceRefused(ReferenceUse { readings, used }) => write!(
                 f,
                 "the filter used {used} of {readings} readings of its reference: its slips do not follow from this log"

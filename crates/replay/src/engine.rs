@@ -28,7 +28,6 @@ use crate::sink::{Row, Sink, Step};
 use crate::smooth::latency_ns;
 use crate::speed_sign::SignWatch;
 use crate::steering::WheelSteering;
-use crate::steering_watch::SteeringWatch;
 use crate::summary::{Status, Summary};
 use crate::tally::Tally;
 use crate::turn_watch::TurnWatch;
@@ -95,7 +94,6 @@ pub struct Engine {
     speed_sign: SignWatch,
     /// `None` of a robot that steers by one angle.
     signs: Option<EncoderSigns>,
-    steered: Option<SteeringWatch>,
     reckoning: Reckoning,
     odometry: Option<Odometry>,
     clock_offset_s: Option<f64>,
@@ -219,13 +217,12 @@ impl Engine {
             slips,
             pose: PoseWatch::new(
                 &robot,
-                steering.is_some(),
+                steering.as_ref(),
                 settings.low_speed,
                 settings.position_sigma,
             ),
             speed_sign: SignWatch::default(),
             signs: (steering.is_none()).then(|| EncoderSigns::new(&robot, settings.low_speed)),
-            steered: steering.as_ref().and_then(SteeringWatch::new),
             // Steered wheels turn the robot otherwise than by the speeds of its sides.
             turns: if file.steering.is_none() {
                 TurnWatch::new(&robot, settings.low_speed, settings.window)
@@ -306,9 +303,6 @@ impl Engine {
             self.axes.take(&sample);
             self.pose.take(&sample);
             self.speed_sign.take(&sample);
-            if let Some(steered) = &mut self.steered {
-                steered.take(&sample);
-            }
             if let Some(exchange) = &mut self.exchange {
                 exchange.take(&sample);
             }
@@ -420,11 +414,7 @@ impl Engine {
                 (rims.clone()).fold((0.0, 0.0), |(sum, count), rim| (sum + rim, count + 1.0));
             if count > 0.0 {
                 self.axes.step(now, sum / count);
-                let wheels_yaw_rate = body.wheels_yaw_rate.map(|rate| rate.value);
-                self.pose.step(now, sum / count, wheels_yaw_rate);
-                if let Some(steered) = &mut self.steered {
-                    steered.step(now, sum / count);
-                }
+                self.pose.step(now, sum / count, &body);
                 let size: f64 = rims.clone().map(f64::abs).sum();
                 self.ground.step(now, time_s, size / count);
             }
@@ -543,6 +533,11 @@ impl Engine {
             // The difference is wiring: no wheel slips by it.
             turns.wheel = None;
         }
+        let (steering, gyro_scale) = self.pose.steering();
+        let mut pose = self.pose.summary();
+        pose.gyro_scale = pose.gyro_scale.or(gyro_scale);
+        // without a gyro the same turns by the wheels are beside those of the yaw
+        pose.fault = (pose.fault).filter(|fault| steering.is_none() || !fault.is_yaw());
         // Where nothing of an absolute reference was used, there is no way.
         let is_unused = self.slips.is_reference_unused();
         Summary {
@@ -579,11 +574,11 @@ impl Engine {
                 ..axes
             },
             has_other_acceleration: self.axes.has_other_scale(),
-            pose: self.pose.summary(),
+            pose,
             speed_without_sign_m: (self.speed_sign.backwards())
                 .filter(|_| reference == Reference::Speed),
             reversed: self.signs.as_ref().and_then(EncoderSigns::reversed),
-            steering: self.steered.as_ref().and_then(SteeringWatch::fault),
+            steering,
             ground_changes_s: self.ground.called_s().to_vec(),
             clock_offset_s: self.clock_offset_s,
             reference_delay: self.reference_delay,

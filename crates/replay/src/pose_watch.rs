@@ -7,10 +7,13 @@ use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 use grouser_real::{Real, wrap_angle};
+use grouser_slip::window::WindowBody;
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
 use crate::axes::common_heading;
 use crate::ground_change::solve;
+use crate::steering::WheelSteering;
+use crate::steering_watch::{SteeringFault, steering_fault};
 use crate::turn_pair::{GyroTurn, MIN_CORRELATION, TurnPair};
 
 /// Turns are compared over this time, s: long against the delay of a reference; and not over a longer one than the second.
@@ -30,6 +33,19 @@ const WAY_M: f64 = 0.5;
 const WAY_SIGMAS: f64 = 6.0;
 const MAX_BEND_RAD: f64 = 0.05;
 const MAX_WAY_TIME_S: f64 = 20.0;
+/// Courses of places that are compared with the steering: their length in standard deviations of a place, so that two differ by 0.12 rad
+/// at most by noise. The path of the wheels is up to the second number of times as long or as short.
+const COURSE_SIGMAS: f64 = 20.0;
+const MAX_PATH_SCALE: f64 = 5.0;
+/// A robot that goes this many times as far as its wheels is none.
+const MAX_WAY_SHARE: f64 = 2.0;
+/// Nothing is known of a path between two readings of the wheels that are further apart, s.
+const MAX_PATH_GAP_S: f64 = 1.0;
+/// No steering turns the wheels of one angle as far, rad (86°), and no wheel that is steered by itself: such angles have another unit.
+/// More often than in this share of the readings they are no outliers.
+const MAX_STEERING_RAD: f64 = 1.5;
+const MAX_WHEEL_STEERING_RAD: f64 = 7.0;
+const MAX_BEYOND_SHARE: f64 = 0.02;
 /// Ways that are kept and that must have been, at least.
 const MAX_WAYS: usize = 4000;
 const MIN_WAYS: usize = 8;
@@ -65,6 +81,16 @@ pub enum PoseFault {
     PlaceMirrored,
     /// Its ways are this many times those of the wheels.
     Unit(f64),
+}
+
+impl PoseFault {
+    /// Is it the yaw that turns otherwise?
+    pub(crate) const fn is_yaw(&self) -> bool {
+        matches!(
+            self,
+            Self::YawConstant | Self::YawMirrored | Self::YawUnit(_)
+        )
+    }
 }
 
 /// What was found of a pose.
@@ -117,6 +143,8 @@ pub(crate) struct PoseWatch {
     heading: Option<f64>,
     /// Do the powered wheels point one way, so that their mean is the robot's speed?
     is_parallel: bool,
+    /// Does one angle steer wheels of one body?
+    is_ackermann: bool,
     low_speed: f64,
     way: f64,
     gyro: GyroTurn,
@@ -133,6 +161,14 @@ pub(crate) struct PoseWatch {
     gyro_pose: TurnPair,
     gyro_wheels: TurnPair,
     wheels_pose: TurnPair,
+    course_wheels: TurnPair,
+    /// Readings of steering angles, and those that no steering has.
+    angles: [f64; 2],
+    /// Place, m, and heading, rad, by wheels without slip; where the last course began by places and by wheels; the courses by both.
+    path: [f64; 3],
+    course_from: Option<[[f64; 2]; 2]>,
+    course: Option<[f64; 2]>,
+    course_way: f64,
     straight: Option<Begun>,
     /// Course less yaw, and the direction along the yaw in which the wheels drove, of straight ways, rad.
     courses: Vec<[f64; 2]>,
@@ -141,16 +177,23 @@ pub(crate) struct PoseWatch {
 }
 
 impl PoseWatch {
-    pub(crate) fn new(robot: &Robot, is_steered: bool, low_speed: f64, sigma: f64) -> Self {
+    pub(crate) fn new(
+        robot: &Robot,
+        steering: Option<&WheelSteering>,
+        low_speed: f64,
+        sigma: f64,
+    ) -> Self {
         let powered = robot
             .wheels()
             .iter()
             .filter(|wheel| wheel.role == WheelRole::Powered);
-        let is_fixed = !is_steered && powered.clone().all(|wheel| wheel.steers_about.is_none());
+        let is_fixed =
+            steering.is_none() && powered.clone().all(|wheel| wheel.steers_about.is_none());
         let along = common_heading(robot, Real::cos(0.02));
         let heading = along.filter(|_| is_fixed);
         Self {
             is_parallel: along.is_some(),
+            is_ackermann: steering.is_some_and(WheelSteering::is_ackermann),
             heading: heading.map(|[cos, sin]| Real::atan2(sin, cos)),
             low_speed,
             way: WAY_M.max(WAY_SIGMAS * sigma),
@@ -166,6 +209,12 @@ impl PoseWatch {
             gyro_pose: TurnPair::default(),
             gyro_wheels: TurnPair::default(),
             wheels_pose: TurnPair::default(),
+            course_wheels: TurnPair::default(),
+            angles: [0.0; 2],
+            path: [0.0; 3],
+            course_from: None,
+            course: None,
+            course_way: WAY_M.max(COURSE_SIGMAS * sigma),
             straight: None,
             courses: Vec::new(),
             any: None,
@@ -183,19 +232,78 @@ impl PoseWatch {
             Measurement::Pose { x, y, yaw } if (x + y + yaw).is_finite() => {
                 self.take_turn(sample.time_ns, yaw);
                 self.take_place(sample.time_ns, [x, y], yaw);
+                self.take_course([x, y]);
             }
-            Measurement::SteeringAngle { .. } => self.heading = None,
+            Measurement::Position { x, y } if (x + y).is_finite() => self.take_course([x, y]),
+            Measurement::SteeringAngle { angle, .. } => {
+                self.heading = None;
+                self.take_angle(angle / MAX_WHEEL_STEERING_RAD);
+            }
+            Measurement::Steering { angle } if self.is_ackermann => {
+                self.take_angle(angle / MAX_STEERING_RAD);
+            }
             _ => {}
         }
     }
 
-    /// Takes the mean speed of the powered rims, m/s, and the yaw rate by the wheels, rad/s.
-    pub(crate) fn step(&mut self, now_ns: i64, rim: f64, wheels_yaw_rate: Option<f64>) {
-        self.rim = rim;
+    /// Takes the mean speed of the powered rims, m/s, and the means over the window.
+    pub(crate) fn step(&mut self, now_ns: i64, rim: f64, body: &WindowBody) {
+        let before = std::mem::replace(&mut self.rim, rim);
         if let Some(last_ns) = self.stepped_ns.replace(now_ns) {
             let passed = now_ns.saturating_sub(last_ns) as f64 * 1e-9;
             self.rims += rim * passed;
-            self.wheels += wheels_yaw_rate.unwrap_or(f64::NAN) * passed;
+            let [x, y, turn] = self.by_wheels(body);
+            self.wheels += turn * passed;
+            // to and fro courses turn by half a turn
+            if turn.is_finite() && passed < MAX_PATH_GAP_S && before * rim > 0.0 {
+                let (sin, cos) = Real::sin_cos(self.path[2]);
+                self.path[0] += (cos * x - sin * y) * passed;
+                self.path[1] += (sin * x + cos * y) * passed;
+                self.path[2] += turn * passed;
+            } else {
+                (self.course_from, self.course) = (None, None);
+            }
+        }
+        if self.last_yaw.is_none() {
+            self.compare_turns(now_ns);
+        }
+    }
+
+    /// The motion by the wheels; of a robot that turns as its wheels stand, at the speed that the reference shows.
+    fn by_wheels(&self, body: &WindowBody) -> [f64; 3] {
+        let wheels = body.wheels_motion.map_or([f64::NAN; 3], |of| of.velocity);
+        let speed = |[x, y, _]: [f64; 3]| Real::hypot(x, y);
+        let by_reference = body.motion.map_or(f64::NAN, |of| speed(of.velocity));
+        let share = by_reference / speed(wheels);
+        let share = if self.angles[0] > 0.0 && share.is_finite() {
+            share.min(MAX_WAY_SHARE)
+        } else {
+            1.0
+        };
+        wheels.map(|part| share * part)
+    }
+
+    /// Takes a steering angle as a multiple of the largest one.
+    fn take_angle(&mut self, angle: f64) {
+        self.angles[0] += 1.0;
+        self.angles[1] += f64::from(angle.abs() > 1.0);
+    }
+
+    /// Compares the courses by places and by wheels where a course ends.
+    fn take_course(&mut self, place: [f64; 2]) {
+        let here = [place, [self.path[0], self.path[1]]];
+        let from = *self.course_from.get_or_insert(here);
+        let way = |i: usize| [here[i][0] - from[i][0], here[i][1] - from[i][1]];
+        let [places, path] = [way(0), way(1)].map(|[x, y]| (Real::hypot(x, y), Real::atan2(y, x)));
+        if places.0 < self.course_way {
+            return;
+        }
+        self.course_from = Some(here);
+        let is_alike = path.0 < MAX_PATH_SCALE * places.0 && places.0 < MAX_PATH_SCALE * path.0;
+        let before = std::mem::replace(&mut self.course, is_alike.then_some([places.1, path.1]));
+        if let Some((before, now)) = before.zip(self.course) {
+            let [places, path] = [0, 1].map(|i| wrap_angle(now[i] - before[i]));
+            self.course_wheels.add(places, path);
         }
     }
 
@@ -208,6 +316,10 @@ impl PoseWatch {
         } else {
             f64::NAN
         };
+        self.compare_turns(now_ns);
+    }
+
+    fn compare_turns(&mut self, now_ns: i64) {
         let passed = self.turn_ns.map_or(f64::INFINITY, |from| {
             now_ns.saturating_sub(from) as f64 * 1e-9
         });
@@ -295,6 +407,20 @@ impl PoseWatch {
             gyro_scale,
             gyro_agrees: self.gyro_pose.is_known() && self.gyro_pose.agrees(1.0),
             long_way_scale: is_known.then(|| scales[scales.len() * 9 / 10]),
+        }
+    }
+
+    /// The fault of the steering, and the scale of a gyro that alone disagrees with it.
+    pub(crate) fn steering(&self) -> (Option<SteeringFault>, Option<f64>) {
+        let [count, beyond] = self.angles;
+        if count == 0.0 {
+            (None, None)
+        } else if beyond > MAX_BEYOND_SHARE * count {
+            (Some(SteeringFault::Unit), None)
+        } else {
+            let pose_wheels = self.wheels_pose.exchanged();
+            let turns = [&self.gyro_wheels, &pose_wheels, &self.course_wheels];
+            steering_fault(turns)
         }
     }
 
@@ -418,10 +544,10 @@ mod tests {
                     .heading(Angle::from_deg(heading))
             });
         let robot = Robot::new("cart".into(), wheels.collect()).unwrap();
-        let mut watch = PoseWatch::new(&robot, false, 0.01, 0.01);
+        let mut watch = PoseWatch::new(&robot, None, 0.01, 0.01);
         for step in 0..400 {
             let time_ns = i64::from(step) * 100_000_000;
-            watch.step(time_ns, 0.2, None);
+            watch.step(time_ns, 0.2, &WindowBody::default());
             let x = 0.2 * f64::from(step);
             let measurement = Measurement::Pose {
                 x,

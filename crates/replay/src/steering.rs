@@ -51,15 +51,15 @@ impl WheelSteering {
         })
     }
 
-    /// The wheelbase of a robot that turns by v tan δ / L, m.
-    pub(crate) fn ackermann_wheelbase(&self) -> Option<f64> {
-        matches!(self.kind, SteeringKind::Ackermann).then_some(self.wheelbase)
+    /// Does the robot turn as its wheels stand? Of an articulated one the rate of the joint counts too.
+    pub(crate) const fn is_ackermann(&self) -> bool {
+        matches!(self.kind, SteeringKind::Ackermann)
     }
 
     /// With Ackermann's steering all wheels turn about one point on the line of the unsteered ones, at R = L / tan δ to the left:
     /// tan δ_i = (x_i − x_r) / (R − y_i). The wheels of an articulated robot's other body turn with it.
     fn wheel_angle(&self, angle: f64, x: f64, y: f64) -> f64 {
-        if matches!(self.kind, SteeringKind::Articulated { .. }) {
+        if !self.is_ackermann() {
             return angle;
         }
         let tan = Real::tan(angle);

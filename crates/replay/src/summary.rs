@@ -154,7 +154,7 @@ pub struct Summary {
     pub speed_without_sign_m: Option<f64>,
     /// Wheels that turn against the reference while others turn with it, bit by bit in the robot's order.
     pub reversed: Option<u64>,
-    /// How the angle of the steering disagrees with the gyro.
+    /// How the angle of the steering disagrees with the robot's turns.
     pub steering: Option<SteeringFault>,
     /// When torques or motor currents and the speed of the wheels showed another ground under one command, s from the log's
     /// start; a change between grounds that draw the same current is not observable.

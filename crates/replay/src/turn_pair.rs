@@ -8,6 +8,11 @@ const MIN_TURNS_SQUARE: f64 = 0.5;
 /// Two sensors turn alike, or against each other, with this correlation at least, and with a scale from half to twice.
 pub(crate) const MIN_CORRELATION: f64 = 0.7;
 const MAX_SCALE: f64 = 2.0;
+/// Turns with this standard deviation are no noise of a yaw or of a course, rad; a correlation has one of 1/√n, times this.
+const MIN_UNLIKE_RAD: f64 = 0.25;
+const UNLIKE_SIGMAS: f64 = 1.5;
+/// Turns that follow one another are alike by this share at least, as the mean of their product over that of their square.
+const MIN_FOLLOWING_SHARE: f64 = 0.3;
 /// What turns by less than this share of the other sensor's turns is constant.
 const CONSTANT_SHARE: f64 = 0.1;
 
@@ -20,6 +25,9 @@ pub(crate) struct TurnPair {
     aa: f64,
     ab: f64,
     bb: f64,
+    /// Product of turns of the first that follow one another, summed, and the last.
+    following: f64,
+    last: f64,
 }
 
 impl TurnPair {
@@ -31,6 +39,19 @@ impl TurnPair {
             self.aa += a * a;
             self.ab += a * b;
             self.bb += b * b;
+            self.following += a * self.last;
+            self.last = a;
+        }
+    }
+
+    /// With the second sensor as the first.
+    pub(crate) const fn exchanged(self) -> Self {
+        Self {
+            a: self.b,
+            b: self.a,
+            aa: self.bb,
+            bb: self.aa,
+            ..self
         }
     }
 
@@ -42,6 +63,11 @@ impl TurnPair {
             self.ab - self.a * self.b / n,
             self.bb - self.b * self.b / n,
         ]
+    }
+
+    /// Does the first go on turning to one side in bends, as outliers of places do not?
+    pub(crate) fn has_bends(&self) -> bool {
+        self.following > MIN_FOLLOWING_SHARE * self.aa
     }
 
     /// Did the first turn enough?
@@ -59,6 +85,19 @@ impl TurnPair {
     pub(crate) fn scale(&self) -> f64 {
         let [aa, ab, _] = self.central();
         ab / aa
+    }
+
+    /// The first's turn as a multiple of the second's.
+    pub(crate) fn inverse_scale(&self) -> f64 {
+        let [_, ab, bb] = self.central();
+        ab / bb
+    }
+
+    /// Do the turns of the first, which are well above its noise, have nothing to do with the second's? Their means count.
+    pub(crate) fn is_unlike(&self) -> bool {
+        let noise = UNLIKE_SIGMAS / self.count.sqrt();
+        self.central()[0] > MIN_UNLIKE_RAD * MIN_UNLIKE_RAD * self.count
+            && !(self.ab.abs() > (MIN_CORRELATION - noise) * (self.aa * self.bb).sqrt())
     }
 
     pub(crate) fn correlation(&self) -> f64 {
