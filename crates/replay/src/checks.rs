@@ -147,13 +147,16 @@ impl fmt::Display for Doubt {
                  `meaning = \"speed_size\"` (of its column, or under `[[topics.field]]`) gives it the sign of the wheels"
             ),
             Self::Steering(fault) => {
-                f.write_str("the robot does not turn as its steering angle says: ")?;
-                f.write_str(match fault {
-                    SteeringFault::Reversed => {
-                        "the sign of the angle is wrong (`scale = -1.0` in its column), or that of what measures the turns"
+                let why = match fault {
+                    SteeringFault::Reversed => "is its sign wrong (`scale = -1.0` in its column)",
+                    SteeringFault::Unit => {
+                        "is its unit another (rad, deg), or does it stay the same"
                     }
-                    SteeringFault::Unit => "is its unit another than described (rad, deg), or does it stay the same?",
-                })
+                };
+                write!(
+                    f,
+                    "the robot does not turn as its steering angle says: {why}?"
+                )
             }
             Self::ReferenceRefused(ReferenceUse { readings, used }) => write!(
                 f,

@@ -303,9 +303,6 @@ impl Engine {
             self.axes.take(&sample);
             self.pose.take(&sample);
             self.speed_sign.take(&sample);
-            if let Some(exchange) = &mut self.exchange {
-                exchange.take(&sample);
-            }
             self.ground.take(&sample);
             if let Measurement::Position { x, y } = sample.measurement {
                 self.reckoning.take_place(sample.time_ns, [x, y]);
@@ -527,7 +524,8 @@ impl Engine {
             Slips::Window(estimator) => (Method::Window, None, estimator.rejected(), None),
         };
         let wheels = self.robot.wheels().iter().zip(&self.tallies);
-        let exchange = self.exchange.as_ref().and_then(ExchangeWatch::found);
+        let is_sign_certain = self.pose.is_turn_certain();
+        let exchange = (self.exchange.as_ref()).and_then(|of| of.found(is_sign_certain));
         let mut turns = self.turns.as_ref().map(TurnWatch::summary);
         if let Some(turns) = turns.as_mut().filter(|_| exchange.is_some()) {
             // The difference is wiring: no wheel slips by it.

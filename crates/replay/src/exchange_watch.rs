@@ -1,8 +1,8 @@
 //! Are left and right encoders exchanged? In a bend the outer wheels run faster; exchanged ones show the other side's bends.
 
-use grouser_real::{Real, wrap_angle};
+use grouser_real::Real;
 use grouser_slip::window::WindowBody;
-use grouser_slip::{Measurement, Robot, Sample, WheelRole};
+use grouser_slip::{Robot, WheelRole};
 
 use crate::ground_change::solve;
 
@@ -21,11 +21,6 @@ const MIN_FREE_SHARE: f64 = 0.05;
 const SLIP_RIDGE: f64 = 1e-4;
 /// A wheel nearer to the middle than this, as a share of the outermost one's distance, shows no side.
 const MIN_SIDE_SHARE: f64 = 0.25;
-/// The turn by the reference beside that by the gyro decides which of both has the wrong sign from this correlation on.
-const MIN_TURN_CORRELATION: f64 = 0.5;
-/// Both are compared over this time, s: long against the delay of a reference.
-const TURN_TIME_S: f64 = 2.0;
-
 /// Wheels that show the bends of the other side.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -52,54 +47,35 @@ pub(crate) struct ExchangeWatch {
     sums: Vec<([f64; 3], f64)>,
     /// Turns to the left and to the right, rad.
     turned: [f64; 2],
-    /// Time, turn by the gyro and turn by the reference since both were last compared, s and rad.
-    open: [f64; 3],
-    reference_yaw: Option<f64>,
-    /// Σ gyro², Σ gyro · reference, Σ reference² of turns.
-    turns: [f64; 3],
+}
+
+/// The powered wheels of a robot, where all of them point one way, each with its arm: d(speed against the mean)/d(yaw rate), m.
+pub(crate) fn parallel_arms(robot: &Robot) -> Option<Vec<(usize, f64)>> {
+    let all = robot.wheels().iter().enumerate();
+    let powered = all.filter(|(_, wheel)| wheel.role == WheelRole::Powered);
+    let rows: Vec<_> = (powered.map(|(index, wheel)| (index, wheel.speed_row()))).collect();
+    let (_, first) = *rows.first()?;
+    let mean = rows.iter().map(|(_, row)| row[2]).sum::<f64>() / rows.len() as f64;
+    let arm = |&(index, row): &(usize, [f64; 3])| {
+        let is_parallel = Real::hypot(row[0] - first[0], row[1] - first[1]) < 0.02;
+        is_parallel.then(|| (index, row[2] - mean))
+    };
+    rows.iter().map(arm).collect()
 }
 
 impl ExchangeWatch {
     /// `None` for a robot whose wheels do not all point one way, or that has none beside another.
     pub(crate) fn new(robot: &Robot, window: f64) -> Option<Self> {
-        let all = robot.wheels().iter().enumerate();
-        let powered = all.filter(|(_, wheel)| wheel.role == WheelRole::Powered);
-        let (wheels, rows): (Vec<usize>, Vec<[f64; 3]>) = powered
-            .map(|(index, wheel)| (index, wheel.speed_row()))
-            .unzip();
-        let first = rows.first()?;
-        let parallel = rows
-            .iter()
-            .all(|row| Real::hypot(row[0] - first[0], row[1] - first[1]) < 0.02);
-        let mean = rows.iter().map(|row| row[2]).sum::<f64>() / rows.len() as f64;
-        let arms: Vec<f64> = rows.iter().map(|row| row[2] - mean).collect();
-        (parallel && arms.iter().any(|arm| arm.abs() > 1e-3)).then(|| Self {
+        let (wheels, arms): (Vec<usize>, Vec<f64>) = parallel_arms(robot)?.into_iter().unzip();
+        arms.iter().any(|arm| arm.abs() > 1e-3).then(|| Self {
             wheels,
             window,
             until_ns: None,
             moments: [[0.0; 3]; 3],
             sums: vec![([0.0; 3], 0.0); arms.len()],
             turned: [0.0; 2],
-            open: [0.0; 3],
-            reference_yaw: None,
-            turns: [0.0; 3],
             arms,
         })
-    }
-
-    /// The turns that the reference measures.
-    pub(crate) fn take(&mut self, sample: &Sample) {
-        match sample.measurement {
-            Measurement::Pose { yaw, .. } if yaw.is_finite() => {
-                if let Some(before) = self.reference_yaw.replace(yaw) {
-                    self.open[2] += wrap_angle(yaw - before);
-                }
-            }
-            Measurement::Displacement {
-                turn: Some(turn), ..
-            } if turn.is_finite() => self.open[2] += turn,
-            _ => {}
-        }
     }
 
     /// What is known over the window that ended at `body.until_ns`; `rim` yields each wheel's rim speed over it, m/s.
@@ -113,7 +89,6 @@ impl ExchangeWatch {
             return;
         }
         let rate = yaw_rate.value;
-        self.compare_turns(seconds, rate);
         let rims = self.wheels.iter().map(|wheel| rim(*wheel));
         let sum = (rims.clone()).try_fold(0.0, |sum, rim| Some(sum + rim?));
         let Some(sum) = sum.filter(|_| rate.abs() > MIN_BEND_RAD_PER_S && seconds < self.window)
@@ -133,23 +108,8 @@ impl ExchangeWatch {
         self.turned[usize::from(rate < 0.0)] += seconds * rate.abs();
     }
 
-    /// Turns by gyro and reference over the same time.
-    fn compare_turns(&mut self, seconds: f64, rate: f64) {
-        self.open[0] += seconds;
-        self.open[1] += seconds * rate;
-        let [time, gyro, reference] = self.open;
-        if time < TURN_TIME_S {
-            return;
-        }
-        self.open = [0.0; 3];
-        let products = [gyro * gyro, gyro * reference, reference * reference];
-        for (sum, product) in self.turns.iter_mut().zip(products) {
-            *sum += product;
-        }
-    }
-
-    /// The exchanged wheels, if there are any: never without bends to both sides.
-    pub(crate) fn found(&self) -> Option<ExchangeCheck> {
+    /// The exchanged wheels, if there are any: never without bends to both sides. Is the sign of the yaw rate certain?
+    pub(crate) fn found(&self, is_sign_certain: bool) -> Option<ExchangeCheck> {
         if self.turned.iter().any(|turned| *turned < MIN_TURN_RAD) {
             return None;
         }
@@ -163,10 +123,8 @@ impl ExchangeWatch {
             sided.partition(|wheel| self.shows_the_other_side(*wheel));
         let is_left = |wheel: &usize| self.arms[*wheel] < 0.0;
         let (left, right) = (wheels.iter().any(is_left), !wheels.iter().all(is_left));
-        let [gyro, product, reference] = self.turns;
-        let correlation = product / (gyro * reference).sqrt();
         (left && right).then(|| ExchangeCheck {
-            is_certain: !others.is_empty() || correlation > MIN_TURN_CORRELATION,
+            is_certain: is_sign_certain || !others.is_empty(),
             wheels: wheels.iter().map(|place| self.wheels[*place]).collect(),
         })
     }

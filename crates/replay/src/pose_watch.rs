@@ -21,6 +21,8 @@ const TURN_TIME_S: f64 = 3.0;
 const MAX_TURN_TIME_S: f64 = 6.0;
 /// Wheels that slip in bends show the sense of the turn.
 const MIN_WHEELS_CORRELATION: f64 = 0.4;
+/// A gyro whose turns have this correlation with those of the reference has the right sign.
+const MIN_GYRO_CORRELATION: f64 = 0.5;
 /// Multiples of the wheels' turn that a robot turns by: wheels of a skid-steered one turn it by less than without slip.
 const WHEELS_SCALES: RangeInclusive<f64> = 0.1..=2.0;
 /// No robot turns by more between two poses, rad: a yaw that was turned round does.
@@ -42,10 +44,10 @@ const MAX_WAY_SHARE: f64 = 2.0;
 /// Nothing is known of a path between two readings of the wheels that are further apart, s.
 const MAX_PATH_GAP_S: f64 = 1.0;
 /// No steering turns the wheels of one angle as far, rad (86°), and no wheel that is steered by itself: such angles have another unit.
-/// More often than in this share of the readings they are no outliers.
+/// One in as many readings is an outlier.
 const MAX_STEERING_RAD: f64 = 1.5;
 const MAX_WHEEL_STEERING_RAD: f64 = 7.0;
-const MAX_BEYOND_SHARE: f64 = 0.02;
+const READINGS_PER_OUTLIER: i64 = 50;
 /// Ways that are kept and that must have been, at least.
 const MAX_WAYS: usize = 4000;
 const MIN_WAYS: usize = 8;
@@ -162,8 +164,8 @@ pub(crate) struct PoseWatch {
     gyro_wheels: TurnPair,
     wheels_pose: TurnPair,
     course_wheels: TurnPair,
-    /// Readings of steering angles, and those that no steering has.
-    angles: [f64; 2],
+    /// Readings of steering angles that no steering has, each less those that may pass for outliers; `None` without readings.
+    beyond: Option<i64>,
     /// Place, m, and heading, rad, by wheels without slip; where the last course began by places and by wheels; the courses by both.
     path: [f64; 3],
     course_from: Option<[[f64; 2]; 2]>,
@@ -210,7 +212,7 @@ impl PoseWatch {
             gyro_wheels: TurnPair::default(),
             wheels_pose: TurnPair::default(),
             course_wheels: TurnPair::default(),
-            angles: [0.0; 2],
+            beyond: None,
             path: [0.0; 3],
             course_from: None,
             course: None,
@@ -234,13 +236,18 @@ impl PoseWatch {
                 self.take_place(sample.time_ns, [x, y], yaw);
                 self.take_course([x, y]);
             }
+            Measurement::Displacement {
+                turn: Some(turn), ..
+            } if turn.is_finite() => {
+                self.take_turn(sample.time_ns, self.last_yaw.unwrap_or(0.0) + turn);
+            }
             Measurement::Position { x, y } if (x + y).is_finite() => self.take_course([x, y]),
             Measurement::SteeringAngle { angle, .. } => {
                 self.heading = None;
-                self.take_angle(angle / MAX_WHEEL_STEERING_RAD);
+                self.take_angle(angle, MAX_WHEEL_STEERING_RAD);
             }
             Measurement::Steering { angle } if self.is_ackermann => {
-                self.take_angle(angle / MAX_STEERING_RAD);
+                self.take_angle(angle, MAX_STEERING_RAD);
             }
             _ => {}
         }
@@ -275,7 +282,7 @@ impl PoseWatch {
         let speed = |[x, y, _]: [f64; 3]| Real::hypot(x, y);
         let by_reference = body.motion.map_or(f64::NAN, |of| speed(of.velocity));
         let share = by_reference / speed(wheels);
-        let share = if self.angles[0] > 0.0 && share.is_finite() {
+        let share = if self.beyond.is_some() && share.is_finite() {
             share.min(MAX_WAY_SHARE)
         } else {
             1.0
@@ -283,10 +290,9 @@ impl PoseWatch {
         wheels.map(|part| share * part)
     }
 
-    /// Takes a steering angle as a multiple of the largest one.
-    fn take_angle(&mut self, angle: f64) {
-        self.angles[0] += 1.0;
-        self.angles[1] += f64::from(angle.abs() > 1.0);
+    fn take_angle(&mut self, angle: f64, limit: f64) {
+        let is_beyond = angle.abs() > limit;
+        *self.beyond.get_or_insert(0) += if is_beyond { READINGS_PER_OUTLIER } else { -1 };
     }
 
     /// Compares the courses by places and by wheels where a course ends.
@@ -410,18 +416,21 @@ impl PoseWatch {
         }
     }
 
+    /// Is the sign of the robot's turns certain: is there no gyro, or one that turns as the reference does?
+    pub(crate) fn is_turn_certain(&self) -> bool {
+        let gyro_agrees = self.gyro_pose.correlation() > MIN_GYRO_CORRELATION;
+        self.last_yaw.is_some() && (gyro_agrees || !self.has_gyro)
+    }
+
     /// The fault of the steering, and the scale of a gyro that alone disagrees with it.
     pub(crate) fn steering(&self) -> (Option<SteeringFault>, Option<f64>) {
-        let [count, beyond] = self.angles;
-        if count == 0.0 {
-            (None, None)
-        } else if beyond > MAX_BEYOND_SHARE * count {
-            (Some(SteeringFault::Unit), None)
-        } else {
-            let pose_wheels = self.wheels_pose.exchanged();
-            let turns = [&self.gyro_wheels, &pose_wheels, &self.course_wheels];
-            steering_fault(turns)
+        match self.beyond {
+            None => return (None, None),
+            Some(beyond) if beyond > 0 => return (Some(SteeringFault::Unit), None),
+            Some(_) => {}
         }
+        let pose_wheels = self.wheels_pose.exchanged();
+        steering_fault([&self.gyro_wheels, &pose_wheels, &self.course_wheels])
     }
 
     /// Does the yaw or the gyro turn otherwise than the others?

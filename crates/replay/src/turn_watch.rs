@@ -3,7 +3,9 @@
 
 use grouser_real::Real;
 use grouser_slip::window::WindowBody;
-use grouser_slip::{Measured, Robot, WheelRole};
+use grouser_slip::{Measured, Robot};
+
+use crate::exchange_watch::parallel_arms;
 
 /// What wheels and gyro may differ by for other reasons than slip: tyres, ticks, clocks, as a speed between the outermost
 /// wheels, m/s.
@@ -65,33 +67,17 @@ pub(crate) struct TurnWatch {
 impl TurnWatch {
     /// `None` for a robot that turns otherwise than by its wheels' sides.
     pub(crate) fn new(robot: &Robot, low_speed: f64, window: f64) -> Option<Self> {
-        let powered = |wheel: &&grouser_slip::Wheel| wheel.role == WheelRole::Powered;
-        let rows: Vec<_> = robot
-            .wheels()
-            .iter()
-            .filter(powered)
-            .map(grouser_slip::Wheel::speed_row)
-            .collect();
-        let first = rows.first()?;
-        let parallel = rows
-            .iter()
-            .all(|row| Real::hypot(row[0] - first[0], row[1] - first[1]) < 0.02);
-        let mean = rows.iter().map(|row| row[2]).sum::<f64>() / rows.len() as f64;
-        let square: f64 = rows.iter().map(|row| Real::powi(row[2] - mean, 2)).sum();
-        if !(parallel && square > 1e-6) {
+        let arms = parallel_arms(robot)?;
+        let square: f64 = arms.iter().map(|(_, arm)| arm * arm).sum();
+        if !(square > 1e-6) {
             return None;
         }
-        let arms = rows.iter().map(|row| row[2] - mean);
-        let most = arms.clone().fold(f64::NEG_INFINITY, f64::max);
-        let least_arm = arms.fold(f64::INFINITY, f64::min);
-        let shares = robot.wheels().iter().map(|wheel| {
-            if wheel.role == WheelRole::Powered {
-                (wheel.speed_row()[2] - mean) / square
-            } else {
-                0.0
-            }
-        });
-        let shares: Vec<f64> = shares.collect();
+        let (mut most, mut least_arm) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut shares = vec![0.0; robot.wheels().len()];
+        for (wheel, arm) in arms {
+            (most, least_arm) = (most.max(arm), least_arm.min(arm));
+            shares[wheel] = arm / square;
+        }
         Some(Self {
             fits: vec![[0.0; 2]; shares.len() + 1],
             shares,
