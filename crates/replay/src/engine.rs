@@ -5,7 +5,7 @@ use grouser_slip::filter::Learnt;
 use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::window::{WindowBody, WindowEstimator, WindowMeans, WindowSettings};
 use grouser_slip::{
-    Health, Invalid, Measurement, Motion, Reference, Robot, Sample, Slip, WheelRole,
+    Health, Invalid, Measurement, Motion, Reference, Robot, Sample, Slip, WheelEstimate, WheelRole,
 };
 
 use crate::axes::{AxisCheck, AxisWatch};
@@ -20,7 +20,7 @@ use crate::moment::{Moment, Travel, side_slip_angle};
 use crate::odometry::Odometry;
 use crate::options::Options;
 use crate::place_way::PlaceWay;
-use crate::pose_watch::PoseWatch;
+use crate::pose_watch::{PoseFault, PoseWatch};
 use crate::reckoning::Reckoning;
 use crate::reference_delay::ReferenceDelay;
 use crate::samples::{is_used, rotating_wheel};
@@ -177,6 +177,22 @@ impl Slips {
         };
         Some(speed?.value)
     }
+}
+
+/// The powered wheels whose sensors contradict the others, bit by bit; none where all of them do: such a robot is carried.
+fn inconsistent(wheels: &[WheelEstimate], robot: &Robot) -> u64 {
+    let (mut found, mut bit, mut has_other) = (0, 1, false);
+    for (wheel, described) in wheels.iter().zip(robot.wheels()) {
+        if described.role == WheelRole::Powered {
+            if wheel.health == Health::Invalid(Invalid::Inconsistent) {
+                found |= bit;
+            } else {
+                has_other = true;
+            }
+        }
+        bit <<= 1;
+    }
+    if has_other { found } else { 0 }
 }
 
 impl Engine {
@@ -423,8 +439,11 @@ impl Engine {
         }
         let mut moment = std::mem::take(&mut self.moment);
         match &mut self.slips {
-            Slips::Filter(fusion, _) => {
+            Slips::Filter(fusion, means) => {
                 fusion.close((now, read), &body, &mut moment);
+                let left_out = inconsistent(&moment.wheels, &self.robot);
+                means.leave_out(left_out);
+                self.ways_means.leave_out(left_out);
                 moment.travel = self.ways_means.latest().and_then(Travel::of);
                 for change in fusion.new_events() {
                     sink.event(change)?;
@@ -531,11 +550,15 @@ impl Engine {
             // The difference is wiring: no wheel slips by it.
             turns.wheel = None;
         }
-        let (steering, gyro_scale) = self.pose.steering();
         let mut pose = self.pose.summary();
+        let (mut steering, gyro_scale) = self.pose.steering();
         pose.gyro_scale = pose.gyro_scale.or(gyro_scale);
         // without a gyro the same turns by the wheels are beside those of the yaw
-        pose.fault = (pose.fault).filter(|fault| steering.is_none() || !fault.is_yaw());
+        match pose.fault {
+            Some(PoseFault::PlaceMirrored | PoseFault::Unit(_)) => steering = None,
+            Some(_) if steering.is_some() => pose.fault = None,
+            _ => {}
+        }
         // Where nothing of an absolute reference was used, there is no way.
         let is_unused = self.slips.is_reference_unused();
         Summary {

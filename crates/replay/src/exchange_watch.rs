@@ -51,16 +51,23 @@ pub(crate) struct ExchangeWatch {
 
 /// The powered wheels of a robot, where all of them point one way, each with its arm: d(speed against the mean)/d(yaw rate), m.
 pub(crate) fn parallel_arms(robot: &Robot) -> Option<Vec<(usize, f64)>> {
-    let all = robot.wheels().iter().enumerate();
-    let powered = all.filter(|(_, wheel)| wheel.role == WheelRole::Powered);
-    let rows: Vec<_> = (powered.map(|(index, wheel)| (index, wheel.speed_row()))).collect();
-    let (_, first) = *rows.first()?;
-    let mean = rows.iter().map(|(_, row)| row[2]).sum::<f64>() / rows.len() as f64;
-    let arm = |&(index, row): &(usize, [f64; 3])| {
-        let is_parallel = Real::hypot(row[0] - first[0], row[1] - first[1]) < 0.02;
-        is_parallel.then(|| (index, row[2] - mean))
-    };
-    rows.iter().map(arm).collect()
+    let mut arms: Vec<(usize, f64)> = Vec::new();
+    let (mut first, mut sum) = (None, 0.0);
+    for (index, wheel) in robot.wheels().iter().enumerate() {
+        if wheel.role != WheelRole::Powered {
+            continue;
+        }
+        let [x, y, arm] = wheel.speed_row();
+        let [first_x, first_y] = *first.get_or_insert([x, y]);
+        if !(Real::hypot(x - first_x, y - first_y) < 0.02) {
+            return None;
+        }
+        sum += arm;
+        arms.push((index, arm));
+    }
+    let mean = sum / arms.len() as f64;
+    arms.iter_mut().for_each(|(_, arm)| *arm -= mean);
+    first.map(|_| arms)
 }
 
 impl ExchangeWatch {

@@ -122,8 +122,14 @@ impl PlaceWay {
     }
 
     /// Takes the path of the rims up to a time, where it is known, and the filter's way since the last step along the direction of
-    /// the rims, m.
-    pub(crate) fn step(&mut self, time_ns: i64, path: Option<RimPath>, filter: f64) {
+    /// the rims, m; `wheels` is their way since then where the path contains more than is known of them.
+    pub(crate) fn step(
+        &mut self,
+        time_ns: i64,
+        path: Option<RimPath>,
+        wheels: Option<f64>,
+        filter: f64,
+    ) {
         let Some(path) = path else {
             self.places.clear();
             (self.moved, self.last) = (None, None);
@@ -134,7 +140,9 @@ impl PlaceWay {
         let now = Moved {
             time_ns,
             path,
-            wheels: before.map_or(0.0, |last| last.wheels + (path.way - last.path.way).abs()),
+            wheels: before.map_or(0.0, |last| {
+                last.wheels + wheels.unwrap_or((path.way - last.path.way).abs())
+            }),
             filter: before.map_or(0.0, |last| last.filter + filter),
         };
         self.moved = Some(now);
@@ -254,7 +262,7 @@ mod tests {
                     |phase: f64| SIGMA_M * f64::sqrt(2.0) * (row as f64 * row as f64 * phase).sin();
                 by_places.take(time_ns, [place[0] + error(0.7), place[1] + error(0.31)]);
             }
-            by_places.step(time_ns, Some(path), believes * rims);
+            by_places.step(time_ns, Some(path), None, believes * rims);
         }
         by_places.ways().unwrap()
     }
@@ -314,7 +322,7 @@ mod tests {
                 };
                 let place = [0.4 * way + sigma * (way * way).sin(), 0.0];
                 by_places.take(second * 1_000_000_000, place);
-                by_places.step(second * 1_000_000_000, Some(path), 0.2);
+                by_places.step(second * 1_000_000_000, Some(path), None, 0.2);
             }
             let found = by_places.ways().unwrap().slip_by_reference();
             assert_eq!(found.is_some(), is_shown, "{sigma}: {found:?}");

@@ -85,16 +85,6 @@ pub enum PoseFault {
     Unit(f64),
 }
 
-impl PoseFault {
-    /// Is it the yaw that turns otherwise?
-    pub(crate) const fn is_yaw(&self) -> bool {
-        matches!(
-            self,
-            Self::YawConstant | Self::YawMirrored | Self::YawUnit(_)
-        )
-    }
-}
-
 /// What was found of a pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PoseCheck {

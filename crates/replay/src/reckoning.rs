@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use grouser_real::Real;
-use grouser_slip::BodyMotion;
+use grouser_slip::{BodyMotion, Health, Invalid, WheelEstimate};
 
 use crate::checks::WayCheck;
 use crate::moment::{Moment, Travel, seconds};
@@ -65,15 +65,21 @@ impl Reckoning {
         }
         let seconds = passed.min(self.window);
         let mut covariance = motion.covariance;
+        // where a wheel is left out its rim is in the filter's path
+        let is_left_out = |of: &WheelEstimate| of.health == Health::Invalid(Invalid::Inconsistent);
+        let is_partial = moment.wheels.iter().any(is_left_out);
+        let mut wheels_way = None;
         if let Some(wheels) = moment.wheels_motion {
             let (by_wheels, along) = along_the_wheels(&wheels, &motion);
             self.distances[0] += along.abs() * seconds;
             self.distances[1] += by_wheels * seconds;
+            wheels_way = is_partial.then_some(by_wheels * seconds);
             covariance[0][0] += Real::powi(wheels.velocity[0] - motion.velocity[0], 2);
         }
         let filter = self.ways.step((until_ns, seconds), &motion, moment);
         if let Some(by_places) = &mut self.by_places {
-            by_places.step(until_ns, moment.rim_path.filter(|_| !is_gap), filter);
+            let path = moment.rim_path.filter(|_| !is_gap);
+            by_places.step(until_ns, path, wheels_way, filter);
         }
         let [distance, distance_of_wheels] = self.distances;
         if let Some(odometry) = &moment.odometry {

@@ -45,6 +45,8 @@ const STRAIGHT_YAW_RATE_RAD_PER_S: f64 = 0.05;
 pub struct WindowMeans {
     settings: WindowSettings,
     wheels: Box<[Tracked]>,
+    /// Powered wheels that are left out of the motion by the wheels, bit by bit.
+    left_out: u64,
     /// Do all powered wheels drive one way, so that the robot cannot move sideways? Not once they are steered.
     one_way: bool,
     /// Has any wheel been steered?
@@ -135,6 +137,7 @@ impl WindowMeans {
             rims: vec![None; wheels.len()].into_boxed_slice(),
             reference_until: None,
             wheels: wheels.into_boxed_slice(),
+            left_out: 0,
             one_way,
             is_steered: false,
             reference: ReferenceTrack::new(&settings),
@@ -210,6 +213,12 @@ impl WindowMeans {
     #[must_use]
     pub const fn settings(&self) -> &WindowSettings {
         &self.settings
+    }
+
+    /// Leaves wheels (bit by bit) out of the motion and the way by the wheels: their counters stand, or are wrong. Where it leaves out
+    /// any, the measured yaw rate counts as one of the wheels.
+    pub const fn leave_out(&mut self, wheels: u64) {
+        self.left_out = wheels;
     }
 
     /// Samples refused so far.
@@ -338,10 +347,13 @@ impl WindowMeans {
         seen.solve()
     }
 
-    /// The wheels of a role with their rim speeds.
+    /// The wheels of a role that are not left out, with their rim speeds.
     fn of(&self, role: WheelRole) -> impl Iterator<Item = (&Tracked, Option<Measured>)> {
         let all = self.wheels.iter().zip(self.speeds.iter().copied());
-        all.filter(move |(wheel, _)| wheel.role == role)
+        let kept = all.enumerate().filter(move |(index, (wheel, _))| {
+            wheel.role == role && self.left_out >> index & 1 == 0
+        });
+        kept.map(|(_, of)| of)
     }
 
     /// Assumes no motion to the side where it `is_held`: a robot whose wheels all point one way does not move across it, and
@@ -394,6 +406,11 @@ impl WindowMeans {
         let mut seen = Observations::default();
         seen.add([1.0, 0.0, 0.0], prior(UNKNOWN_SPEED_SIGMA));
         seen.add([0.0, 0.0, 1.0], prior(UNKNOWN_SPEED_SIGMA));
+        if self.left_out != 0
+            && let Some(yaw_rate) = self.reference.yaw_rate(self.measured.0, self.measured.1)
+        {
+            seen.add([0.0, 0.0, 1.0], yaw_rate);
+        }
         // All wheels weigh the same, as the least resolved of them: what differs is their slip.
         let mut variance = 1e-8_f64;
         for (_, speed) in self.of(WheelRole::Powered) {

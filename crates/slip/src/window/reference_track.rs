@@ -14,6 +14,19 @@ use crate::speed::Measured;
 /// A gyro that saturates or reads nonsense is out of this range, rad/s.
 const MAX_YAW_RATE: f64 = 100.0;
 
+/// A yaw that turns by more than this and back, but for this share of it, within two readings is an outlier, rad: the way does not
+/// depend on a smaller one.
+const MIN_OUTLIER_RAD: f64 = 0.1;
+const MAX_BACK_SHARE: f64 = 0.3;
+
+/// The way between two poses in the robot's frame halfway, m, and the turn, rad.
+fn displacement(from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
+    let turn = wrap_angle(to[2] - from[2]);
+    let (sin, cos) = Real::sin_cos(from[2] + 0.5 * turn);
+    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+    [cos * dx + sin * dy, cos * dy - sin * dx, turn]
+}
+
 /// The running displacement of the robot in its own frame, by whatever measures it, and its yaw by a
 /// gyro.
 #[derive(Clone, Debug)]
@@ -24,6 +37,8 @@ pub(crate) struct ReferenceTrack {
     /// Does the displacement carry a turn of its own?
     turns: bool,
     last_pose: Option<[f64; 3]>,
+    /// The pose before it, and what was added from there to it.
+    before: Option<([f64; 3], [f64; 3])>,
     /// A displacement was refused, so that a part of the way is unknown: the next one starts anew.
     has_hole: bool,
     yaw: Track<1>,
@@ -75,6 +90,7 @@ impl ReferenceTrack {
             displacement: Track::new(settings, gap),
             turns: false,
             last_pose: None,
+            before: None,
             has_hole: false,
             yaw: Track::new(settings, gap),
             last_rate: 0.0,
@@ -179,14 +195,22 @@ impl ReferenceTrack {
         Fault::check_range("pose y", pose[1], -1e8, 1e8, "m")?;
         Fault::check_range("pose yaw", pose[2], -1e6, 1e6, "rad")?;
         let last = self.last_pose.unwrap_or(pose);
-        let turn = wrap_angle(pose[2] - last[2]);
-        // The robot's frame halfway through the step.
-        let (sin, cos) = Real::sin_cos(last[2] + 0.5 * turn);
-        let (dx, dy) = (pose[0] - last[0], pose[1] - last[1]);
-        let passed = [cos * dx + sin * dy, cos * dy - sin * dx, turn];
+        let mut passed = displacement(last, pose);
+        // a yaw that goes aside and comes back is an outlier: without it the way is that from the pose before
+        if let Some((before, added)) = self.before.filter(|(_, added)| {
+            let back = passed[2] + added[2];
+            passed[2].abs() > MIN_OUTLIER_RAD && back.abs() < MAX_BACK_SHARE * passed[2].abs()
+        }) {
+            let whole = displacement(before, pose);
+            passed = [0, 1, 2].map(|i| whole[i] - added[i]);
+        }
         let taken = self.take_displacement(time_ns, passed, true);
         if !matches!(taken, Err(Fault::NotLater { .. })) {
             // After a jump the robot is where it says it is; how it got there is unknown.
+            self.before = self
+                .last_pose
+                .filter(|_| taken.is_ok())
+                .map(|from| (from, passed));
             self.last_pose = Some(pose);
             self.has_hole |= taken.is_err();
         }

@@ -52,7 +52,7 @@ pub(super) fn inconsistent(summary: &Summary, rows: &[WheelRows]) -> Vec<String>
     let line = |(name, [from, to]): (String, [f64; 2])| {
         format!(
             "{name} is `Invalid(Inconsistent)` from {from:.1} s to {to:.1} s: its sensor stands, or turns against the others; \
-             the whole way counts it as it was read"
+             the whole way leaves it out"
         )
     };
     found.into_iter().map(line).collect()
