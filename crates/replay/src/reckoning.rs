@@ -69,14 +69,17 @@ impl Reckoning {
         let is_left_out = |of: &WheelEstimate| of.health == Health::Invalid(Invalid::Inconsistent);
         let is_partial = moment.wheels.iter().any(is_left_out);
         let mut wheels_way = None;
-        if let Some(wheels) = moment.wheels_motion {
+        // a reference that is read more seldom than the window of the estimates has no motion in it
+        let seldom = moment.travel.and_then(|travel| travel.motion);
+        let wheels = moment.wheels_motion.or(seldom);
+        if let Some(wheels) = wheels {
             let (by_wheels, along) = along_the_wheels(&wheels, &motion);
             self.distances[0] += along.abs() * seconds;
             self.distances[1] += by_wheels * seconds;
             wheels_way = is_partial.then_some(by_wheels * seconds);
             covariance[0][0] += Real::powi(wheels.velocity[0] - motion.velocity[0], 2);
         }
-        let filter = self.ways.step((until_ns, seconds), &motion, moment);
+        let filter = self.ways.step((until_ns, seconds), &motion, wheels, moment);
         if let Some(by_places) = &mut self.by_places {
             let path = moment.rim_path.filter(|_| !is_gap);
             by_places.step(until_ns, path, wheels_way, filter);
@@ -160,10 +163,14 @@ struct WaysBeside {
 
 impl WaysBeside {
     /// Counts the ways up to a time; gives the filter's since the last time.
-    fn step(&mut self, (now_ns, seconds): (i64, f64), motion: &BodyMotion, moment: &Moment) -> f64 {
-        // a reference that is read more seldom than the window of the estimates has none in it
-        let seldom = moment.travel.and_then(|travel| travel.motion);
-        self.wheels = moment.wheels_motion.or(seldom).or(self.wheels);
+    fn step(
+        &mut self,
+        (now_ns, seconds): (i64, f64),
+        motion: &BodyMotion,
+        wheels: Option<BodyMotion>,
+        moment: &Moment,
+    ) -> f64 {
+        self.wheels = wheels.or(self.wheels);
         let along = (self.wheels).map_or(0.0, |wheels| along_the_wheels(&wheels, motion).1);
         let before = self.by_filter.back().map_or(0.0, |(_, way)| *way);
         self.by_filter.push_back((now_ns, before + along * seconds));

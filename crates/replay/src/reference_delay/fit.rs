@@ -42,6 +42,8 @@ const TURN_SCALE: (f64, f64) = (1.0, 0.02);
 const POSSIBLE_NATS: f64 = 8.0;
 const LIKELY_NATS: f64 = 2.0;
 const CONTRADICTED_NATS: f64 = 4.5;
+/// Delays that are farther apart are not those of one minimum, s.
+const MIN_APART_S: f64 = 0.25;
 /// Step for derivatives by the delay, s.
 const DERIVATIVE_STEP_S: f64 = 0.004;
 
@@ -158,6 +160,8 @@ pub(super) struct Fitted {
     pub(super) possible_s: [f64; 2],
     /// Do halves of the log, or wheels and gyro, contradict it?
     pub(super) is_contradicted: bool,
+    /// Does one that is far from it fit as well, as of a drive that repeats itself?
+    pub(super) is_ambiguous: bool,
     /// Is it the first or the last that was looked for? Then a better one may lie beyond.
     pub(super) is_at_end: bool,
 }
@@ -221,6 +225,7 @@ pub(super) fn fit<'a>(
         half_width_s: (least.delay_s - low).max(high - least.delay_s) + 0.5 * FINE_STEP_S,
         possible_s: within(POSSIBLE_NATS),
         is_contradicted,
+        is_ambiguous: costs.is_ambiguous(everywhere.len(), &least, POSSIBLE_NATS * dispersion),
         is_at_end: least.delay_s < delays.min_s + delays.step_s
             || least.delay_s > delays.max_s - delays.step_s,
     })
@@ -348,6 +353,26 @@ impl Costs {
             lag: lag as f64 * LAG_STEP_S2_PER_M,
             cost,
         }
+    }
+
+    /// Does one of the first `count` delays, which are in equal steps, far from the likeliest cost as little, but for `nats`? Its own
+    /// least is that of the parabola through its neighbours.
+    fn is_ambiguous(&self, count: usize, least: &Trial, nats: f64) -> bool {
+        let costs: Vec<f64> = (0..count)
+            .map(|index| self.at(index, |_| true).cost)
+            .collect();
+        costs
+            .windows(3)
+            .zip(&self.delays_s[1..])
+            .any(|(costs, delay_s)| {
+                let (slope, curvature) =
+                    (costs[2] - costs[0], costs[2] - 2.0 * costs[1] + costs[0]);
+                let is_least = costs[1] <= costs[0].min(costs[2]);
+                let is_far = (delay_s - least.delay_s).abs() > MIN_APART_S;
+                is_least
+                    && is_far
+                    && costs[1] - slope * slope / (8.0 * curvature) < least.cost + nats
+            })
     }
 
     /// The likeliest delay of some blocks.

@@ -197,7 +197,8 @@ fn delay_of(logs: &[Tracks], file: &RobotFile) -> Option<ReferenceDelay> {
         });
         let is_measured = |fitted: &Fitted| {
             let [low, high] = fitted.possible_s;
-            high - low < MAX_POSSIBLE_S && !fitted.is_contradicted && !fitted.is_at_end
+            let is_clear = !fitted.is_contradicted && !fitted.is_ambiguous && !fitted.is_at_end;
+            high - low < MAX_POSSIBLE_S && is_clear
         };
         fit(pairs, stated_s, delays).filter(is_measured)
     };
