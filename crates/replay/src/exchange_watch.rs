@@ -66,7 +66,9 @@ pub(crate) fn parallel_arms(robot: &Robot) -> Option<Vec<(usize, f64)>> {
         arms.push((index, arm));
     }
     let mean = sum / arms.len() as f64;
-    arms.iter_mut().for_each(|(_, arm)| *arm -= mean);
+    for (_, arm) in &mut arms {
+        *arm -= mean;
+    }
     first.map(|_| arms)
 }
 
