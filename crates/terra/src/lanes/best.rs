@@ -167,3 +167,6 @@ impl SlipSearch for Search {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

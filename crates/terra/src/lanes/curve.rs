@@ -440,4 +440,61 @@ mod tests {
         assert!(is_close && off < 1e-10, "{off:e}");
         assert!(!exponential(-200.0).0);
     }
+
+    #[test]
+    fn a_range_is_that_of_the_slips_that_lanes_serve() {
+        let of = |slips: &[f64]| Range::of(slips).map(|range| (range.low, range.high));
+        assert_eq!(of(&[0.3, 0.1, 0.7]), Some((0.1, 0.7)));
+        assert_eq!(of(&[0.0, 1.0]), Some((0.0, 1.0)));
+        assert_eq!(of(&[0.3, -0.1, 1.1, f64::NAN, 0.2]), Some((0.2, 0.3)));
+        // too narrow, or none
+        assert_eq!(of(&[0.25, 0.25 + 0.9e-3]), None);
+        assert!(of(&[0.25, 0.25 + 1.1e-3]).is_some());
+        assert_eq!(of(&[-0.5, 1.5]), None);
+        let range = Range {
+            low: 0.25,
+            high: 0.75,
+        };
+        assert_eq!(
+            [-1.0, 0.0, 0.5, 1.0].map(|place| range.slip(place)),
+            [0.25, 0.5, 0.625, 0.75]
+        );
+    }
+
+    /// T_j(t) = cos(j arccos t).
+    #[test]
+    fn sums_of_chebyshev_polynomials() {
+        for t in [-1.0, -0.77, -0.2, 0.0, 0.31, 0.9, 1.0_f64] {
+            let expected = |c: [f64; 5]| {
+                let terms = c.iter().enumerate();
+                terms
+                    .map(|(j, c)| c * (j as f64 * t.acos()).cos())
+                    .sum::<f64>()
+            };
+            let rows = [[0.5, -1.0, 2.0, 0.25, -3.0], [-0.125, 4.0, 0.0, 1.0, 0.5]];
+            let sums = clenshaw(&rows, Lanes([t; 8]));
+            for (sum, row) in sums.iter().zip(rows) {
+                assert!((sum.0[5] - expected(row)).abs() < 1e-14);
+            }
+        }
+    }
+
+    /// Slopes whose last two coefficients are a and b are known to 2 (|a| + |b|), and at best to 1e-4.
+    #[test]
+    fn the_error_of_interpolated_slopes() {
+        let range = Range {
+            low: 0.0,
+            high: 1.0,
+        };
+        let with = |a: f64, b: f64| {
+            FIRST.map(|t: f64| a * (6.0 * t.acos()).cos() + b * (7.0 * t.acos()).cos())
+        };
+        let zero = [0.0; FIRST_NODES];
+        let error =
+            |pull: &[f64], turn: &[f64]| Smooth::new([&zero, &zero, pull, turn], range).slope_error;
+        assert!((error(&with(0.1, -0.3), &zero) - 0.8).abs() < 1e-13);
+        assert!((error(&zero, &with(-0.2, 0.1)) - 0.6).abs() < 1e-13);
+        assert!((error(&with(0.1, 0.0), &with(0.0, 0.2)) - 0.4).abs() < 1e-13);
+        assert_eq!(error(&with(1e-5, 1e-5), &zero), MIN_SLOPE_ERROR);
+    }
 }

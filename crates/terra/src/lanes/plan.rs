@@ -383,3 +383,6 @@ impl Plan {
             })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -286,8 +286,6 @@ impl<'a> SkidTable<'a> {
             -by_angle[0] * deeper,
             (high.turn - low.turn) / SLIP_STEP - by_angle[1] * deeper,
         ];
-        let mut inverse = inverse([[by_slip[0], by_angle[0]], [by_slip[1], by_angle[1]]]);
-        let mut place = [between(low.slip, high.slip), between(ln_low, ln_high)];
         // what the table's interpolation lacks is less than these
         let within = [
             (low.slip - 0.1 * SLIP_STEP, high.slip + 0.1 * SLIP_STEP),
@@ -297,20 +295,35 @@ impl<'a> SkidTable<'a> {
             ),
         ];
         let ln_load = Real::ln(wanted.load);
-        let mut is_rough = true;
-        let mut before: Option<(Pair, Pair)> = None;
-        for _ in 0..MAX_EVALUATIONS {
+        let off = |is_rough: bool, place: Pair| {
             let on_soil = if is_rough { &self.rough } else { self.on_soil };
             let [force, torque] = forces(on_soil, place)?;
-            if !(force > 0.0) {
-                return None;
-            }
-            let off = [Real::ln(force) - ln_load, torque / force - wanted.turn];
-            if let Some((step, off_before)) = before {
-                // Broyden: the least change of the inverse that explains the last step
-                let change = times(&inverse, [off[0] - off_before[0], off[1] - off_before[1]]);
-                let row = [0, 1].map(|j| step[0] * inverse[0][j] + step[1] * inverse[1][j]);
-                let scale = step[0] * change[0] + step[1] * change[1];
+            (force > 0.0).then(|| [Real::ln(force) - ln_load, torque / force - wanted.turn])
+        };
+        let start = [between(low.slip, high.slip), between(ln_low, ln_high)];
+        let inverse = inverse([[by_slip[0], by_angle[0]], [by_slip[1], by_angle[1]]]);
+        broyden((start, inverse), within, off).map(|[slip, _]| slip)
+    }
+}
+
+/// Where both residuals vanish, by Broyden's method from a place and the inverse of the slopes there. `off` gives the residuals
+/// of the rough forces or of the exact ones, at places within the bounds.
+fn broyden(
+    (mut place, mut inverse): (Pair, [Pair; 2]),
+    within: [(f64, f64); 2],
+    off: impl Fn(bool, Pair) -> Option<Pair>,
+) -> Option<Pair> {
+    let mut is_rough = true;
+    let mut before: Option<(Pair, Pair)> = None;
+    for _ in 0..MAX_EVALUATIONS {
+        let off = off(is_rough, place)?;
+        if let Some((step, off_before)) = before {
+            // Broyden: the least change of the inverse that explains the last step
+            let change = times(&inverse, [off[0] - off_before[0], off[1] - off_before[1]]);
+            let row = [0, 1].map(|j| step[0] * inverse[0][j] + step[1] * inverse[1][j]);
+            let scale = step[0] * change[0] + step[1] * change[1];
+            // no step explains nothing
+            if scale != 0.0 {
                 for (row_of, (step, change)) in inverse.iter_mut().zip(step.into_iter().zip(change))
                 {
                     for (x, row) in row_of.iter_mut().zip(row) {
@@ -318,18 +331,18 @@ impl<'a> SkidTable<'a> {
                     }
                 }
             }
-            let whole = times(&inverse, off).map(|x| -x);
-            let next = [0, 1].map(|j| (place[j] + whole[j]).max(within[j].0).min(within[j].1));
-            let step = [next[0] - place[0], next[1] - place[1]];
-            place = next;
-            if !is_rough && whole[0].abs() <= LAST_STEP && whole[1].abs() <= LAST_STEP {
-                return Some(place[0]);
-            }
-            is_rough &= off[0].abs() > MAX_ROUGH_RESIDUAL || off[1].abs() > MAX_ROUGH_RESIDUAL;
-            before = Some((step, off));
         }
-        None
+        let whole = times(&inverse, off).map(|x| -x);
+        let next = [0, 1].map(|j| (place[j] + whole[j]).max(within[j].0).min(within[j].1));
+        let step = [next[0] - place[0], next[1] - place[1]];
+        place = next;
+        if !is_rough && whole[0].abs() <= LAST_STEP && whole[1].abs() <= LAST_STEP {
+            return Some(place);
+        }
+        is_rough &= off[0].abs() > MAX_ROUGH_RESIDUAL || off[1].abs() > MAX_ROUGH_RESIDUAL;
+        before = Some((step, off));
     }
+    None
 }
 
 /// W and T/r at a slip and ln θ_1; `None` where the soil's laws have no value.
@@ -350,3 +363,6 @@ fn inverse([[a, b], [c, d]]: [Pair; 2]) -> [Pair; 2] {
 fn times(rows: &[Pair; 2], x: Pair) -> Pair {
     rows.map(|row| row[0] * x[0] + row[1] * x[1])
 }
+
+#[cfg(test)]
+mod tests;

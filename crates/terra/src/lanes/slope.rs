@@ -237,3 +237,6 @@ impl Search {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
