@@ -1,5 +1,7 @@
 //! Functions as a list of operations: what a bound over a box and a proof can be computed from.
 
+#[cfg(test)]
+mod closed_form_tests;
 mod enclose;
 mod limits;
 mod second;

@@ -26,7 +26,7 @@ pub(crate) const UNARY: [Unary; 18] = [
     Unary::Tanh,
     Unary::Sinc,
 ];
-const BINARY: [Binary; 8] = [
+pub(crate) const BINARY: [Binary; 8] = [
     Binary::Add,
     Binary::Sub,
     Binary::Mul,
