@@ -186,7 +186,7 @@ def is_curved(bend, half, curvature):  # is `bend` less `curvature` positive def
 def centre(x, slope):  # where the mean value form is best; any point of the box would do
     low, high = slope
     return x[0] if low >= 0 or high == INF else x[1] if high <= 0 or low == -INF else (
-        min(x[1], max(x[0], (x[1] * high - x[0] * low) / (high - low))))
+        min(x[1], max(x[0], (x[0] * high - x[1] * low) / (high - low))))
 def bound(ops, rows, weights, tangent, box):
     """The greatest level that the multipliers prove for the box; infinite where it holds no feasible point."""
     natural, slopes, bend = total(ops, rows, weights, box, 2 if tangent else 1)

@@ -217,7 +217,13 @@ fn mutilated(log: &[String], kind: usize, stream: &mut Stream) -> Option<Vec<Str
         0 => drop(lines.remove(inner)),
         // a box occurs twice
         1 => lines.insert(inner, lines[inner].clone()),
-        // a bound is higher than its multipliers prove
+        // a bound is higher than its multipliers prove: those of limits alone exclude a box, whatever is claimed
+        2 if !["[[0,", "[[1,"]
+            .iter()
+            .any(|objective| log[inner].contains(objective)) =>
+        {
+            return None;
+        }
         2 => {
             lines[inner] = with_number(&log[inner], "\"bound\":", |b| {
                 // a claim is capped at what the gap needs: the bound itself may be higher by far

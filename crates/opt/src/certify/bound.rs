@@ -146,7 +146,7 @@ pub(super) fn centre(x: Interval, slope: Interval) -> f64 {
     } else if high <= 0.0 || low.is_infinite() {
         x.high()
     } else {
-        let c = (x.high() * high - x.low() * low) / (high - low);
+        let c = (x.low() * high - x.high() * low) / (high - low);
         if c.is_finite() {
             c.clamp(x.low(), x.high())
         } else {

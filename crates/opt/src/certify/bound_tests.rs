@@ -2,7 +2,7 @@
 
 use grouser_real::Interval;
 
-use super::{Bounder, Tangent};
+use super::{Bounder, Tangent, Weights, centre, exceeds_curvature, level};
 use crate::certify::rows::{Row, Rows};
 use crate::certify::tangent::max_curvature;
 use crate::random::Random;
@@ -198,4 +198,157 @@ fn no_random_value_lies_below_a_bound_of_first_order() {
         cancelled > 500,
         "{cancelled} of {bounds} bounds cancel a pole"
     );
+}
+
+/// The levels that sums of objectives and limits prove, and what a sum without an objective proves.
+#[test]
+fn levels_of_sums() {
+    let mut tape = Tape::new();
+    let x = tape.variable(0);
+    let mut rows = rows(tape, &[x, x, x]);
+    rows.list[2].kind = LinearKind::AtMost;
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}");
+    near(level(&rows, &[(0, 0.5), (1, 1.5), (2, 7.0)], 3.0), 1.5);
+    near(level(&rows, &[(1, 0.5), (2, 7.0)], -3.0), -6.0);
+    assert_eq!(level(&rows, &[(2, 7.0)], 3.0), f64::INFINITY);
+    assert_eq!(level(&rows, &[(2, 7.0)], 0.0), f64::NEG_INFINITY);
+    assert_eq!(level(&rows, &[(2, 7.0)], -3.0), f64::NEG_INFINITY);
+    rows.is_cleared = true;
+    assert_eq!(level(&rows, &[(2, 7.0)], 3.0), 3.0);
+    assert_eq!(level(&rows, &[(2, 7.0)], -3.0), -3.0);
+}
+
+/// No other point gives a mean value form with a greater lower end, where the function is taken as constant.
+#[test]
+fn the_best_point_of_a_mean_value_form() {
+    let x = Interval::new(-1.0, 3.0);
+    let low = |c: f64, slope: Interval| (slope * (x - Interval::point(c))).low();
+    for slope in [
+        (1.0, 2.0),
+        (-2.0, -1.0),
+        (-1.0, 2.0),
+        (-3.0, 0.5),
+        (0.0, 1.0),
+        (-1.0, 0.0),
+    ] {
+        let slope = Interval::new(slope.0, slope.1);
+        let best = low(centre(x, slope), slope);
+        for i in 0..=400 {
+            let other = low(-1.0 + 0.01 * f64::from(i), slope);
+            assert!(other <= best + 1e-12, "{slope:?} {i}");
+        }
+    }
+    let infinity = f64::INFINITY;
+    assert_eq!(centre(x, Interval::new(-1.0, infinity)), -1.0);
+    assert_eq!(centre(x, Interval::new(-infinity, 1.0)), 3.0);
+    assert_eq!(centre(x, Interval::new(-infinity, -1.0)), 3.0);
+    assert_eq!(
+        centre(Interval::new(-infinity, 1.0), Interval::new(-1.0, 1.0)),
+        Interval::new(-infinity, 1.0).middle()
+    );
+}
+
+/// Against the least eigenvalue of two by two, (a + c − √((a − c)² + 4 b²))/2, in half sides.
+#[test]
+fn the_curvature_that_a_hessian_exceeds() {
+    for (a, b, c) in [
+        (2.0, 1.0, 3.0),
+        (-2.0, 1.0, 3.0),
+        (1.0, -2.5, 0.5),
+        (-1.0, 0.0, -4.0),
+        (0.0, 1.0, 0.0),
+    ] {
+        // sides of 4, 0 and 1, of which the second counts for nothing
+        let x = [
+            Interval::new(0.0, 4.0),
+            Interval::ONE,
+            Interval::new(1.0, 2.0),
+        ];
+        let hessian = [a, -9.0, -9.0, b, 9.0, c].map(Interval::point);
+        let (a, b, c): (f64, f64, f64) = (4.0 * a, b, 0.25 * c);
+        let least = 0.5 * (a + c - ((a - c).powi(2) + 4.0 * b * b).sqrt());
+        assert!(exceeds_curvature(&hessian, &x, least - 1e-9));
+        assert!(!exceeds_curvature(&hessian, &x, least + 1e-9));
+        let curvature = max_curvature(&hessian, &x, 1e-9);
+        if least > 0.0 {
+            assert_eq!(curvature, -1e-9);
+        } else {
+            // by five halvings of a factor of 8
+            assert!(
+                curvature <= least && curvature >= 1.1 * least,
+                "{curvature} {least}"
+            );
+        }
+    }
+    // a Hessian known to ±1: the least eigenvalue of any of them, as Gershgorin has it
+    let x = [Interval::new(-1.0, 1.0), Interval::new(-2.0, 2.0)];
+    let wide = |x: f64| Interval::new(x - 1.0, x + 1.0);
+    let hessian = [wide(4.0), wide(0.0), wide(4.0)];
+    // in half sides 4 − 1 − 2 and 16 − 4 − 2
+    assert!(exceeds_curvature(&hessian, &x, 0.999));
+    assert!(!exceeds_curvature(&hessian, &x, 1.001));
+    assert!(!exceeds_curvature(&[Interval::ENTIRE; 3], &x, -1e9));
+    assert!(!exceeds_curvature(
+        &hessian,
+        &[x[0], Interval::new(0.0, 1e-300)],
+        -1.0
+    ));
+}
+
+/// Linear rows are bounded exactly by first order, and squares by second order.
+#[test]
+fn bounds_of_rows_with_known_minima() {
+    let mut tape = Tape::new();
+    let (x, y) = (tape.variable(0), tape.variable(1));
+    let (two, three) = (tape.constant(2.0), tape.constant(3.0));
+    // 2 x − 3 y and x² + y² + x y
+    let (a, b) = (
+        tape.binary(Binary::Mul, two, x),
+        tape.binary(Binary::Mul, three, y),
+    );
+    let line = tape.binary(Binary::Sub, a, b);
+    let (xx, yy) = (tape.whole_power(x, 2), tape.whole_power(y, 2));
+    let xy = tape.binary(Binary::Mul, x, y);
+    let sum = tape.binary(Binary::Add, xx, yy);
+    let square = tape.binary(Binary::Add, sum, xy);
+    let rows = rows(tape, &[line, square]);
+    let over = [Interval::new(-1.0, 2.0), Interval::new(-0.5, 3.0)];
+    let mut bounder = Bounder::default();
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-7, "{found}");
+    near(bounder.bound(&rows, &vec![(0, 1.0)].into(), &over), -11.0);
+    near(bounder.bound(&rows, &vec![(0, 2.0)].into(), &over), -11.0);
+    // the minimum 0 of the square lies inside
+    let weights = Weights {
+        rows: vec![(1, 1.0)],
+        tangent: Some(Tangent {
+            at: vec![0.0, 0.0],
+            curvature: -1e-9,
+        }),
+        is_cleared: false,
+    };
+    near(bounder.bound(&rows, &weights, &over), 0.0);
+    // of the sum of both: 2 x + y = −2 and 2 y + x = 3 less than half a side from the corner
+    let weights = Weights {
+        rows: vec![(0, 1.0), (1, 1.0)],
+        ..weights
+    };
+    let hessian = bounder.hessian(&rows, &weights.rows, &over).unwrap();
+    assert!((hessian[0].middle() - 2.0).abs() < 1e-12 && (hessian[1].middle() - 1.0).abs() < 1e-12);
+    // at x = −1, y = 2: −8 + 1 + 4 − 2, for twice a level
+    let weights = Weights {
+        tangent: Some(Tangent {
+            at: vec![-1.0, 2.0],
+            curvature: -1e-9,
+        }),
+        ..weights
+    };
+    near(bounder.bound(&rows, &weights, &over), -2.5);
+    // about the middle (0.5, 1.25): 2 · 0.5 − 3 · 1.25, with the slopes 2 and −3
+    let form = bounder
+        .form(&rows, &vec![(0, 2.0)].into(), &over, 5.0)
+        .unwrap();
+    near(form.offset, -5.5);
+    near(form.limit, 10.0);
+    near(form.slopes[0].middle(), 4.0);
+    near(form.slopes[1].middle(), -6.0);
 }

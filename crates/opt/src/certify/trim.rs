@@ -258,3 +258,118 @@ fn cut(form: &Form, x: &[Interval], variable: usize, above: bool) -> Option<f64>
     };
     at.is_finite().then_some(at)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn form(slopes: &[(f64, f64)], offset: f64, limit: f64) -> Form {
+        Form {
+            weights: Weights::default(),
+            offset,
+            slopes: slopes
+                .iter()
+                .map(|(low, high)| Interval::new(*low, *high))
+                .collect(),
+            limit,
+        }
+    }
+
+    /// 5 + 2 (x − 2) + 3 y over [0, 4] × [−1, 1] and its like, by hand.
+    #[test]
+    fn where_a_form_exceeds_its_limit() {
+        let x = [Interval::new(0.0, 4.0), Interval::new(-1.0, 1.0)];
+        let straight = |limit: f64| form(&[(2.0, 2.0), (3.0, 3.0)], 5.0, limit);
+        let assert_cut = |form: &Form, variable: usize, above: bool, expected: f64| {
+            let at = cut(form, &x, variable, above).unwrap();
+            assert!((at - expected).abs() < 1e-14, "{at} {expected}");
+        };
+        // 5 + 2 (x − 2) − 3 > 6 from x = 4 on
+        assert_cut(&straight(6.0), 0, true, 4.0);
+        assert_eq!(cut(&straight(6.0), &x, 0, false), None);
+        assert_cut(&straight(4.0), 0, true, 3.0);
+        // 5 − 4 + 3 y > 3 from y = 2/3 on
+        assert_cut(&straight(3.0), 1, true, 2.0 / 3.0);
+        // a slope of −2 at the least: 5 + 2 (2 − x) − 3 > 4 below x = 1
+        let falling = form(&[(-8.0, -2.0), (-3.0, 1.0)], 5.0, 4.0);
+        assert_cut(&falling, 0, false, 1.0);
+        assert_eq!(cut(&falling, &x, 0, true), None);
+        // above the limit already at the middle: by the steepest slope that may be back to it
+        let steep = form(&[(1.0, 2.0), (3.0, 3.0)], 5.0, 0.0);
+        assert_cut(&steep, 0, true, 1.0);
+        let steep = form(&[(-4.0, -1.0), (-3.0, 0.0)], 5.0, 0.0);
+        assert_cut(&steep, 0, false, 2.5);
+        // slopes of both signs, none, and without bounds
+        assert_eq!(
+            cut(&form(&[(-1.0, 1.0), (0.0, 0.0)], 5.0, 6.0), &x, 0, true),
+            None
+        );
+        assert_eq!(
+            cut(&form(&[(0.0, 1.0), (0.0, 0.0)], 5.0, 6.0), &x, 0, true),
+            None
+        );
+        let unbounded = form(&[(1.0, 1.0), (0.0, f64::INFINITY)], 5.0, 6.0);
+        assert_eq!(cut(&unbounded, &x, 0, true), None);
+    }
+
+    #[test]
+    fn the_share_of_a_box_that_went() {
+        let whole = [
+            Interval::new(0.0, 2.0),
+            Interval::new(1.0, 5.0),
+            Interval::ONE,
+        ];
+        let part = [
+            Interval::new(0.5, 1.5),
+            Interval::new(1.0, 4.0),
+            Interval::ONE,
+        ];
+        assert_eq!(lost_share(&part, &whole), 0.625);
+        assert_eq!(lost_share(&whole, &whole), 0.0);
+    }
+
+    /// Rows at most at a level, at most 0, and 0: which forms may trim, with which sign.
+    #[test]
+    fn the_forms_of_rows() {
+        let one = Interval::ONE;
+        let expansion = Expansion {
+            rows: vec![vec![(3, 1.0)], vec![(4, 1.0)], vec![(5, 1.0)]],
+            kinds: vec![LinearKind::Objective, LinearKind::AtMost, LinearKind::Equal],
+            gradients: vec![
+                one,
+                -one,
+                Interval::new(2.0, 3.0),
+                one,
+                Interval::new(-4.0, 5.0),
+                one,
+            ],
+            offsets: vec![
+                Interval::new(7.0, 8.0),
+                Interval::new(9.0, 10.0),
+                Interval::new(11.0, 12.0),
+            ],
+        };
+        let list = |target: f64| -> Vec<_> {
+            let forms = forms(&expansion, target);
+            let parts = |form: Form| (form.weights.rows, form.offset, form.slopes, form.limit);
+            forms.into_iter().map(parts).collect()
+        };
+        let at_most = (vec![(4, 1.0)], 9.0, vec![Interval::new(2.0, 3.0), one], 0.0);
+        let above = (
+            vec![(5, 1.0)],
+            11.0,
+            vec![Interval::new(-4.0, 5.0), one],
+            0.0,
+        );
+        let below = (
+            vec![(5, -1.0)],
+            -12.0,
+            vec![Interval::new(-5.0, 4.0), -one],
+            0.0,
+        );
+        let objective = (vec![(3, 1.0)], 7.0, vec![one, -one], 0.5);
+        let limits = [at_most, above, below];
+        assert_eq!(list(f64::INFINITY), limits);
+        assert_eq!(list(0.5), [&[objective][..], &limits[..]].concat());
+    }
+}
