@@ -285,3 +285,7 @@ pub(crate) fn solve(
     solution.active.retain(own);
     Ok(solution)
 }
+
+#[cfg(test)]
+#[path = "weighted_tests.rs"]
+mod tests;
