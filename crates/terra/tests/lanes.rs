@@ -1,10 +1,12 @@
 //! Lanes against the general kernel at fixed random points, few enough for a test to take a tenth of a second: `batches` and
 //! `soil_columns` have the same by thousands.
 
+use grouser_real::Real;
 use grouser_terra::{
     Accuracy, Angle, BatchInput, BatchKernel, BatchPoints, Bekker, BestOf, BestSlipColumns, Forces,
-    Kinematics, LawChoice, Pressure, Reece, RigidWheel, Settings, Slip, SlipNorm, SlopeOutcome,
-    Soil, SoilColumns, SoilParams, SolveStatus, StressPosition, WheelOnSoil, catalogue,
+    Kinematics, Lanes, LawChoice, Pressure, Reece, RigidWheel, Settings, Slip, SlipNorm,
+    SlopeOutcome, Soil, SoilColumns, SoilParams, SolveStatus, StressPosition, WheelOnSoil,
+    catalogue,
 };
 
 use super::batches::{Solved, batch, done};
@@ -437,4 +439,66 @@ fn a_hundred_searches_at_a_time() {
     }
     assert!(slip[2] < slip[0] && slip[0] < slip[1] && slip[1] < slip[4]);
     assert_eq!(status[3], SolveStatus::NoSolution);
+}
+
+/// Every operation of eight numbers is that of each of them.
+#[test]
+fn eight_numbers_compute_as_one_does() {
+    const A: [f64; 8] = [0.5, -1.5, 2.0, -0.25, 3.0, 0.0, 1.0, 7.5];
+    const B: [f64; 8] = [0.75, 2.5, 2.0, -4.0, -0.5, 1.0, -1.0, 0.125];
+    const C: [f64; 8] = [1.0, -2.0, 0.5, 8.0, 0.0, -3.0, 4.0, 0.25];
+    let (a, b, c) = (Lanes(A), Lanes(B), Lanes(C));
+    let two = |f: fn(f64, f64) -> f64| -> [f64; 8] { std::array::from_fn(|i| f(A[i], B[i])) };
+    let one = |f: fn(f64) -> f64| A.map(f);
+    assert_eq!((a + b).0, two(|a, b| a + b));
+    assert_eq!((a - b).0, two(|a, b| a - b));
+    assert_eq!((a * b).0, two(|a, b| a * b));
+    assert_eq!((a / b).0, two(|a, b| a / b));
+    assert_eq!((-a).0, one(|a| -a));
+    let (mut sum, mut difference, mut product) = (a, a, a);
+    sum += b;
+    difference -= b;
+    product *= b;
+    assert_eq!([sum, difference, product], [a + b, a - b, a * b]);
+    assert_eq!(
+        a.mul_add(b, c).0,
+        std::array::from_fn(|i| A[i] * B[i] + C[i])
+    );
+    assert_eq!(a.abs().0, one(f64::abs));
+    assert_eq!(a.powi(3).0, one(|a| a.powi(3)));
+    assert_eq!(a.atan2(b).0, two(Real::atan2));
+    let near = |found: Lanes, expected: [f64; 8]| {
+        for (found, expected) in found.0.iter().zip(expected) {
+            assert!(
+                (found - expected).abs() <= 2e-15 * expected.abs().max(1.0),
+                "{found} {expected}"
+            );
+        }
+    };
+    near(a.abs().sqrt(), one(|a| a.abs().sqrt()));
+    near(
+        b.abs().powf(c),
+        std::array::from_fn(|i| B[i].abs().powf(C[i])),
+    );
+    near(a.tan(), one(f64::tan));
+    near(a.atan(), one(f64::atan));
+    near(a.tanh(), one(f64::tanh));
+    near(a.sin(), one(f64::sin));
+    near(a.cos(), one(f64::cos));
+    // masks: less, not greater, and their combinations, with an equal pair at place 2
+    let (less, not_greater) = (a.lt(b), a.le(b));
+    assert_eq!(less.0, std::array::from_fn(|i| A[i] < B[i]));
+    assert_eq!(not_greater.0, std::array::from_fn(|i| A[i] <= B[i]));
+    assert_ne!(less, not_greater);
+    let other = b.lt(c);
+    assert_eq!(
+        (less & other).0,
+        std::array::from_fn(|i| A[i] < B[i] && B[i] < C[i])
+    );
+    assert_eq!(
+        (less | other).0,
+        std::array::from_fn(|i| A[i] < B[i] || B[i] < C[i])
+    );
+    assert_eq!((!less).0, std::array::from_fn(|i| A[i] >= B[i]));
+    assert_eq!(Lanes::select(less, a, b).0, two(f64::min));
 }
