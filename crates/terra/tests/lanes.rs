@@ -326,7 +326,7 @@ fn lanes_are_used_where_they_serve() {
     };
     let lanes = batch(100, |out| kernel.under_load(&points, 60.0, out));
     let curve = batch(100, |out| kernel.curve(&wheel, 60.0, &slip, out));
-    let (mut from_alone, mut from_lanes) = (0, 0);
+    let (mut from_alone, mut from_lanes, mut curve_from_alone) = (0, 0, 0);
     for (i, &slip) in slip.iter().enumerate() {
         let motion = Kinematics::straight(Slip::new(slip).unwrap());
         let alone = on_soil
@@ -336,10 +336,11 @@ fn lanes_are_used_where_they_serve() {
             .unwrap();
         from_alone += u32::from(lanes[i].sinkage.to_bits() != alone.to_bits());
         from_lanes += u32::from(lanes[i].sinkage.to_bits() != curve[i].sinkage.to_bits());
+        curve_from_alone += u32::from(curve[i].sinkage.to_bits() != alone.to_bits());
     }
     assert!(
-        from_alone > 50 && from_lanes > 50,
-        "{from_alone} {from_lanes}"
+        from_alone > 50 && from_lanes > 50 && curve_from_alone > 50,
+        "{from_alone} {from_lanes} {curve_from_alone}"
     );
 }
 
@@ -485,6 +486,11 @@ fn eight_numbers_compute_as_one_does() {
     near(a.tanh(), one(f64::tanh));
     near(a.sin(), one(f64::sin));
     near(a.cos(), one(f64::cos));
+    // with many half turns, and with so many that each number is taken by itself
+    for turned in [A.map(|a| 1000.0 * a), A.map(|a| 1e5 * a)] {
+        near(Lanes(turned).sin(), turned.map(f64::sin));
+        near(Lanes(turned).cos(), turned.map(f64::cos));
+    }
     // masks: less, not greater, and their combinations, with an equal pair at place 2
     let (less, not_greater) = (a.lt(b), a.le(b));
     assert_eq!(less.0, std::array::from_fn(|i| A[i] < B[i]));
@@ -501,4 +507,13 @@ fn eight_numbers_compute_as_one_does() {
     );
     assert_eq!((!less).0, std::array::from_fn(|i| A[i] >= B[i]));
     assert_eq!(Lanes::select(less, a, b).0, two(f64::min));
+}
+
+#[test]
+fn instructions_have_a_name() {
+    let kernel = BatchKernel::new(catalogue::find("lunar").unwrap().soil().unwrap());
+    assert!(["avx512", "avx2", "portable"].contains(&kernel.instructions()));
+    assert_eq!(kernel.clone().portable().instructions(), "portable");
+    let of_machine = grouser_terra::instructions();
+    assert!([kernel.instructions(), "deterministic"].contains(&of_machine));
 }

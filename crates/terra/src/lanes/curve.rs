@@ -497,4 +497,55 @@ mod tests {
         assert!((error(&with(0.1, 0.0), &with(0.0, 0.2)) - 0.4).abs() < 1e-13);
         assert_eq!(error(&with(1e-5, 1e-5), &zero), MIN_SLOPE_ERROR);
     }
+
+    /// From twice 24 points on a smooth curve is that of its polynomials.
+    #[test]
+    fn long_curves_are_polynomials() {
+        const N: usize = MIN_POLYNOMIAL_POINTS;
+        let soil = crate::catalogue::find("dry-sand").unwrap().soil().unwrap();
+        let prepared = super::super::plan::Prepared::new(&soil).unwrap();
+        let is_polynomial = |n: usize| {
+            let slip: [f64; N] = core::array::from_fn(|i| 0.1 + 0.01 * i as f64);
+            let [radius, width, rebound, load] = [0.125, 0.1, 0.0, 80.0].map(|x| [x; N]);
+            let [
+                mut sinkage,
+                mut vertical_force,
+                mut drawbar_pull,
+                mut torque,
+            ] = [[0.0; N]; 4];
+            let mut status = [SolveStatus::NotConverged; N];
+            let mut plan = super::super::plan::Plan::EMPTY;
+            let mut sheet = LoadSheet::EMPTY;
+            let mut out = BatchColumns {
+                sinkage: &mut sinkage,
+                vertical_force: &mut vertical_force,
+                drawbar_pull: &mut drawbar_pull,
+                torque: &mut torque,
+                status: &mut status,
+            };
+            let mut chunk = Chunk {
+                prepared: &prepared,
+                inputs: Inputs {
+                    radius: &radius[..n],
+                    width: &width[..n],
+                    rebound: &rebound[..n],
+                    slip: &slip[..n],
+                    given: &load[..n],
+                    soil: None,
+                },
+                plan: &mut plan,
+                out: out.part(0..n),
+            };
+            let level = Level::best();
+            let range = Range::of(chunk.inputs.slip).unwrap();
+            let first = FIRST.map(|place| range.slip(place));
+            let first = Solved::new(&mut chunk, &first, &mut sheet, (level, None)).unwrap();
+            let values = sheet.kept.each_ref().map(|column| &column.0[..]);
+            let smooth = Smooth::new(values, range);
+            let is_done = by_polynomials(&mut chunk, &mut sheet, (level, &smooth), (range, &first));
+            assert_eq!(is_done, status[..n] == [SolveStatus::Solved; N][..n]);
+            is_done
+        };
+        assert!(is_polynomial(N) && !is_polynomial(N - 1));
+    }
 }
