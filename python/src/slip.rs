@@ -276,7 +276,7 @@ impl OnBoard {
         wheels.map(|wheel| observation_dict(py, wheel)).collect()
     }
 
-    fn _estimate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    fn _estimate<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         output_dict(py, &self.computer.estimate())
     }
 

@@ -33,7 +33,7 @@ pub unsafe extern "C" fn grouser_wheel(
     let work = |object: &mut GrouserOnBoard| {
         let index = wheel as usize;
         let output = object.on_board.estimate();
-        let estimate = output.wheels.get(index).ok_or(GROUSER_ERROR_WHEEL)?;
+        let estimate = *output.wheels.get(index).ok_or(GROUSER_ERROR_WHEEL)?;
         let side_slip_angle = output.side_slip_angle(index);
         let motion = object.on_board.detector().motion(index, estimate.motion);
         let mut known = 0;
@@ -88,7 +88,10 @@ pub unsafe extern "C" fn grouser_body(
     out: *mut GrouserBodyEstimate,
 ) -> i32 {
     let work = |object: &mut GrouserOnBoard| {
-        let on_board = &object.on_board;
+        let on_board = &mut object.on_board;
+        let (mode, start_fault) = (mode(on_board.mode()), on_board.start_fault());
+        let attitude = on_board.attitude();
+        let (roll_rad, pitch_rad) = (attitude.roll(), attitude.pitch());
         let output = on_board.estimate();
         let (body, place) = (output.body, output.body.odometry);
         let copy = GrouserBodyEstimate {
@@ -98,8 +101,8 @@ pub unsafe extern "C" fn grouser_body(
             } else {
                 0
             },
-            mode: mode(on_board.mode()),
-            start_fault: on_board.start_fault().is_some().into(),
+            mode,
+            start_fault: start_fault.is_some().into(),
             time_ns: output.time_ns,
             time_slip_s: output.time_slip,
             forward_m_per_s: body.forward.value,
@@ -116,8 +119,8 @@ pub unsafe extern "C" fn grouser_body(
             place_covariance: core::array::from_fn(|i| place.covariance[i / 3][i % 3]),
             distance_m: body.distance,
             distance_of_wheels_m: body.distance_of_wheels,
-            roll_rad: on_board.attitude().roll(),
-            pitch_rad: on_board.attitude().pitch(),
+            roll_rad,
+            pitch_rad,
             nis: body.nis,
             reference_age_s: output.reference_age.unwrap_or(0.0),
             rejected_bad_value: output.rejected.bad_value,

@@ -36,9 +36,9 @@ pub unsafe extern "C" fn grouser_push(
             GROUSER_MOTOR_CURRENT if !is_known => return Err(GROUSER_ERROR_WHEEL),
             _ => {}
         }
-        let refused = object.on_board.estimate().rejected.total();
+        let refused = object.on_board.refused();
         object.on_board.update_at(now_ns, parsed);
-        if object.on_board.estimate().rejected.total() > refused {
+        if object.on_board.refused() > refused {
             return Err(GROUSER_SAMPLE_REFUSED);
         }
         Ok(())

@@ -29,6 +29,7 @@ mod merge;
 pub mod message;
 mod messages;
 mod order;
+mod orientation;
 mod recording;
 mod series;
 mod sheet;

@@ -6,7 +6,7 @@ use grouser_slip::Measurement;
 
 use crate::error::BadField;
 use crate::message::NavSatFix;
-use crate::recording::yaw;
+use crate::orientation::yaw;
 
 /// The readings that a set of columns gives.
 #[derive(Clone, Debug)]

@@ -3,8 +3,9 @@
 use grouser_real::Real;
 use grouser_slip::Measurement;
 
-use super::mounting::{dot, yaw};
+use super::mounting::dot;
 use crate::message::{NavSatFix, Trust, Value, View};
+use crate::orientation::yaw;
 use crate::slots::Slots;
 
 /// What a topic is used for.

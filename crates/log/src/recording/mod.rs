@@ -22,7 +22,6 @@ use choose::Choice;
 pub(crate) use choose::{is_asked_for, is_command, is_of_wheels, is_over_ground, speed_of_number};
 pub(crate) use frames::{FirstTransforms, is_static, poses};
 pub use intake::Intake;
-pub(crate) use mounting::yaw;
 pub use preview::Preview;
 pub(crate) use reader::RecordingReader;
 

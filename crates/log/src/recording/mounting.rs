@@ -4,8 +4,6 @@
 //! IMU's frame, or from gravity, which an accelerometer at rest measures upwards. The forward axis follows from
 //! transforms, or from the robot file.
 
-use grouser_real::Real;
-
 use super::frames::{MAX_CHAIN, Tree, is_base, plain};
 
 /// Standard gravity, m/s².
@@ -100,14 +98,6 @@ pub(super) fn agree(a: [f64; 3], b: [f64; 3]) -> bool {
 
 pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// The yaw of an orientation x, y, z, w: how far the x axis is turned about z, rad. `None` of what is no
-/// rotation.
-pub(crate) fn yaw([x, y, z, w]: [f64; 4]) -> Option<f64> {
-    let size = x * x + y * y + z * z + w * w;
-    (size > 1e-6 && size.is_finite())
-        .then(|| Real::atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
 }
 
 /// A vector of the parent in the child's frame: q* v q.

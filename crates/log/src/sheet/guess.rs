@@ -126,8 +126,6 @@ pub(super) fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -
     if is(&other) {
         return None;
     }
-    let turns =
-        is(&["gyro", "gyroscope", "imu"]) || (is(&["angular"]) && is(&["velocity", "rate"]));
     if command {
         let forward = is(&["x", "forward", "linear", "v", "speed"]);
         return if forward && !of_a_wheel && !is(&["angular", "y", "z", "left"]) {
@@ -141,12 +139,7 @@ pub(super) fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -
     if whole && (counts || bare || stated == Some(Quantity::Ticks)) {
         return of_wheel(Meaning::WheelCount, "tick");
     }
-    if (turns && (is(&["z"]) || is_gyro(words)))
-        || (is(&["yaw"]) && is(&["rate", "velocity"]))
-        || (is(&["z"]) && is(&["ang"]) && is(&["vel"]))
-        || is(&["yawrate"])
-        || (stated == Some(Quantity::AngularRate) && is(&["wz"]))
-    {
+    if is_yaw_rate(words, stated) {
         return of(Meaning::YawRate, "rad/s");
     }
     let is_speed = matches!(stated, Some(Quantity::Speed | Quantity::AngularRate));
@@ -154,24 +147,18 @@ pub(super) fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -
         let unit = if is(&["rpm"]) { "rpm" } else { "rad/s" };
         return of_wheel(Meaning::WheelRate, unit);
     }
-    // `left_rad`, `rear_right_wheel_deg`
-    let names_a_wheel = |word: &String| {
-        ["front", "rear", "wheel", "motor", "joint"].contains(&word.as_str())
-            || is_corner(word)
-            || is_numbered(word)
-    };
     let is_angle = is(&["position", "pos", "angle"])
-        || stated == Some(Quantity::Angle) && (counts || words.iter().all(names_a_wheel));
+        || stated == Some(Quantity::Angle) && (counts || names_a_wheel(words));
     if of_a_wheel && is_angle {
         return of_wheel(Meaning::WheelAngle, "rad");
     }
-    match words {
-        [one] if one == "dx" => return of(Meaning::DisplacementForward, "m"),
-        [one] if one == "dy" => return of(Meaning::DisplacementLeft, "m"),
-        [one] if one == "dang" || one == "dyaw" => {
-            return of(Meaning::DisplacementTurn, "rad");
+    if let [one] = words {
+        match one.as_str() {
+            "dx" => return of(Meaning::DisplacementForward, "m"),
+            "dy" => return of(Meaning::DisplacementLeft, "m"),
+            "dang" | "dyaw" => return of(Meaning::DisplacementTurn, "rad"),
+            _ => {}
         }
-        _ => {}
     }
     if !is(&[
         "pose", "position", "pos", "odom", "gps", "vicon", "mocap", "truth",
@@ -186,6 +173,28 @@ pub(super) fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -
     } else {
         None
     }
+}
+
+/// Do the words name the rate of a turn about z?
+fn is_yaw_rate(words: &[String], stated: Option<Quantity>) -> bool {
+    let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
+    let turns = is(&["gyro", "gyroscope", "imu"])
+        || (is(&["angular"]) && is(&["velocity", "rate"]))
+        || (is(&["ang"]) && is(&["vel"]));
+    (turns && (is(&["z"]) || is_gyro(words)))
+        || (is(&["yaw"]) && is(&["rate", "velocity"]))
+        || is(&["yawrate"])
+        || (stated == Some(Quantity::AngularRate) && is(&["wz"]))
+}
+
+/// Do the words name a wheel and nothing else, as those of `left_rad` and `rear_right_wheel_deg` do?
+fn names_a_wheel(words: &[String]) -> bool {
+    let is_part = |word: &String| {
+        ["front", "rear", "wheel", "motor", "joint"].contains(&word.as_str())
+            || is_corner(word)
+            || is_numbered(word)
+    };
+    words.iter().all(is_part)
 }
 
 /// The part of a quaternion that a column is, with the words before it: `quat_x`, `pose.orientation.w`, `qz`. Not that of an

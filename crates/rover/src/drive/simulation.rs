@@ -501,7 +501,7 @@ impl Simulation {
             },
             decisions: self.decisions.clone(),
             decision_count: self.decision_count,
-            refused: self.on_board.estimate().rejected.total(),
+            refused: self.on_board.refused(),
             end: (place.x, place.y),
             soil: self.on_board.soil().map(SoilLearner::estimate),
         }

@@ -160,8 +160,14 @@ impl SlipFilter {
     /// A [`Fault`] refuses the sample (or one that waited before it): it is counted and changes no estimate.
     pub fn update(&mut self, sample: Sample) -> ::core::result::Result<FilterOutput<'_>, Fault> {
         let outcome = self.push(sample);
+        let output = self.settled();
+        outcome.map(|()| output)
+    }
+
+    /// [`SlipFilter::latest`] after [`SlipFilter::push`].
+    pub(crate) fn settled(&mut self) -> FilterOutput<'_> {
         self.core.settle_estimates(&self.input);
-        outcome.map(|()| self.latest())
+        self.latest()
     }
 
     /// [`SlipFilter::update`] without an output: the wheels' estimates follow with the next time of a reading, or when they

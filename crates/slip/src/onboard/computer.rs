@@ -18,7 +18,7 @@ use crate::control::{
 use crate::detect::Detector;
 use crate::error::{Error, Result};
 use crate::fault::Fault;
-use crate::filter::{FilterOutput, SlipFilter, SlipPrior};
+use crate::filter::{BodyEstimate, FilterOutput, SlipFilter, SlipPrior};
 use crate::prior::SlipDemand;
 use crate::robot::Robot;
 use crate::sample::{Measurement, Sample};
@@ -388,11 +388,22 @@ impl OnBoard {
         &self.observations
     }
 
-    /// The filter's output. [`OnBoard::tick`] brings the wheels' estimates up to date; between two ticks they may be those
-    /// of the moment before the last readings.
+    /// The filter's output by all readings so far.
     #[must_use]
-    pub fn estimate(&self) -> FilterOutput<'_> {
-        self.filter.latest()
+    pub fn estimate(&mut self) -> FilterOutput<'_> {
+        self.filter.settled()
+    }
+
+    /// The robot's motion and place by all readings so far.
+    #[must_use]
+    pub fn body(&self) -> BodyEstimate {
+        self.filter.latest().body
+    }
+
+    /// Number of readings that the filter refused.
+    #[must_use]
+    pub fn refused(&self) -> u64 {
+        self.filter.latest().rejected.total()
     }
 
     /// Forward speed of the robot, m/s; `None` while no wheel shows it.

@@ -239,7 +239,7 @@ impl Aboard {
     ) -> Result<Option<Outcome>> {
         let on_board = simulation.on_board();
         let heading = on_board.attitude().heading();
-        let step = self.advance(&on_board.estimate().body.odometry, fix);
+        let step = self.advance(&on_board.body().odometry, fix);
         // ground that is soft or holds the robot: the controller drives back the way the robot came
         let is_held = on_board.mode() == Mode::BackOut;
         let request = match &mut self.phase {

@@ -1,5 +1,6 @@
 use super::*;
 use crate::message::Transform;
+use crate::orientation::yaw;
 use crate::recording::frames::FirstTransforms;
 
 /// Frames as they are entered by one topic.
