@@ -5,7 +5,7 @@ use grouser_slip::filter::Learnt;
 use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::window::{WindowBody, WindowEstimator, WindowMeans, WindowSettings};
 use grouser_slip::{
-    Health, Invalid, Measurement, Motion, Reference, Robot, Sample, Slip, WheelEstimate, WheelRole,
+    Health, Invalid, Measurement, Motion, Reference, Robot, Sample, Slip, WheelRole,
 };
 
 use crate::axes::{AxisCheck, AxisWatch};
@@ -21,7 +21,7 @@ use crate::odometry::Odometry;
 use crate::options::Options;
 use crate::place_way::PlaceWay;
 use crate::pose_watch::{PoseFault, PoseWatch};
-use crate::reckoning::Reckoning;
+use crate::reckoning::{Reckoning, inconsistent};
 use crate::reference_delay::ReferenceDelay;
 use crate::samples::{is_used, rotating_wheel};
 use crate::sink::{Row, Sink, Step};
@@ -177,22 +177,6 @@ impl Slips {
         };
         Some(speed?.value)
     }
-}
-
-/// The powered wheels whose sensors contradict the others, bit by bit; none where all of them do: such a robot is carried.
-fn inconsistent(wheels: &[WheelEstimate], robot: &Robot) -> u64 {
-    let (mut found, mut bit, mut has_other) = (0, 1, false);
-    for (wheel, described) in wheels.iter().zip(robot.wheels()) {
-        if described.role == WheelRole::Powered {
-            if wheel.health == Health::Invalid(Invalid::Inconsistent) {
-                found |= bit;
-            } else {
-                has_other = true;
-            }
-        }
-        bit <<= 1;
-    }
-    if has_other { found } else { 0 }
 }
 
 impl Engine {

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use grouser_real::Real;
-use grouser_slip::{BodyMotion, Health, Invalid, WheelEstimate};
+use grouser_slip::{BodyMotion, Health, Invalid, Robot, WheelEstimate, WheelRole};
 
 use crate::checks::WayCheck;
 use crate::moment::{Moment, Travel, seconds};
@@ -234,6 +234,22 @@ fn along_the_wheels(wheels: &BodyMotion, motion: &BodyMotion) -> (f64, f64) {
     } else {
         (0.0, 0.0)
     }
+}
+
+/// The powered wheels whose sensors contradict the others, bit by bit; none where all of them do: such a robot is carried.
+pub(crate) fn inconsistent(wheels: &[WheelEstimate], robot: &Robot) -> u64 {
+    let (mut found, mut bit, mut has_other) = (0, 1, false);
+    for (wheel, described) in wheels.iter().zip(robot.wheels()) {
+        if described.role == WheelRole::Powered {
+            if wheel.health == Health::Invalid(Invalid::Inconsistent) {
+                found |= bit;
+            } else {
+                has_other = true;
+            }
+        }
+        bit <<= 1;
+    }
+    if has_other { found } else { 0 }
 }
 
 #[cfg(test)]

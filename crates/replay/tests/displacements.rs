@@ -17,7 +17,7 @@ fn slip(time_s: f64) -> f64 {
     if is_soft { 0.4 } else { 0.1 }
 }
 
-/// A cart with a displacement every so many rows.
+/// A cart with a displacement every `every` rows.
 fn cart(every: i32) -> (Log, robot::RobotFile) {
     let mut table = String::from("t,left,right,gyro,dx,dy,dyaw");
     let (mut angle, mut way) = (0.0, 0.0);

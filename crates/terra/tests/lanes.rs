@@ -486,7 +486,7 @@ fn eight_numbers_compute_as_one_does() {
     near(a.tanh(), one(f64::tanh));
     near(a.sin(), one(f64::sin));
     near(a.cos(), one(f64::cos));
-    // with many half turns, and with so many that each number is taken by itself
+    // with many half turns, and with too many for the lanes, where each number is taken by itself
     for turned in [A.map(|a| 1000.0 * a), A.map(|a| 1e5 * a)] {
         near(Lanes(turned).sin(), turned.map(f64::sin));
         near(Lanes(turned).cos(), turned.map(f64::cos));

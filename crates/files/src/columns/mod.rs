@@ -18,6 +18,7 @@
 //! ]
 //! ```
 
+mod check;
 mod write;
 
 use std::path::Path;
@@ -25,10 +26,12 @@ use std::path::Path;
 use grouser_slip::Reference;
 
 use crate::document::Document;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Result};
 use crate::section::Section;
 use crate::unit::Quantity;
 
+use check::check_columns;
+pub(crate) use check::check_together;
 pub use write::to_toml;
 pub(crate) use write::{meaning, write_table};
 
@@ -503,72 +506,6 @@ pub(crate) fn read_meaning(section: &Section<'_>, column: String) -> Result<Colu
         factor: unit * scale.unwrap_or(1.0),
         offset: offset.unwrap_or(0.0),
     })
-}
-
-fn check_columns(section: &Section<'_>, columns: &[Column]) -> Result<()> {
-    if columns.is_empty() {
-        return Err(Error::MissingKey {
-            at: section.place(),
-            section: "[[table]]".into(),
-            key: "columns",
-        });
-    }
-    check_together(&section.place_of("columns"), columns)
-}
-
-/// Is every meaning there once, with those that it needs beside it?
-pub(crate) fn check_together(at: &Place, columns: &[Column]) -> Result<()> {
-    for (index, column) in columns.iter().enumerate() {
-        let twice = columns[..index].iter().find(|other| {
-            other.meaning.reading() == column.meaning.reading() && other.wheel == column.wheel
-        });
-        if let Some(other) = twice {
-            let (name, other) = (column.meaning.name(), other.meaning.name());
-            return Err(Error::Contradiction {
-                at: at.clone(),
-                message: if name == other {
-                    format!("`{name}` is given by two columns")
-                } else {
-                    format!(
-                        "`{other}` and `{name}` of one wheel are the same reading: leave one of them out"
-                    )
-                },
-            });
-        }
-        let is_there = |meaning| columns.iter().any(|other| other.meaning == meaning);
-        let twice = [
-            (
-                Meaning::Latitude,
-                Meaning::PoseX,
-                "`pose_x` and `latitude` are places of one robot: leave one of them out",
-            ),
-            (
-                Meaning::OrientationZ,
-                Meaning::PoseYaw,
-                "`pose_yaw` and `orientation_z` are headings of one robot: leave one of them out",
-            ),
-        ];
-        let twice =
-            (twice.into_iter()).find(|(own, other, _)| column.meaning == *own && is_there(*other));
-        if let Some((.., message)) = twice {
-            return Err(Error::Contradiction {
-                at: at.clone(),
-                message: message.into(),
-            });
-        }
-        let mut needs = column.meaning.needs().iter();
-        if let Some(needed) = needs.find(|needed| !is_there(**needed)) {
-            return Err(Error::Contradiction {
-                at: at.clone(),
-                message: format!(
-                    "`{}` needs `{}` beside it",
-                    column.meaning.name(),
-                    needed.name()
-                ),
-            });
-        }
-    }
-    Ok(())
 }
 
 /// Does `text` match `pattern`, in which `*` stands for any run of characters?

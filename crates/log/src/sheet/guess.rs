@@ -197,30 +197,6 @@ fn names_a_wheel(words: &[String]) -> bool {
     words.iter().all(is_part)
 }
 
-/// The part of a quaternion that a column is, with the words before it: `quat_x`, `pose.orientation.w`, `qz`. Not that of an
-/// IMU, whose heading is none of a pose.
-pub(super) fn orientation_part(name: &str) -> Option<(Vec<String>, Meaning)> {
-    let mut words = super::words::words(name);
-    let last = words.pop()?;
-    let is_quaternion = |word: &String| {
-        ["orientation", "quat", "quaternion", "rotation", "q"].contains(&word.as_str())
-    };
-    let part = match last.strip_prefix('q') {
-        Some(part) => part,
-        None if words.iter().any(is_quaternion) => &last,
-        None => return None,
-    };
-    let meaning = match part {
-        "x" => Meaning::OrientationX,
-        "y" => Meaning::OrientationY,
-        "z" => Meaning::OrientationZ,
-        "w" => Meaning::OrientationW,
-        _ => return None,
-    };
-    let is_of_imu = words.iter().any(|word| word == "imu");
-    (!is_of_imu).then_some((words, meaning))
-}
-
 /// The ways of ArduPilot's encoders of wheels, m: `WENC.Dist0`.
 fn of_wheel_encoder(words: &[String]) -> Option<Guess> {
     let words: Vec<&str> = words.iter().map(String::as_str).collect();

@@ -4,7 +4,7 @@ use grouser_files::columns::Meaning;
 use grouser_files::unit::Quantity;
 use grouser_real::Real;
 
-use super::guess::{Guess, orientation_part};
+use super::guess::Guess;
 use super::words::{bare_unit, words};
 use super::{MAX_YAW_RAD, SheetColumn};
 use crate::csv::finite;
@@ -172,4 +172,28 @@ pub(super) fn guess_orientation(columns: &mut [SheetColumn]) {
             unit: "1",
         });
     }
+}
+
+/// The part of a quaternion that a column is, with the words before it: `quat_x`, `pose.orientation.w`, `qz`. Not that of an
+/// IMU, whose heading is none of a pose.
+fn orientation_part(name: &str) -> Option<(Vec<String>, Meaning)> {
+    let mut words = words(name);
+    let last = words.pop()?;
+    let is_quaternion = |word: &String| {
+        ["orientation", "quat", "quaternion", "rotation", "q"].contains(&word.as_str())
+    };
+    let part = match last.strip_prefix('q') {
+        Some(part) => part,
+        None if words.iter().any(is_quaternion) => &last,
+        None => return None,
+    };
+    let meaning = match part {
+        "x" => Meaning::OrientationX,
+        "y" => Meaning::OrientationY,
+        "z" => Meaning::OrientationZ,
+        "w" => Meaning::OrientationW,
+        _ => return None,
+    };
+    let is_of_imu = words.iter().any(|word| word == "imu");
+    (!is_of_imu).then_some((words, meaning))
 }

@@ -85,8 +85,7 @@ fn assert_near(found: Interval, (low, high): (f64, f64)) {
     );
 }
 
-const INFINITY: f64 = f64::INFINITY;
-const ALL: (f64, f64) = (-INFINITY, INFINITY);
+const ALL: (f64, f64) = (-f64::INFINITY, f64::INFINITY);
 
 #[test]
 fn arguments_of_values() {
@@ -177,16 +176,16 @@ fn operands_of_values() {
             (2.0, 3.0),
             (1.0, 9.0),
             (2.0, 8.0),
-            (-INFINITY, 3.0),
-            (-INFINITY, 3.0),
+            (-f64::INFINITY, 3.0),
+            (-f64::INFINITY, 3.0),
         ),
         (
             Binary::Min,
             (2.0, 3.0),
             (1.0, 9.0),
             (2.0, 8.0),
-            (2.0, INFINITY),
-            (2.0, INFINITY),
+            (2.0, f64::INFINITY),
+            (2.0, f64::INFINITY),
         ),
         (
             Binary::Power,
@@ -225,7 +224,7 @@ fn quotients_by_what_may_be_0() {
         (found.low(), found.high())
     };
     // at least 2/2 in size
-    let (above, below) = ((1.0, INFINITY), (-INFINITY, -1.0));
+    let (above, below) = ((1.0, f64::INFINITY), (-f64::INFINITY, -1.0));
     let (up, down) = ((2.0, 4.0), (-4.0, -2.0));
     assert_eq!(ways(up, (-1.0, 2.0), ALL), ALL);
     assert_eq!(ways(down, (-1.0, 2.0), ALL), ALL);
