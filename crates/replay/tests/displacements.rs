@@ -9,6 +9,7 @@ use grouser_replay::{Options, run};
 
 const DT_S: f64 = 0.05;
 const RADIUS_M: f64 = 0.1;
+const HALF_TRACK_M: f64 = 0.3;
 const SPEED_M_PER_S: f64 = 1.0;
 
 /// 0.1, and twice 0.4 for some seconds.
@@ -17,20 +18,35 @@ fn slip(time_s: f64) -> f64 {
     if is_soft { 0.4 } else { 0.1 }
 }
 
-/// A cart with a displacement every `every` rows.
-fn cart(every: i32) -> (Log, robot::RobotFile) {
+/// A cart with a displacement every `every` rows, on a circle.
+fn cart(every: i32, turn_rad_per_s: f64) -> (Log, robot::RobotFile) {
     let mut table = String::from("t,left,right,gyro,dx,dy,dyaw");
-    let (mut angle, mut way) = (0.0, 0.0);
+    let (mut angles, mut way) = ([0.0; 2], 0.0);
+    let turn = turn_rad_per_s * f64::from(every) * DT_S;
+    let chord_over_arc = if turn == 0.0 {
+        1.0
+    } else {
+        (0.5 * turn).sin() / (0.5 * turn)
+    };
     for row in 0..600 {
         let time_s = f64::from(row) * DT_S;
-        angle += SPEED_M_PER_S / (1.0 - slip(time_s)) * DT_S / RADIUS_M;
+        for (angle, y) in angles.iter_mut().zip([HALF_TRACK_M, -HALF_TRACK_M]) {
+            let speed = SPEED_M_PER_S - turn_rad_per_s * y;
+            *angle += speed / (1.0 - slip(time_s)) * DT_S / RADIUS_M;
+        }
         // errors of 1 mm that no generator draws
         let error = 1e-3 * (f64::from(row * row) * 0.7).sin();
         way += SPEED_M_PER_S * DT_S + error;
         let time_s = time_s + DT_S;
-        write!(table, "\n{time_s:.4},{angle:.6},{angle:.6},0,").unwrap();
+        let [left, right] = angles;
+        write!(
+            table,
+            "\n{time_s:.4},{left:.6},{right:.6},{turn_rad_per_s},"
+        )
+        .unwrap();
         if (row + 1) % every == 0 {
-            write!(table, "{way:.6},0,{:.6}", 0.1 * error).unwrap();
+            let chord = way * chord_over_arc;
+            write!(table, "{chord:.6},0,{:.6}", turn + 0.1 * error).unwrap();
             way = 0.0;
         } else {
             table.push_str(",,");
@@ -54,7 +70,7 @@ fn cart(every: i32) -> (Log, robot::RobotFile) {
     let mut text = String::from(
         "format = 1\nname = \"cart\"\n[estimator]\nreference = \"displacement\"\nwheel_sensor = \"angle\"\n",
     );
-    for (name, y) in [("left", 0.3), ("right", -0.3)] {
+    for (name, y) in [("left", HALF_TRACK_M), ("right", -HALF_TRACK_M)] {
         writeln!(
             text,
             "[[wheel]]\nname = \"{name}\"\nx_m = 0.0\ny_m = {y}\nradius_m = {RADIUS_M}\ndrive = \"powered\""
@@ -68,7 +84,7 @@ fn cart(every: i32) -> (Log, robot::RobotFile) {
 /// Means over half a second know no motion beside them: "0.000 m driven, 0.000 m without compensation".
 #[test]
 fn displacements_that_come_seldom_have_their_way_in_the_odometry() {
-    let (log, file) = cart(40);
+    let (log, file) = cart(40, 0.0);
     let summary = run(&log, &file, &Options::default(), |_| Ok(())).unwrap();
     let odometry = summary.odometry.unwrap();
     println!("{odometry:?}");
@@ -82,7 +98,7 @@ fn displacements_that_come_seldom_have_their_way_in_the_odometry() {
 /// a second first, a jump of slip was seen so much later.
 #[test]
 fn short_displacements_show_a_jump_of_slip_at_once() {
-    let (log, file) = cart(1);
+    let (log, file) = cart(1, 0.0);
     let (mut square, mut count) = (0.0, 0.0);
     run(&log, &file, &Options::default(), |row| {
         let since_jump = [10.0, 15.0, 20.0, 25.0].map(|jump| row.time_s - jump);
@@ -98,4 +114,23 @@ fn short_displacements_show_a_jump_of_slip_at_once() {
     let rmse = f64::sqrt(square / count);
     println!("after jumps: rmse {rmse:.4}");
     assert!(rmse < 0.1, "{rmse}");
+}
+
+/// A displacement is that of the frame halfway: a turn between two of them is no motion to the side.
+#[test]
+fn displacements_of_bends_show_the_slip_of_each_wheel() {
+    for (every, turn_rad_per_s) in [(20, 0.4), (40, 0.3), (40, -0.3)] {
+        let (log, file) = cart(every, turn_rad_per_s);
+        let mut worst: f64 = 0.0;
+        run(&log, &file, &Options::default(), |row| {
+            let is_steady = (5.0..10.0).contains(&row.time_s);
+            if let Some(found) = row.slip.filter(|_| is_steady) {
+                worst = worst.max((found - slip(row.time_s - 1e-6)).abs());
+            }
+            Ok(())
+        })
+        .unwrap();
+        println!("every {every} rows, {turn_rad_per_s} rad/s: {worst:.4}");
+        assert!(worst > 0.0 && worst < 0.02, "{worst}");
+    }
 }

@@ -58,7 +58,8 @@ pub enum Measurement {
         /// rad/s, left positive.
         rate: f64,
     },
-    /// How far the robot moved since the last sample of this kind, in its own frame.
+    /// How far the robot moved since the last sample of this kind, in the frame that it has halfway: headed half the turn
+    /// further than at the last.
     Displacement {
         /// Forwards, m.
         forward: f64,

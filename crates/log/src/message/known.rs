@@ -279,7 +279,7 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
     ),
     (
         DISPLACEMENT,
-        "# Way since the message before, in the robot's frame: m, m, rad (NaN: not measured).\n\
+        "# Way since the message before, in the robot's frame halfway: m, m, rad (NaN: not measured).\n\
          std_msgs/Header header\nfloat64 forward\nfloat64 left\nfloat64 turn\n",
         &["std_msgs/Header"],
     ),

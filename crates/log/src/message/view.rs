@@ -55,7 +55,7 @@ pub enum View<'a> {
         /// Sinkage (m) and entry angle (rad) of each.
         contacts: Elements<'a, [Option<f64>; 2]>,
     },
-    /// `grouser_msgs/Displacement`: way since the message before, in the robot's frame.
+    /// `grouser_msgs/Displacement`: way since the message before, in the robot's frame halfway.
     Displacement {
         /// m.
         forward: f64,

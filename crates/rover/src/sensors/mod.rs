@@ -257,7 +257,8 @@ impl Sensors {
         let (place, heading) = (vehicle.state().position, vehicle.heading());
         let before = self.camera_at.replace((place, heading));
         let Some((from, old)) = before else { return };
-        let (sin, cos) = Real::sin_cos(old);
+        let turn = wrap_angle(heading - old);
+        let (sin, cos) = Real::sin_cos(old + 0.5 * turn);
         let way = place - from;
         let scale = if active(FaultKind::CameraFrozen).is_some() {
             0.0
@@ -269,7 +270,7 @@ impl Sensors {
         let measurement = Measurement::Displacement {
             forward: scale * (cos * way.x + sin * way.y) + noise() + jump,
             left: scale * (cos * way.y - sin * way.x) + noise(),
-            turn: Some(scale * wrap_angle(heading - old) + 2.0 * noise()),
+            turn: Some(scale * turn + 2.0 * noise()),
         };
         self.send(time + s.camera_latency + delay, stamp, measurement);
     }
