@@ -28,6 +28,8 @@ struct World {
     speed: f64,
     turn: f64,
     slip: fn(f64) -> f64,
+    /// Of the wheels on the right, where it is another one.
+    right: Option<fn(f64) -> f64>,
     /// rad/s; `None`: no gyro.
     gyro_bias: Option<f64>,
     /// Does it drive forwards, stand, drive backwards and stand, five seconds each, with an accelerometer?
@@ -113,7 +115,7 @@ impl World {
             for (slot, part) in passed.iter_mut().zip([v, 0.0, turn]) {
                 *slot += part * STEP_S;
             }
-            let slip = (self.slip)(time);
+            let slips = [self.slip, self.right.unwrap_or(self.slip)].map(|slip| slip(time));
             let mut give = |measurement| {
                 let _ = filter.update(Sample {
                     time_ns,
@@ -123,7 +125,7 @@ impl World {
             let is_read = step % self.period == 0;
             for (wheel, angle) in angles.iter_mut().enumerate() {
                 let ground = v - turn * self.place(wheel).1;
-                let rate = ground / (1.0 - slip) / RADIUS_M;
+                let rate = ground / (1.0 - slips[wheel % 2]) / RADIUS_M;
                 *angle += rate * STEP_S;
                 // a rate that is never quite 0, so that the filter sees no rest
                 let rate = rate + 0.01 * noise.normal();
@@ -169,6 +171,7 @@ impl World {
                 let (Some(found), Some(sigma)) = (estimate.slip, estimate.sigma) else {
                     continue;
                 };
+                let slip = slips[wheel % 2];
                 if (ground / (1.0 - slip)).abs() < 0.05 {
                     continue;
                 }
@@ -203,6 +206,7 @@ const WORLD: World = World {
     speed: 0.37,
     turn: 0.3,
     slip: |_| 0.1,
+    right: None,
     gyro_bias: Some(0.015),
     stops: false,
     starts_off: false,
@@ -326,5 +330,35 @@ fn a_first_position_that_is_wrong_turns_no_heading() {
             ..WORLD
         }
         .assert_within(0.05);
+    }
+}
+
+/// A patch of soft ground under one side, then under the other.
+fn patch(time: f64) -> f64 {
+    if time % 16.0 < 6.0 { 0.45 } else { 0.03 }
+}
+
+/// While one side slips the wheels turn and the robot does not: what is left of the gyro's bias then has any sign beside them.
+#[test]
+fn a_gyro_beside_wheels_that_slip_on_one_side_keeps_its_trust() {
+    for bias in [0.03, -0.03] {
+        for reference in [Reference::Speed(0.03), Reference::Pose([0.01, 0.02])] {
+            for turn in [0.0, 0.3] {
+                let world = World {
+                    speed: 1.5,
+                    half_track: 0.3,
+                    turn,
+                    slip: patch,
+                    right: Some(|time| patch(time + 8.0)),
+                    gyro_bias: Some(bias),
+                    reference,
+                    ..WORLD
+                };
+                let score = world.run();
+                println!("bias {bias} turn {turn}: {score:?}");
+                // each jump of slip takes a moment to be found
+                assert!(score.rmse < 0.09 && score.wrong < 0.04, "{score:?}");
+            }
+        }
     }
 }

@@ -84,8 +84,9 @@ impl GyroMonitor {
     ) {
         let last = self.compared_ns.replace(time_ns).unwrap_or(time_ns);
         let dt = seconds_between(last, time_ns);
-        self.agreement.update(rate, by_wheels, dt);
-        let gap = rate - state.mean(GYRO_BIAS) - by_wheels;
+        let turn = rate - state.mean(GYRO_BIAS);
+        self.agreement.update(turn, by_wheels, dt);
+        let gap = turn - by_wheels;
         if by_wheels.abs() < BEND_YAW_RATE_RAD_PER_S
             && let Some(mean_gap) = self.agreement.update_straight(gap, dt)
         {

@@ -11,7 +11,8 @@ const MAX_SLIP_GAP_RAD_PER_S: f64 = 0.02;
 /// A correlation below this is a wrong sign.
 const OPPOSITE_CORRELATION: f64 = -0.3;
 /// A gyro that shows this many times the wheels' turn, and in step with it, has another unit: no tyre skids sideways that much. One
-/// side that slips turns the robot too, but not in step with the wheels.
+/// side that slips turns the robot too, but not in step with the wheels. One that shows this share of their turn or less shows its bias,
+/// whose sign says nothing, beside a side that slips.
 const UNIT_FACTOR: f64 = 5.0;
 const IN_STEP_CORRELATION: f64 = 0.8;
 
@@ -45,8 +46,9 @@ impl TurnAgreement {
     pub(super) fn contradicts(&self) -> bool {
         let least = MIN_TURN_RAD_PER_S * MIN_TURN_RAD_PER_S;
         let size = grouser_real::Real::sqrt(self.gyro * self.wheels);
-        let opposite = size > least && self.both < OPPOSITE_CORRELATION * size;
         let factor = UNIT_FACTOR * UNIT_FACTOR;
+        let both_turn = self.gyro > least.max(self.wheels / factor) && self.wheels > least;
+        let opposite = both_turn && self.both < OPPOSITE_CORRELATION * size;
         let unit = self.wheels > least
             && self.gyro > factor * self.wheels
             && self.both > IN_STEP_CORRELATION * size;
@@ -76,5 +78,7 @@ mod tests {
         // one side slips while both rims turn equally fast
         assert!(!after(0.4, 0.0) && !after(0.4, 0.04));
         assert!(!after(0.01, -0.01));
+        // one side slips, and the gyro shows what is left of its bias
+        assert!(!after(-0.03, 2.6) && !after(-0.1, 2.6));
     }
 }
