@@ -67,7 +67,7 @@ impl Core {
         let Some(ground) = &self.ground else {
             return;
         };
-        let motion = ground.motion(time_ns);
+        let motion = ground.motion(time_ns, &self.settings);
         self.is_led = motion.is_some();
         let Some((motion, direction, rim)) = motion else {
             return;
@@ -199,7 +199,7 @@ impl Core {
         let Some((motion, ..)) = self
             .ground
             .as_ref()
-            .and_then(|ground| ground.motion(now_ns))
+            .and_then(|ground| ground.motion(now_ns, &self.settings))
         else {
             return;
         };

@@ -147,7 +147,7 @@ impl Core {
     /// less the present slip: a change of the common slip within the window is no wheel's own.
     fn level_speed(&self, row: [f64; 3], from_ns: i64, to_ns: i64) -> f64 {
         let ground = self.ground.as_ref().filter(|_| self.is_led);
-        match ground.and_then(|ground| ground.mean_motion(from_ns, to_ns)) {
+        match ground.and_then(|ground| ground.mean_motion((from_ns, to_ns), &self.settings)) {
             Some([forward, left]) => {
                 let turn = self.path.mean_yaw_rate(&self.state, from_ns, to_ns);
                 crate::body::dot(row, [forward, left, turn])

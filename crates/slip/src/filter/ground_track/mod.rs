@@ -33,7 +33,7 @@ use refused_series::{RefusedSeries, is_accepted};
 const STEP_S: f64 = 0.005;
 /// Positions are used at most this often, s: errors of faster ones are correlated.
 const POSITION_PERIOD_S: f64 = 0.1;
-/// Without a reference for this long the motion is no longer that of the models, s.
+/// Without a reference for this long the slip may be another one, s, and a place that returns begins anew.
 const MAX_PREDICTION_S: f64 = 5.0;
 /// A reference that was refused or silent is readmitted with a reservation for this long, and one that starts for this
 /// long, s.
@@ -233,15 +233,24 @@ impl GroundTrack {
         first
     }
 
-    /// The motion by the models with its direction, while a reference was accepted not too long ago.
-    pub(super) fn motion(&self, now_ns: i64) -> Option<(ModelMotion, f64, f64)> {
-        let accepted = self.accepted_ns?;
-        let is_known = seconds_between(accepted, now_ns) <= MAX_PREDICTION_S;
-        let mut motion = self.models.motion().filter(|_| is_known)?;
+    /// The motion by the models with its direction, once a reference was accepted. Without one they go on by the rims: the slip is the last
+    /// one at first, and then fades into its prior.
+    pub(super) fn motion(
+        &self,
+        now_ns: i64,
+        settings: &FilterSettings,
+    ) -> Option<(ModelMotion, f64, f64)> {
+        let mut motion = self.fading_motion(now_ns, settings)?;
         if let Some(speed) = self.slide(now_ns) {
             (motion.speed, motion.slip) = (speed, -1.0);
         }
         Some((motion, self.direction, self.rim_speed))
+    }
+
+    fn fading_motion(&self, now_ns: i64, settings: &FilterSettings) -> Option<ModelMotion> {
+        let outage = seconds_between(self.accepted_ns?, now_ns) - MAX_PREDICTION_S;
+        let kept = Real::exp(-outage.max(0.0) / settings.slip_memory);
+        self.models.fading_motion(kept)
     }
 
     /// Has the last heading shown that the turn rate is wrong?
@@ -281,11 +290,17 @@ impl GroundTrack {
 
     /// The rims' mean speed over a window along their direction, less the present slip, forwards and to the left, m/s: the
     /// robot's motion if the slip did not change within it.
-    pub(super) fn mean_motion(&self, from_ns: i64, to_ns: i64) -> Option<[f64; 2]> {
+    pub(super) fn mean_motion(
+        &self,
+        (from_ns, to_ns): (i64, i64),
+        settings: &FilterSettings,
+    ) -> Option<[f64; 2]> {
         let to_ns = to_ns.min(self.stepped_ns?);
         let way = self.history.between(from_ns, to_ns)?[3];
         let window = seconds_between(from_ns, to_ns);
-        let motion = self.models.motion().filter(|_| window > 0.0)?;
+        let motion = self
+            .fading_motion(to_ns, settings)
+            .filter(|_| window > 0.0)?;
         let rim = way / window;
         let speed = rim * motion.rim_share;
         let (sin, cos) = Real::sin_cos(self.direction);

@@ -17,7 +17,7 @@ use grouser_real::{Real, wrap_angle};
 
 use course::Course;
 use group::Group;
-use model::{DRIFT, HEADING, Model, SLIP, STATES, Since, Step, TURN_ERROR, X, Y};
+use model::{DRIFT, HEADING, MAX_SLIP, Model, SLIP, STATES, Since, Step, TURN_ERROR, X, Y};
 pub(super) use model::{MIN_RIM_SHARE, Rim, TurnError};
 use position_noise::PositionNoise;
 use reference_noise::Errors;
@@ -469,7 +469,7 @@ impl MultipleModel {
             speed: self.rim.speed * self.mean_share(),
             rim_share: self.mean_share(),
             slip: slip.0.clamp(-1.0, 1.0),
-            slip_sigma: slip.1,
+            slip_sigma: slip.1.min(MAX_SLIP),
             drift: drift.0,
             drift_sigma: drift.1,
             turn_error: Measured {
@@ -479,6 +479,22 @@ impl MultipleModel {
             place: [self.mean[X], self.mean[Y]],
             heading: self.mean[HEADING],
         })
+    }
+
+    /// The same with this share of the slip kept, and its prior for the rest.
+    pub(crate) fn fading_motion(&self, kept: f64) -> Option<ModelMotion> {
+        let mut motion = self.motion()?;
+        if kept < 1.0 {
+            let [mean, sigma] = self.slip_prior;
+            motion.slip = mean + kept * (motion.slip - mean);
+            motion.slip_sigma = Real::hypot(
+                kept * motion.slip_sigma,
+                Real::sqrt(1.0 - kept * kept) * sigma,
+            );
+            motion.rim_share = model::rim_share(motion.slip).0;
+            motion.speed = self.rim.speed * motion.rim_share;
+        }
+        Some(motion)
     }
 
     /// Counts the period of the readings, and lets the evidence fade, so that a change of ground changes the shares.

@@ -46,7 +46,7 @@ const SUDDEN_SLIP_NOISE: f64 = 0.05;
 /// that makes errors on random logs 0.4 % smaller, and those at 0.1 m/s depend on it then (`known_truth`).
 const FULL_NOISE_RIM_M_PER_S: f64 = 0.05;
 /// Slip lies within ±1.
-const MAX_SLIP: f64 = 1.0;
+pub(super) const MAX_SLIP: f64 = 1.0;
 
 /// The measurements of wheels and inertial sensors over one step.
 #[derive(Clone, Copy, Debug)]
