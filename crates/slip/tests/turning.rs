@@ -41,6 +41,8 @@ struct World {
     reference: Reference,
     /// When there is none, s.
     outage: [f64; 2],
+    /// When the rate of the first wheel stays the same, s.
+    stuck: [f64; 2],
     seed: u64,
 }
 
@@ -99,7 +101,7 @@ impl World {
         let ([mut x, mut y], mut yaw) = ([0.0_f64; 2], 0.0_f64);
         let mut passed = [0.0; 3];
         let (mut squares, mut scaled, mut wrong, mut ok, mut count) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        let mut off = 0.0;
+        let (mut off, mut last_rate) = (0.0, 0.0);
         let mut v = 0.0_f64;
         for step in 0..8000_i32 {
             let time = f64::from(step) * STEP_S;
@@ -133,7 +135,12 @@ impl World {
                 let rate = ground / (1.0 - slips[wheel % 2]) / RADIUS_M;
                 *angle += rate * STEP_S;
                 // a rate that is never quite 0, so that the filter sees no rest
-                let rate = rate + 0.01 * noise.normal();
+                let is_stuck = wheel == 0 && (self.stuck[0]..self.stuck[1]).contains(&time);
+                let noisy = rate + 0.01 * noise.normal();
+                let rate = if is_stuck { last_rate } else { noisy };
+                if wheel == 0 {
+                    last_rate = rate;
+                }
                 if is_read {
                     give(Measurement::WheelRate { wheel, rate });
                 }
@@ -222,6 +229,7 @@ const WORLD: World = World {
     period: 1,
     reference: Reference::Pose([0.005, 0.02]),
     outage: [0.0; 2],
+    stuck: [0.0; 2],
     seed: 1,
 };
 
@@ -396,5 +404,25 @@ fn a_slip_that_nothing_measures_any_more_stays_and_is_doubted() {
             let most = if gyro_bias.is_some() { 0.1 } else { 0.16 };
             assert!(score.rmse < most && score.off < 0.01, "{score:?}");
         }
+    }
+}
+
+/// 4.7 s of the rate of full speed while the robot slows down and stands.
+#[test]
+fn a_rate_that_is_stuck_is_not_ok() {
+    for reference in [Reference::Speed(0.03), Reference::Pose([0.01, 0.02])] {
+        let world = World {
+            rows: 2,
+            speed: 1.0,
+            half_track: 0.3,
+            turn: 0.0,
+            stops: true,
+            stuck: [44.3, 49.0],
+            reference,
+            ..WORLD
+        };
+        let score = world.run();
+        println!("{score:?}");
+        assert!(score.wrong < 0.011, "{score:?}");
     }
 }

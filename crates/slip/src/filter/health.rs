@@ -166,7 +166,9 @@ impl Core {
         let against = wheel
             .against_since_ns
             .is_some_and(|since| seconds_between(since, now_ns) >= WRONG_ENCODER_TIME_S);
-        if stuck || against || (wheel.free && wheel.monitor.has_failed()) {
+        let repeats = wheel.repeated.has_stopped()
+            && self.wheels.powered().any(|other| other.repeated.changes());
+        if stuck || repeats || against || (wheel.free && wheel.monitor.has_failed()) {
             return Health::Invalid(Invalid::Inconsistent);
         }
         let blocked = (self.recovery.is_blocked || self.recovery.is_disputed) && !wheel.free;

@@ -56,6 +56,7 @@ mod recovery;
 mod reference_sensor;
 mod reference_update;
 mod reorder_buffer;
+mod repeated_rate;
 mod rolling_history;
 mod sensor_checks;
 mod sensor_clocks;

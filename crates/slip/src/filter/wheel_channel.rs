@@ -15,6 +15,7 @@ use super::monitor::Monitor;
 use super::motion_model::{COMMON_SLIP, own_slip};
 use super::pulse_check::PulseCheck;
 use super::radius_check::RadiusCheck;
+use super::repeated_rate::RepeatedRate;
 use super::rolling_history::RollingHistory;
 use super::settings::FilterSettings;
 use super::stamp_scatter::StampScatter;
@@ -75,6 +76,7 @@ pub(super) struct WheelChannel {
     pub(super) rolling: RollingHistory,
     pub(super) pulses: PulseCheck,
     pub(super) radius: RadiusCheck,
+    pub(super) repeated: RepeatedRate,
     /// `None` beside a free wheel, whose faults it would hide.
     stamps: Option<StampScatter>,
     dropout: f64,
@@ -125,6 +127,7 @@ impl WheelChannel {
                     wheel.encoder.ticks_per_turn.unwrap_or(0.0),
                 ),
                 radius: RadiusCheck::default(),
+                repeated: RepeatedRate::default(),
                 stamps: (!has_free).then(StampScatter::default),
                 dropout: settings.dropout,
                 noise_scale: 1.0,

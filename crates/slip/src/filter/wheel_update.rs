@@ -125,6 +125,9 @@ impl Core {
         let wheel = self.wheels.get_mut(index)?;
         wheel.read_before_ns = wheel.track.newest_time().unwrap_or(i64::MIN);
         wheel.track.take(to_ns, measurement)?;
+        if let Measurement::WheelRate { rate, .. } = *measurement {
+            wheel.repeated.push(to_ns, rate);
+        }
         if wheel.track.counts() {
             wheel.pulses.update(to_ns, wheel.track.travel());
         }

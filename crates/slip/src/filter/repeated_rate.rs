@@ -1,0 +1,97 @@
+//! A rate that repeats itself to the bit beside rates that change from reading to reading: a sensor, or its driver, that is stuck.
+
+use crate::history::seconds_between;
+
+/// A rate is stuck that has repeated itself as often, and for this long, s.
+const STUCK_READINGS: u32 = 10;
+const STUCK_TIME_S: f64 = 0.3;
+/// A rate that changes with this share of its readings does not repeat itself as often by chance: 0.2¹⁰ is 1e-7. Rates without
+/// noise, coarse ones and those that are held from row to row change more seldom.
+const MIN_CHANGES: f64 = 0.8;
+/// The share is known after as many readings, of which it is a fading mean.
+const ENOUGH_READINGS: u32 = 50;
+const WEIGHT: f64 = 0.02;
+
+/// How often the rate of one wheel changes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RepeatedRate {
+    last: Option<u64>,
+    since_ns: i64,
+    newest_ns: i64,
+    repeats: u32,
+    /// Share of readings that differ from the one before, up to the last change.
+    changes: f64,
+    readings: u32,
+}
+
+impl RepeatedRate {
+    /// Adds a reading, rad/s. A rate of 0 is that of a wheel that stands.
+    pub(super) fn push(&mut self, time_ns: i64, rate: f64) {
+        self.readings = self.readings.saturating_add(1);
+        self.newest_ns = time_ns;
+        if self.last.replace(rate.to_bits()) == Some(rate.to_bits()) && rate != 0.0 {
+            self.repeats = self.repeats.saturating_add(1);
+            return;
+        }
+        let kept = 1.0 - WEIGHT;
+        for _ in 0..self.repeats.min(ENOUGH_READINGS) {
+            self.changes *= kept;
+        }
+        self.changes = kept * self.changes + WEIGHT;
+        self.repeats = 0;
+        self.since_ns = time_ns;
+    }
+
+    /// Does it change from reading to reading?
+    pub(super) fn changes(&self) -> bool {
+        self.usually_changes() && self.repeats < 2
+    }
+
+    /// Has it stopped to change?
+    pub(super) fn has_stopped(&self) -> bool {
+        self.usually_changes()
+            && self.repeats >= STUCK_READINGS
+            && seconds_between(self.since_ns, self.newest_ns) >= STUCK_TIME_S
+    }
+
+    fn usually_changes(&self) -> bool {
+        self.readings >= ENOUGH_READINGS && self.changes >= MIN_CHANGES
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::RepeatedRate;
+
+    /// Readings at 50 Hz.
+    fn after(rates: impl IntoIterator<Item = f64>) -> RepeatedRate {
+        let mut rate = RepeatedRate::default();
+        for (i, value) in rates.into_iter().enumerate() {
+            rate.push(20_000_000 * i as i64, value);
+        }
+        rate
+    }
+
+    fn noisy(count: u32) -> impl Iterator<Item = f64> {
+        (0..count).map(|i| 3.0 + 0.01 * f64::from(i * i).sin())
+    }
+
+    #[test]
+    fn a_noisy_rate_that_repeats_itself_has_stopped() {
+        assert!(after(noisy(200)).changes());
+        let stuck = after(noisy(200).chain([3.0; 16]));
+        assert!(stuck.has_stopped() && !stuck.changes());
+        assert!(!after(noisy(200).chain([3.0; 10])).has_stopped());
+        assert!(!after(noisy(20).chain([3.0; 16])).has_stopped());
+        // it goes on
+        assert!(!after(noisy(200).chain([3.0; 16]).chain([3.1])).has_stopped());
+    }
+
+    #[test]
+    fn wheels_that_stand_and_rates_without_noise_are_not_stuck() {
+        assert!(!after(noisy(200).chain([0.0; 100])).has_stopped());
+        assert!(!after([3.0; 300]).has_stopped());
+        let coarse = (0..300).map(|i| f64::from(i / 3)).chain([100.0; 100]);
+        assert!(!after(coarse).has_stopped());
+    }
+}
