@@ -109,6 +109,77 @@ fn what_the_tests_cannot_tell_is_named() {
     assert!(!Path::new(&folder.path("soil.toml")).exists());
 }
 
+/// A doubtful soil ends with 3, its doubt in the first line and in JSON, and is written nevertheless.
+#[test]
+fn a_doubtful_soil_ends_with_3() {
+    let folder = Folder::new("identify-doubtful");
+    let shear = fs::read_to_string(root().join("examples/bevameter/shear.csv")).unwrap();
+    fs::write(folder.path("shear.csv"), shear.replace("\n3,", "\n-3,")).unwrap();
+    let tests = folder.path("tests.toml");
+    let job = "format = 1\nname = \"a sign\"\n[shear]\ntable = \"shear.csv\"\n[soil]\nn = 1.0\n\
+               k_c_kn_per_m_n1 = 1.0\nk_phi_kn_per_m_n2 = 1000.0\n";
+    fs::write(&tests, job).unwrap();
+    let soil = folder.path("soil.toml");
+    let output = grouser(&["identify", &tests, "-o", &soil]);
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.starts_with("DOUBTFUL: 50 of 150 shear readings"),
+        "{text}"
+    );
+    assert!(
+        fs::read_to_string(&soil)
+            .unwrap()
+            .contains("DOUBTFUL: 50 of 150")
+    );
+    let output = grouser(&["identify", &tests, "--json"]);
+    assert_eq!(output.status.code(), Some(3));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(
+        found["doubts"][0]
+            .as_str()
+            .unwrap()
+            .starts_with("50 of 150"),
+        "{found}"
+    );
+}
+
+/// A shear box that is driven back after each test: the numbers are those without the way back, which is counted.
+#[test]
+fn ways_back_are_left_out_and_counted() {
+    let folder = Folder::new("identify-unloading");
+    let shear = fs::read_to_string(root().join("examples/bevameter/shear.csv")).unwrap();
+    let mut rows: Vec<String> = shear.lines().map(str::to_owned).collect();
+    let mut with = rows.clone();
+    for back in (1..=10).rev() {
+        // slack of the last test's end, without stress
+        let last = rows.last().unwrap().split(',').collect::<Vec<_>>();
+        let displacement = 0.1 * f64::from(back) * last[1].parse::<f64>().unwrap();
+        with.push(format!("{},{displacement},0", last[0]));
+    }
+    let tests = folder.path("tests.toml");
+    fs::write(
+        &tests,
+        "format = 1\nname = \"x\"\n[shear]\ntable = \"shear.csv\"\n",
+    )
+    .unwrap();
+    let of = |rows: &mut Vec<String>| {
+        fs::write(folder.path("shear.csv"), rows.join("\n")).unwrap();
+        json(&["identify", &tests, "--json"])
+    };
+    let (plain, found) = (of(&mut rows), of(&mut with));
+    assert_eq!(
+        (&plain["unloading"], &found["unloading"]),
+        (&0.into(), &10.into())
+    );
+    assert_eq!(plain["shear"], found["shear"]);
+    let text = String::from_utf8(grouser(&["identify", &tests]).stdout).unwrap();
+    assert!(
+        text.contains("10 of 160 readings left out, where the displacement goes back"),
+        "{text}"
+    );
+}
+
 #[test]
 fn bad_jobs_are_refused_with_their_place() {
     let folder = Folder::new("identify-badjobs");

@@ -60,8 +60,10 @@ pub struct PlateStage {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct ShearStage {
-    /// The readings.
+    /// The readings that were used.
     pub readings: Vec<ShearReading>,
+    /// How many others lie where the displacement goes back, or forth again to where it has been.
+    pub unloading: usize,
     /// Their result.
     pub fit: ShearFit,
 }
@@ -129,7 +131,9 @@ pub fn identify(job: &Job) -> Result<Identification> {
         out.plates = Some(stage);
     }
     if let Some(table) = &job.shear {
-        let readings = shear::read_table(table)?;
+        let all = shear::read_table(table)?;
+        let readings = shear::loading(&all);
+        let unloading = all.len() - readings.len();
         let fit = fit_shear(&readings, crate::least_squares::Loss::Squares)?;
         let [cohesion, phi, k_shear] = fit.values;
         out.soil = out
@@ -137,7 +141,11 @@ pub fn identify(job: &Job) -> Result<Identification> {
             .cohesion(cohesion)
             .phi(Angle::from_rad(phi))
             .k_shear(k_shear);
-        out.shear = Some(ShearStage { readings, fit });
+        out.shear = Some(ShearStage {
+            readings,
+            unloading,
+            fit,
+        });
     }
     if let Some(wheel) = &job.wheel {
         wheel_stage(wheel, &mut out)?;

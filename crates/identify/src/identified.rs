@@ -126,6 +126,36 @@ impl Identification {
         plates.chain(shear).chain(wheel).collect()
     }
 
+    /// Names of the numbers whose intervals do not contain how plate or shear tests of the same soil differ, since no second
+    /// test determines them.
+    ///
+    /// ```
+    /// use grouser_files::Document;
+    /// use grouser_identify::{Job, identify};
+    ///
+    /// let job = Job::read(&Document::read("../../examples/bevameter/tests.toml".as_ref())?)?;
+    /// // one plate of each of two widths
+    /// assert!(identify(&job)?.of_single_tests().contains(&"k_c_kn_per_m_n1".to_owned()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn of_single_tests(&self) -> Vec<String> {
+        let mut names = Vec::new();
+        if let Some(stage) = &self.plates {
+            names.extend(stage.fit.single_test.iter().cloned());
+            if stage.fit.is_separable() && names.iter().any(|name| name.starts_with("k_")) {
+                let moduli = stage.fit.moduli_in_key_units().into_iter();
+                names.extend(moduli.map(|number| number.name));
+            }
+        }
+        if let Some(stage) = &self.shear {
+            let numbers = stage.fit.numbers();
+            let single = stage.fit.single_test.iter();
+            names.extend(single.map(|index| numbers[*index].name.clone()));
+        }
+        names
+    }
+
     /// The numbers with their intervals in words, for the remarks of a soil file.
     pub(crate) fn remarks(&self) -> Vec<String> {
         let doubts = self.doubts();
@@ -133,6 +163,13 @@ impl Identification {
             .iter()
             .map(|doubt| format!("DOUBTFUL: {doubt}"))
             .collect();
+        let single = self.of_single_tests();
+        if !single.is_empty() {
+            list.push(format!(
+                "not in the intervals of {}: how tests of the same soil differ",
+                single.join(", ")
+            ));
+        }
         // with plates of one width the file's k_c and k_phi are no numbers of the soil
         let one_width = self.plates.iter().filter(|stage| !stage.fit.is_separable());
         let moduli = one_width.flat_map(|stage| stage.fit.moduli_in_key_units());

@@ -7,6 +7,7 @@
 )]
 
 mod coverage;
+mod differing_tests;
 mod doubts;
 mod identification;
 mod jobs;

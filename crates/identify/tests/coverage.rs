@@ -11,7 +11,7 @@ use grouser_identify::{Identification, Job, Parameter, identify};
 use grouser_terra::{Angle, Kinematics, OpenSoil, RigidWheel, Settings, Slip, Soil, WheelOnSoil};
 
 /// Normal numbers by Box and Muller, of a linear congruential generator.
-struct Noise(u64);
+pub(crate) struct Noise(pub(crate) u64);
 
 impl Noise {
     fn uniform(&mut self) -> f64 {
@@ -22,7 +22,7 @@ impl Noise {
         ((self.0 >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
     }
 
-    fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
     }
 }

@@ -4,6 +4,7 @@
 //! Residuals are written once over a generic number ([`grouser_opt::Exact`]) or with their own derivatives
 //! ([`grouser_opt::Model`]), each divided by its standard deviation.
 
+mod between_tests;
 mod eigen;
 mod fit;
 mod loss;

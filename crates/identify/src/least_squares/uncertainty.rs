@@ -1,5 +1,6 @@
 //! Standard errors, correlation, and what the data do not determine.
 
+use super::between_tests::quantile_between;
 use super::eigen::symmetric;
 use super::fit::Fit;
 use super::loss::Loss;
@@ -77,6 +78,8 @@ pub struct Uncertainty {
     inverse: Vec<Vec<f64>>,
     /// How far all parameters move with one standard deviation of each independent mixture of those that lie on a bound.
     bound_mixtures: Vec<Vec<f64>>,
+    /// Degrees of freedom of each parameter's standard error: fewer than `freedom` where few tests determine it.
+    pub(super) freedoms: Vec<f64>,
 }
 
 impl Uncertainty {
@@ -139,6 +142,7 @@ impl Uncertainty {
             condition: (greatest / least.max(0.0)).sqrt(),
             inverse: vec![vec![0.0; n]; n],
             bound_mixtures: Vec::new(),
+            freedoms: vec![freedom as f64; n],
         };
         let blind = |value: f64| !(value > BLIND_SINGULAR_RATIO * BLIND_SINGULAR_RATIO * greatest);
         for (place, &i) in seen.iter().enumerate() {
@@ -238,7 +242,12 @@ impl Uncertainty {
     /// The half width of a confidence interval of parameter `index`: t times its standard error.
     #[must_use]
     pub fn half_width(&self, index: usize, confidence: f64) -> f64 {
-        student_quantile(0.5 + 0.5 * confidence, self.freedom) * self.standard_errors[index]
+        self.quantile(index, confidence) * self.standard_errors[index]
+    }
+
+    /// Half width of a confidence interval of parameter `index` over its standard error.
+    pub(crate) fn quantile(&self, index: usize, confidence: f64) -> f64 {
+        quantile_between(0.5 + 0.5 * confidence, self.freedoms[index])
     }
 
     /// The same where `redundancy` readings count as one.
@@ -353,7 +362,7 @@ impl Uncertainty {
     }
 
     /// Adds independent movements of the answer to errors and correlations.
-    fn add(&mut self, moved: &[Vec<f64>]) {
+    pub(super) fn add(&mut self, moved: &[Vec<f64>]) {
         if moved.is_empty() {
             return;
         }
@@ -372,7 +381,7 @@ impl Uncertainty {
         }
     }
 
-    fn find_loose(&mut self, fit: &Fit) {
+    pub(super) fn find_loose(&mut self, fit: &Fit) {
         for k in 0..fit.x.len() {
             if self.verdicts[k] != Verdict::Identified {
                 continue;

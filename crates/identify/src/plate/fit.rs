@@ -5,10 +5,10 @@ use grouser_real::Real;
 use grouser_real::Scalar;
 
 use super::test::PlateTest;
+use crate::branches::{Branch, branches};
 use crate::error::{Error, Result};
 use crate::least_squares::{
     Bounded, Fit, Interval, Loss, Settings, Uncertainty, Verdict, fit, profile, redundancy,
-    student_quantile,
 };
 
 /// Rounds in which a robust fit and the scatter about it take turns.
@@ -29,7 +29,9 @@ const MIN_READINGS: usize = 10;
 pub struct LeftOut {
     /// Shallower than [`PlateSettings::least_depth`].
     pub shallow: usize,
-    /// Deeper, with a force of 0 or less, which has no logarithm.
+    /// Deeper, while the plate goes up or comes down again to where it has been.
+    pub unloading: usize,
+    /// Others, with a force of 0 or less, which has no logarithm.
     pub unloaded: usize,
 }
 
@@ -37,9 +39,12 @@ impl LeftOut {
     fn of(tests: &[PlateTest], settings: &PlateSettings) -> Self {
         let mut out = Self::default();
         for test in tests {
-            for (depth, force) in test.depth.iter().zip(&test.force) {
+            let branches = branches(&test.depth, &test.force, false);
+            for ((depth, force), branch) in test.depth.iter().zip(&test.force).zip(branches) {
                 if !(*depth >= settings.least_depth) {
                     out.shallow += 1;
+                } else if branch.is_unloading {
+                    out.unloading += 1;
                 } else if !(*force > 0.0) {
                     out.unloaded += 1;
                 }
@@ -51,7 +56,7 @@ impl LeftOut {
     /// How many there are.
     #[must_use]
     pub const fn count(self) -> usize {
-        self.shallow + self.unloaded
+        self.shallow + self.unloading + self.unloaded
     }
 }
 
@@ -124,10 +129,15 @@ pub struct PlateFit {
     pub relative_deviation: f64,
     /// How many times more readings there are than independent ones (from the residuals' correlation).
     pub redundancy: f64,
+    /// How many tests the readings are of: a name has several where its depth begins anew.
+    pub count: usize,
+    /// Names of the parameters whose errors and intervals do not contain how tests of the same soil differ, since no second
+    /// test determines them.
+    pub single_test: Vec<String>,
     /// The fit.
     pub fit: Fit,
-    /// What a residual cost in it, in units of ln p.
-    loss: Loss,
+    /// What its numbers leave uncertain.
+    uncertainty: Uncertainty,
 }
 
 impl PlateFit {
@@ -167,14 +177,14 @@ impl PlateFit {
     ) -> Option<Vec<[f64; 3]>> {
         let shape = Shape::of(tests);
         let fitted: Vec<usize> = (usize::from(!free)..=shape.moduli()).collect();
-        let mixtures = Uncertainty::of(&self.fit, self.loss).scatter(&fitted)?;
+        let mixtures = self.uncertainty.scatter(&fitted)?;
         let moved = |mixture: &Vec<f64>| {
             // d exp(x) = exp(x) dx
             let modulus = |index: usize| Real::exp(self.fit.x[index]) * mixture[index];
             let (narrow, wide) = (modulus(1), modulus(shape.moduli()));
             let k = shape.between(narrow, wide, width);
             let k_c = shape.cohesive(narrow, wide);
-            [mixture[0], k, k_c].map(|moved| self.redundancy.sqrt() * moved)
+            [mixture[0], k, k_c]
         };
         Some(mixtures.iter().map(moved).collect())
     }
@@ -268,20 +278,37 @@ impl Functions for Law<'_> {
 /// A power law spans decades of pressure, so its errors are relative. Plates of two widths or more determine k_c
 /// and k_phi apart; of one width only their sum, which is given as k_phi. Readings follow each other closely
 /// and their residuals are alike: with the correlation ρ of neighbours, m of them count no more than
-/// m (1 − ρ)/(1 + ρ) independent ones, and errors are widened accordingly.
+/// m (1 − ρ)/(1 + ρ) independent ones, and errors are widened accordingly. Where tests differ by more than that, errors are
+/// those of the jackknife over tests, with its degrees of freedom. Readings while the plate goes up, or comes down again to
+/// where it has been, are left out.
 ///
 /// Source: \[Bekker69\]; the widening: Bayley & Hammersley, J. Royal Statistical Society Supplement 8 (1946).
 ///
 /// # Errors
 /// [`Error::TooFew`] where fewer than ten readings lie deeper than the least depth.
 pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<PlateFit> {
+    let branches = tests
+        .iter()
+        .map(|test| branches(&test.depth, &test.force, false));
+    let branches: Vec<Vec<Branch>> = branches.collect();
     let used: Vec<Vec<usize>> = tests
         .iter()
-        .map(|test| {
-            (0..test.depth.len())
-                .filter(|i| test.depth[*i] >= settings.least_depth && test.force[*i] > 0.0)
-                .collect()
+        .zip(&branches)
+        .map(|(test, branches)| {
+            let is_used = |i: &usize| {
+                test.depth[*i] >= settings.least_depth
+                    && test.force[*i] > 0.0
+                    && !branches[*i].is_unloading
+            };
+            (0..test.depth.len()).filter(is_used).collect()
         })
+        .collect();
+    // one name may have several tests in a row
+    let lengths: Vec<usize> = used
+        .iter()
+        .zip(&branches)
+        .flat_map(|(used, branches)| used.chunk_by(|a, b| branches[*a].test == branches[*b].test))
+        .map(<[usize]>::len)
         .collect();
     let count: usize = used.iter().map(Vec::len).sum();
     let shape = Shape::of(tests);
@@ -328,22 +355,30 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
     let residuals = split(&found.residuals, &used);
     let series = residuals.iter().map(|test| test.iter().map(|(_, r)| *r));
     let redundancy = redundancy(series);
-    let mut uncertainty = Uncertainty::of(&found, search.loss).of_alike(&found, redundancy);
+    let readings = Uncertainty::of(&found, search.loss).of_alike(&found, redundancy);
+    let mut uncertainty = readings.clone();
+    let single = uncertainty.add_tests(&found, search.loss, &lengths);
     let intervals = (0..found.x.len())
         .map(|index| {
             let own = profile(&law, &found, index, 0.95, &search)?;
-            Ok(own.widened(found.x[index], redundancy.sqrt()))
+            let widening = redundancy.sqrt() * uncertainty.widening(&readings, index);
+            Ok(own.widened(found.x[index], widening))
         })
         .collect::<Result<Vec<Interval>>>()?;
     uncertainty.judge_intervals(&found, &intervals);
-    Ok(assemble(
+    let mut fit = assemble(
         tests,
-        &found,
-        &uncertainty,
+        found,
+        uncertainty,
         &intervals,
         (shape, residuals, redundancy),
-        (search.loss, LeftOut::of(tests, settings)),
-    ))
+        LeftOut::of(tests, settings),
+    );
+    // a datum is that of its test
+    let shared = single.into_iter().filter(|k| *k <= shape.moduli());
+    fit.single_test = shared.map(|k| fit.parameters[k].name.clone()).collect();
+    fit.count = lengths.len();
+    Ok(fit)
 }
 
 /// Why [`fit_plates`] finds too few readings in `tests`: counts, and the least number.
@@ -352,7 +387,11 @@ pub(crate) fn too_few(tests: &[PlateTest], settings: &PlateSettings) -> String {
     let used = |tests: &[PlateTest]| {
         tests.iter().map(readings).sum::<usize>() - LeftOut::of(tests, settings).count()
     };
-    let LeftOut { shallow, unloaded } = LeftOut::of(tests, settings);
+    let LeftOut {
+        shallow,
+        unloading,
+        unloaded,
+    } = LeftOut::of(tests, settings);
     let least_mm = 1e3 * settings.least_depth;
     let empty = tests
         .iter()
@@ -362,8 +401,9 @@ pub(crate) fn too_few(tests: &[PlateTest], settings: &PlateSettings) -> String {
     });
     format!(
         "{} of {} plate readings can be used{empty}; a fit needs {MIN_READINGS}, and one of each test. {shallow} are \
-         shallower than {least_mm} mm (`least_depth_m`), and {unloaded} have a force of 0 or less: force is positive \
-         when the plate is pressed in",
+         shallower than {least_mm} mm (`least_depth_m`), {unloading} lie where the plate goes up or has been before (readings \
+         are in the order of time), and {unloaded} others have a force of 0 or less: force is positive when the plate \
+         is pressed in",
         used(tests),
         tests.iter().map(readings).sum::<usize>(),
     )
@@ -413,11 +453,11 @@ fn robust_deviation(residuals: &[f64]) -> f64 {
 
 fn assemble(
     tests: &[PlateTest],
-    found: &Fit,
-    uncertainty: &Uncertainty,
+    found: Fit,
+    uncertainty: Uncertainty,
     intervals: &[Interval],
     (shape, residuals, redundancy): (Shape, Vec<Vec<(usize, f64)>>, f64),
-    (loss, left_out): (Loss, LeftOut),
+    left_out: LeftOut,
 ) -> PlateFit {
     let n = found.x[0];
     let number = |name: String, index: usize| {
@@ -492,11 +532,14 @@ fn assemble(
         left_out,
         relative_deviation: uncertainty.residual_deviation,
         redundancy,
-        fit: found.clone(),
-        loss,
+        single_test: Vec::new(),
+        count: 0,
+        fit: found,
+        uncertainty,
     };
     if matches!(shape, Shape::Two { .. }) {
-        fit.find_errors_of_moduli(tests, student_quantile(0.975, uncertainty.freedom));
+        let quantile = |k: usize| fit.uncertainty.quantile(k, 0.95);
+        fit.find_errors_of_moduli(tests, quantile(1).max(quantile(2)));
     }
     fit
 }

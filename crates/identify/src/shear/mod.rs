@@ -6,6 +6,7 @@ use grouser_opt::{Exact, Functions};
 use grouser_real::Scalar;
 use grouser_terra::{MohrCoulomb, mobilised_janosi};
 
+use crate::branches::{Branch, branches};
 use crate::error::{Error, Result};
 use crate::least_squares::{
     Bounded, Fit, Interval, Loss, Settings, Uncertainty, fit, profile, redundancy,
@@ -37,6 +38,11 @@ pub struct ShearFit {
     pub uncertainty: Uncertainty,
     /// How many times more readings there are than independent ones (from the residuals' correlation).
     pub redundancy: f64,
+    /// How many tests the readings are of.
+    pub tests: usize,
+    /// Places of the numbers whose errors and intervals do not contain how tests of the same soil differ, since no second test
+    /// determines them.
+    pub single_test: Vec<usize>,
     /// The fit; residuals in Pa.
     pub fit: Fit,
 }
@@ -70,6 +76,28 @@ pub fn read_table(path: &Path) -> Result<Vec<ShearReading>> {
         .collect())
 }
 
+fn branches_of(readings: &[ShearReading]) -> Vec<Branch> {
+    let displacement: Vec<f64> = readings.iter().map(|r| r.displacement).collect();
+    let shear: Vec<f64> = readings.iter().map(|r| r.shear).collect();
+    branches(&displacement, &shear, true)
+}
+
+/// The readings without those of a box or ring that is driven back.
+///
+/// ```
+/// use grouser_identify::shear::{ShearReading, loading};
+///
+/// let reading = |displacement, shear| ShearReading { normal: 5e3, displacement, shear };
+/// let record = [reading(0.01, 2e3), reading(0.02, 3e3), reading(0.015, 500.0), reading(0.012, 0.0)];
+/// assert_eq!(loading(&record), record[..2]);
+/// ```
+#[must_use]
+pub fn loading(readings: &[ShearReading]) -> Vec<ShearReading> {
+    let pairs = readings.iter().zip(branches_of(readings));
+    let kept = pairs.filter(|(_, branch)| !branch.is_unloading);
+    kept.map(|(reading, _)| *reading).collect()
+}
+
 /// What K may be in a soil, m.
 const MODULUS_LIMITS_M: (f64, f64) = (1e-6, 10.0);
 /// Where searches for K begin, as shares of the longest displacement.
@@ -98,7 +126,8 @@ impl Functions for Law<'_> {
 /// Source: \[JH61\] with Mohr-Coulomb's strength. Readings at one normal stress only do not separate cohesion
 /// from friction, and readings past the rise alone do not determine K: the result names both. Errors are widened where
 /// readings that follow each other have residuals that are alike, as those of plates
-/// ([`fit_plates`](crate::plate::fit_plates)); a test ends where the displacement begins anew.
+/// ([`fit_plates`](crate::plate::fit_plates)), and where tests differ by more than that; a test ends where the displacement
+/// begins anew. All readings are of loading, in the order of time: [`loading`] leaves the others out.
 ///
 /// # Errors
 /// [`Error::TooFew`] for fewer readings than numbers.
@@ -167,18 +196,25 @@ pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
             found = other;
         }
     }
-    let tests = readings.chunk_by(|a, b| b.displacement >= 0.5 * a.displacement);
+    let branches = branches_of(readings);
+    let tests = branches.chunk_by(|a, b| a.test == b.test);
+    let lengths: Vec<usize> = tests.map(<[Branch]>::len).collect();
     let mut rest = found.residuals.iter().copied();
-    let series = tests.map(|test| rest.by_ref().take(test.len()).collect::<Vec<_>>());
+    let series = lengths
+        .iter()
+        .map(|length| rest.by_ref().take(*length).collect::<Vec<_>>());
     let redundancy = redundancy(series.map(Vec::into_iter));
-    let mut uncertainty = Uncertainty::of(&found, loss).of_alike(&found, redundancy);
+    let alone = Uncertainty::of(&found, loss).of_alike(&found, redundancy);
+    let mut uncertainty = alone.clone();
+    let single_test = uncertainty.add_tests(&found, loss, &lengths);
     let mut intervals = [Interval {
         low: None,
         high: None,
     }; 3];
     for (index, slot) in intervals.iter_mut().enumerate() {
         let own = profile(&law, &found, index, 0.95, &settings)?;
-        *slot = own.widened(found.x[index], redundancy.sqrt());
+        let widening = redundancy.sqrt() * uncertainty.widening(&alone, index);
+        *slot = own.widened(found.x[index], widening);
     }
     uncertainty.judge_intervals(&found, &intervals);
     let three = |list: &[f64]| [list[0], list[1], list[2]];
@@ -188,6 +224,8 @@ pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
         intervals,
         uncertainty,
         redundancy,
+        tests: lengths.len(),
+        single_test,
         fit: found,
     })
 }

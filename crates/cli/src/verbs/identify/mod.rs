@@ -74,11 +74,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         [] => Outcome::Done,
         _ => Outcome::Doubtful,
     };
-    Ok(Report {
+    let report = Report {
         outcome,
         warnings: text::warnings(&found),
-        ..Report::done(object::fields().object(&found), text).failing(failure)
-    })
+        ..Report::done(object::fields().object(&found), text)
+    };
+    Ok(report.failing(failure))
 }
 
 fn soil_output(path: &Path) -> Result<OutputFile> {

@@ -14,6 +14,10 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Identification> {
         "wheel" "what wheel tests showed" group(wheel()) = found.wheel.as_ref();
         "doubts" "why the result is doubtful" =
             found.doubts().iter().map(ToString::to_string).collect::<Vec<_>>();
+        "single_test" "numbers whose intervals do not contain how tests of the same soil differ" =
+            found.of_single_tests();
+        "unloading" "readings of shear tests that were not used, since the box goes back" =
+            found.shear.as_ref().map(|stage| stage.unloading);
         "missing" "numbers that neither tests nor the file give" = found.missing();
     }
 }

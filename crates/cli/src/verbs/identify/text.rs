@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use grouser_identify::least_squares::Verdict;
-use grouser_identify::{Identification, IdentifiedNumber, WheelStage};
+use grouser_identify::{Identification, IdentifiedNumber, ShearStage, WheelStage};
 
 use super::errors::errors;
 use grouser_report::Table;
@@ -19,7 +19,7 @@ pub(super) fn text(found: &Identification) -> String {
         let _ = writeln!(
             out,
             "{} plate tests, {readings} readings that tell as much as {} independent ones, {} % of scatter about the law",
-            stage.tests.len(),
+            stage.fit.count,
             rounded(readings as f64 / stage.fit.redundancy, 3),
             rounded(100.0 * stage.fit.relative_deviation, 2),
         );
@@ -27,10 +27,12 @@ pub(super) fn text(found: &Identification) -> String {
         if left_out.count() > 0 {
             let _ = writeln!(
                 out,
-                "{} of {} readings left out: {} shallower than the least depth, {} with a force of 0 or less",
+                "{} of {} readings left out: {} shallower than the least depth, {} where the plate goes up or has been \
+                 before, {} with a force of 0 or less",
                 left_out.count(),
                 left_out.count() + readings,
                 left_out.shallow,
+                left_out.unloading,
                 left_out.unloaded
             );
         }
@@ -63,13 +65,16 @@ pub(super) fn text(found: &Identification) -> String {
         out.push_str(&table(&numbers));
     }
     if let Some(stage) = &found.shear {
-        let readings = stage.readings.len();
+        out.push_str(&shear(stage));
+    }
+    let single = found.of_single_tests();
+    if !single.is_empty() {
         let _ = writeln!(
             out,
-            "{readings} shear readings that tell as much as {} independent ones",
-            rounded(readings as f64 / stage.fit.redundancy, 3),
+            "not in the intervals of {}: how tests of the same soil differ, since one test alone determines them. Repeat \
+             the tests on other spots",
+            single.join(", ")
         );
-        out.push_str(&table(&stage.fit.numbers()));
     }
     if let Some(stage) = &found.wheel {
         let _ = writeln!(
@@ -99,6 +104,28 @@ pub(super) fn text(found: &Identification) -> String {
             );
         }
     }
+    out
+}
+
+/// What shear tests showed.
+fn shear(stage: &ShearStage) -> String {
+    let mut out = String::new();
+    let readings = stage.readings.len();
+    let _ = writeln!(
+        out,
+        "{readings} readings of {} shear tests that tell as much as {} independent ones",
+        stage.fit.tests,
+        rounded(readings as f64 / stage.fit.redundancy, 3),
+    );
+    if stage.unloading > 0 {
+        let _ = writeln!(
+            out,
+            "{} of {} readings left out, where the displacement goes back or has been before",
+            stage.unloading,
+            stage.unloading + readings
+        );
+    }
+    out.push_str(&table(&stage.fit.numbers()));
     out
 }
 
