@@ -238,3 +238,16 @@ fn two_outputs_of_one_name_are_refused() {
     said.assert_refused("one name twice");
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }
+
+/// As of `batch`: 1 where no point has a solution, 3 where some have none, 0 where all have one.
+#[test]
+fn a_curve_with_points_that_are_not_solved_ends_with_3() {
+    let curve = |load: &str| {
+        let wheel = "--soil lunar --radius-m 0.1 --width-m 0.05 --points 31";
+        super::program::line(&format!("curve {wheel} --load-n {load}"))
+    };
+    let codes: Vec<Option<i32>> = ["20", "300", "100000"].map(|load| curve(load).code).into();
+    assert_eq!(codes, [Some(0), Some(3), Some(1)]);
+    let some = curve("300");
+    assert!(some.out.contains("of 31 points solved"), "{}", some.out);
+}

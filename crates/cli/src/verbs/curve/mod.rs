@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use self::family::Family;
 use self::output::Frame;
 use crate::error::{Error, Result};
+use crate::exit::Outcome;
 use crate::law_error::Names;
 use crate::operation::{self, Prescribed};
 use crate::output_choice::Output;
@@ -97,15 +98,20 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         || frame.csv(),
         || Ok(figure::draw(&chosen.name, &families)),
     )?);
-    let found = families
-        .iter()
-        .flat_map(|family| &family.points)
-        .any(|(_, a)| a.point.is_some());
-    let failure = (!found).then(|| "no point of the curve has a solution".to_owned());
-    Ok(Report {
+    let points = families.iter().flat_map(|family| &family.points);
+    let solved = points.clone().filter(|(_, answer)| answer.point.is_some());
+    let (solved, all) = (solved.count(), points.count());
+    let failure = (solved == 0).then(|| "no point of the curve has a solution".to_owned());
+    let report = Report {
+        outcome: if solved < all {
+            Outcome::Doubtful
+        } else {
+            Outcome::Done
+        },
         warnings: families.iter().filter_map(most_at_spin).collect(),
-        ..Report::done(output::fields().object(frame), text).failing(failure)
-    })
+        ..Report::done(output::fields().object(frame), text)
+    };
+    Ok(report.failing(failure))
 }
 
 fn prescribed(given: &LoadsOrSinkages, gravity: f64) -> impl Iterator<Item = Prescribed> {
