@@ -1207,6 +1207,7 @@ fn names_are_distinct() {
     ];
     let reasons = [
         Reason::SlipHigh,
+        Reason::SlipUnknown,
         Reason::SlipRegained,
         Reason::Demanded,
         Reason::SoftGround,

@@ -71,6 +71,8 @@ pub enum Action {
 pub enum Reason {
     /// Slip is above its setpoint or the given limit.
     SlipHigh,
+    /// The slip is unknown, and the rim is limited to what the wheel's speed over the ground allows.
+    SlipUnknown,
     /// Slip is back at its setpoint.
     SlipRegained,
     /// The slip is steady: slope and soil demand it, and a slower rim does not lower it.
@@ -114,8 +116,8 @@ pub struct Decision {
     pub reason: Reason,
     /// The wheel that it is about; `None`: the robot.
     pub wheel: Option<usize>,
-    /// The quantity that the reason is about: a slip, a share, an angle in rad, a way in m, a time in s or
-    /// a number of things.
+    /// The quantity that the reason is about: a slip, a share, an angle in rad, a way in m, a speed in m/s, a time in s
+    /// or a number of things.
     pub value: f64,
     /// The limit that it passed.
     pub limit: f64,
@@ -195,6 +197,9 @@ impl Reason {
     pub const fn name(self) -> &'static str {
         match self {
             Self::SlipHigh => "slip is high",
+            Self::SlipUnknown => {
+                "slip is unknown, the rim is limited by the speed over the ground, m/s"
+            }
             Self::SlipRegained => "slip is back at its setpoint",
             Self::Demanded => "slope and soil demand it, steadily",
             Self::SoftGround => "the ground is softer than the known soil",

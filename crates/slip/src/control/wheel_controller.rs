@@ -115,7 +115,7 @@ impl WheelController {
         let (least, most) = (self.rim_speed - max_change, self.rim_speed + max_change);
         self.rim_speed = setpoint.clamp(least, most);
         self.report(
-            limit.is_some(),
+            limit.map(|limit| (unlimited, limit)),
             observation,
             motion.slip,
             step,
@@ -177,29 +177,36 @@ impl WheelController {
         (limit < sense * unlimited).then_some(sense * limit)
     }
 
-    /// Reports a limitation that lasts, and its end.
+    /// Reports a limitation that lasts, of the rim's speed `unlimited` to `limited`, and its end.
     fn report(
         &mut self,
-        is_limited: bool,
+        limitation: Option<(f64, f64)>,
         observation: &WheelObservation,
         setpoint: f64,
         step: f64,
         (index, decisions): (usize, &mut DecisionQueue),
     ) {
-        let slip = finite(observation.slip).unwrap_or(1.0);
-        self.limited_time = if is_limited && slip > setpoint {
+        let known = finite(observation.slip);
+        // an unknown slip may be any
+        let slip = known.unwrap_or(1.0);
+        self.limited_time = if limitation.is_some() && slip > setpoint {
             self.limited_time.max(0.0) + step
         } else {
             self.limited_time.min(0.0) - step
         };
-        let (action, reason) = if !self.is_reported && self.limited_time > REPORT_TIME_S {
-            (Action::ReduceTorque, Reason::SlipHigh)
+        let (action, reason, values) = if !self.is_reported && self.limited_time > REPORT_TIME_S {
+            match limitation {
+                Some(speeds) if known.is_none() => {
+                    (Action::ReduceTorque, Reason::SlipUnknown, speeds)
+                }
+                _ => (Action::ReduceTorque, Reason::SlipHigh, (slip, setpoint)),
+            }
         } else if self.is_reported && self.limited_time < -REPORT_TIME_S && slip <= setpoint {
-            (Action::RaiseTorque, Reason::SlipRegained)
+            (Action::RaiseTorque, Reason::SlipRegained, (slip, setpoint))
         } else {
             return;
         };
         self.is_reported = !self.is_reported;
-        decisions.push(Decision::of_wheel(index, action, reason, (slip, setpoint)));
+        decisions.push(Decision::of_wheel(index, action, reason, values));
     }
 }
