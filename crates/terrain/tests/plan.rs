@@ -273,6 +273,27 @@ fn places_off_the_map_and_on_unknown_ground_are_refused() {
         map.cell_at("the goal", (f64::NAN, 1.0)),
         Err(Error::Place { .. })
     ));
+    // 9 by 7 cells of 1.5 m, with their edges
+    for (place, cell) in [
+        ((0.0, 10.5), 0),
+        ((13.5, 10.5), 8),
+        ((0.0, 0.0), 6 * 9),
+        ((13.5, 0.0), 6 * 9 + 8),
+        ((13.5, 5.3), 3 * 9 + 8),
+    ] {
+        assert_eq!(map.cell_at("the start", place).unwrap(), cell, "{place:?}");
+    }
+    for beyond in [(13.5 + 1e-9, 1.0), (1.0, -1e-9)] {
+        let error = map.cell_at("the start", beyond).unwrap_err().to_string();
+        assert!(
+            error.contains("x from 0 to 13.5 m and y from 0 to 10.5 m"),
+            "{error}"
+        );
+    }
+    // a map of one column
+    let headings = Headings::new(4).unwrap();
+    let narrow = PlanMap::unknown(MapLayout::plain(1, 3, 2.0, headings));
+    assert_eq!(narrow.cell_at("the start", (1.0, 3.0)).unwrap(), 1);
     // the lowest row's first cell
     assert_eq!(map.cell_at("the start", (0.1, 0.1)).unwrap(), 6 * 9);
     let (x, y) = map.place_of(6 * 9);

@@ -216,44 +216,46 @@ impl PlanMap {
         self.layout.columns as usize * self.layout.rows as usize
     }
 
-    /// The cell at a place of the map's coordinates, m.
+    /// The cell at a place of the map's coordinates, m. The map is closed: its edges belong to it.
     ///
     /// # Errors
     /// [`Error::Place`] outside the map.
     pub fn cell_at(&self, of: &'static str, (x, y): (f64, f64)) -> Result<usize> {
         let layout = &self.layout;
-        let far = [layout.columns - 1, layout.rows - 1];
-        let corners = [(0, 0), (far[0], far[1])].map(|(column, row)| layout.place_of(column, row));
-        let [[left, top], [right, bottom]] = corners;
-        let place = |value: f64, from: f64, to: f64, last: u32| {
-            let share = (value - from) / (to - from) * f64::from(last);
-            let cell = share.round();
+        let [first_x, first_y] = layout.place_of(0, 0);
+        let [last_x, last_y] = layout.place_of(layout.columns - 1, layout.rows - 1);
+        let half = 0.5 * layout.cell;
+        // the ends of an axis
+        let span = |a: f64, b: f64| (a.min(b) - half, a.max(b) + half);
+        let ((left, right), (bottom, top)) = (span(first_x, last_x), span(first_y, last_y));
+        if !((left..=right).contains(&x) && (bottom..=top).contains(&y)) {
+            return Err(Error::Place {
+                of,
+                x,
+                y,
+                why: format!(
+                    "lies outside the map, which spans x from {left} to {right} m and y from {bottom} to {top} m"
+                ),
+            });
+        }
+        // a place on the far edge is one of the last cell
+        let index = |value: f64, first: f64, last: f64, count: u32| {
+            let way = if last < first {
+                first - value
+            } else {
+                value - first
+            };
             #[allow(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
                 reason = "within the map, as just checked"
             )]
-            let inside =
-                (share >= -0.5 && cell <= f64::from(last)).then_some(cell.max(0.0) as usize);
-            inside
+            let cell = (way / layout.cell + 0.5).max(0.0) as usize;
+            cell.min(count as usize - 1)
         };
-        let found = (place(x, left, right, far[0]), place(y, top, bottom, far[1]));
-        if let (Some(column), Some(row)) = found {
-            return Ok(row * layout.columns as usize + column);
-        }
-        let half = 0.5 * layout.cell;
-        Err(Error::Place {
-            of,
-            x,
-            y,
-            why: format!(
-                "lies outside the map, which spans x from {} to {} m and y from {} to {} m",
-                left - half,
-                right + half,
-                bottom - half,
-                top + half
-            ),
-        })
+        let column = index(x, first_x, last_x, layout.columns);
+        let row = index(y, first_y, last_y, layout.rows);
+        Ok(row * layout.columns as usize + column)
     }
 
     /// The place of a cell's centre, m.
