@@ -100,6 +100,7 @@ def call(rng: random.Random) -> Any:
     )()
 
 
+@pytest.mark.filterwarnings("ignore:goal_heading_deg")
 def test_random_calls_raise_nothing_but_typed_errors() -> None:
     rng = random.Random(2012)
     ended: dict[str, int] = {}

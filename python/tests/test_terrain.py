@@ -6,6 +6,7 @@ import json
 import pickle
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -102,6 +103,14 @@ def test_a_way_is_the_command_s(whole: terrain.SlipMap, tmp_path: Path) -> None:
     assert [route.energy_j for route in found.alternatives] == sorted(route.energy_j for route in found.alternatives)
     steep = terrain.plan(whole, start_m=(3.0, 3.0), goal_m=(20.0, 9.0), min_tip_over_deg=60.0)
     assert steep.route is None
+
+
+def test_a_heading_that_the_map_does_not_have_warns(whole: terrain.SlipMap) -> None:
+    with pytest.warns(UserWarning, match="start_heading_deg 30 counts as 0, the nearest of the map's 4 headings"):
+        terrain.plan(whole, start_m=(3.0, 3.0), goal_m=(20.0, 9.0), start_heading_deg=30.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        terrain.plan(whole, start_m=(3.0, 3.0), goal_m=(20.0, 9.0), start_heading_deg=-90.5, goal_heading_deg=360.0)
 
 
 def test_unknown_ground_stays_unknown(mapper: terrain.SlipMapper, heights: npt.NDArray[np.float64]) -> None:

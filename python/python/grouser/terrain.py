@@ -19,6 +19,7 @@ True
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -142,7 +143,8 @@ def plan(
 
     The risk is that of steady straight driving on one soil of uncertain strength (docs/terrain.md): turns, drift on
     side slopes and ruts are not in a map. With `by_cvar` the energy's CVaR over the soil draws is minimised. Of the
-    headings at start and goal the nearest of `found.headings_deg` count; `route.way["heading_deg"]` has them.
+    headings at start and goal the nearest of `found.headings_deg` count, with a warning where they are off by more than
+    1°; `route.way["heading_deg"]` has them.
 
     Raises
     ------
@@ -150,6 +152,12 @@ def plan(
         A place outside the map or on unknown ground, a number outside its limits.
     """
     check_kind("found", found, SlipMap)
+    headings = [
+        None if start_heading_deg is None else number("start_heading_deg", start_heading_deg),
+        None if goal_heading_deg is None else number("goal_heading_deg", goal_heading_deg),
+    ]
+    for field, heading in zip(("start_heading_deg", "goal_heading_deg"), headings, strict=True):
+        _warn_of_other_heading(found, field, heading)
     answer = found._plan(
         _place("start_m", start_m),
         _place("goal_m", goal_m),
@@ -159,10 +167,7 @@ def plan(
         number("rim_speed_mps", rim_speed_mps),
         number("turn_energy_j", turn_energy_j),
         flag("by_cvar", by_cvar),
-        (
-            None if start_heading_deg is None else number("start_heading_deg", start_heading_deg),
-            None if goal_heading_deg is None else number("goal_heading_deg", goal_heading_deg),
-        ),
+        (headings[0], headings[1]),
         whole("alternatives", alternatives, 0, 20),
     )
     route = answer["route"]
@@ -171,6 +176,22 @@ def plan(
         alternatives=[Route(**other) for other in answer["alternatives"]],
         least_risk=answer["least_risk"],
     )
+
+
+def _warn_of_other_heading(found: SlipMap, field: str, angle: float | None) -> None:
+    """Warns of a heading that is none of the map's; less than a degree is no turn that a plan could mean."""
+    if angle is None:
+        return
+
+    def off(heading: float) -> float:
+        return abs((angle - heading + 180.0) % 360.0 - 180.0)
+
+    nearest = min(found.headings_deg, key=off)
+    if off(nearest) > 1.0:
+        warnings.warn(
+            f"{field} {angle:g} counts as {nearest:g}, the nearest of the map's {len(found.headings_deg)} headings",
+            stacklevel=3,
+        )
 
 
 def _place(field: str, place: Any) -> tuple[float, float]:
