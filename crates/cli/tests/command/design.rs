@@ -80,6 +80,30 @@ fn the_written_robot_climbs_as_the_design_says() {
     );
 }
 
+/// The first line has the doubt where the formula is that of another wheel, and both masses follow wherever they differ.
+#[test]
+fn masses_of_another_wheel_are_in_the_first_line() {
+    let text = |formula: &str| {
+        let flags = ["--wheel-mass-kg", formula];
+        let arguments = MISSION
+            .iter()
+            .filter(|word| **word != "--json")
+            .chain(&flags);
+        grouser(arguments).assert_done().out
+    };
+    let doubtful =
+        "the masses are doubtful: the formula gives the present wheel 2 kg, the robot file 0.8 kg";
+    let heavy = text("2");
+    assert!(heavy.lines().next().unwrap().contains(doubtful), "{heavy}");
+    let near = text("0.9");
+    assert!(
+        !near.contains("doubtful")
+            && near.contains("that gives the present wheel 0.9 kg, the robot file 0.8 kg"),
+        "{near}"
+    );
+    assert!(!text("0.8").contains("the robot file"));
+}
+
 #[test]
 fn what_must_grow_grows() {
     let plain = design(&[]);

@@ -26,7 +26,17 @@ impl Designed<'_> {
             shown(self.carrier.gravity()),
             self.headline()
         );
-        let _ = writeln!(text, "mass of one wheel, kg: {}\n", params.mass_formula);
+        let _ = writeln!(text, "mass of one wheel, kg: {}", params.mass_formula);
+        let (by_formula, by_file) = self.present_masses();
+        if rounded(by_formula, 3) != rounded(by_file, 3) {
+            let _ = writeln!(
+                text,
+                "that gives the present wheel {} kg, the robot file {} kg",
+                rounded(by_formula, 3),
+                rounded(by_file, 3)
+            );
+        }
+        text.push('\n');
         text.push_str(&self.wheels());
         if let Some(point) = self.shown() {
             let title = match self.chosen() {
@@ -84,7 +94,28 @@ impl Designed<'_> {
                 "; the present one does not hold every slope with the reserve"
             ),
         };
+        if self.is_other_wheel() {
+            let (by_formula, by_file) = self.present_masses();
+            let _ = write!(
+                out,
+                "; the masses are doubtful: the formula gives the present wheel {} kg, the robot file {} kg",
+                rounded(by_formula, 3),
+                rounded(by_file, 3)
+            );
+        }
         out
+    }
+
+    /// Of the present wheel, kg: by the formula and by the robot file.
+    fn present_masses(&self) -> (f64, f64) {
+        let by_formula = self.mission.wheel_mass(&self.carrier.present);
+        (by_formula, self.carrier.present_mass)
+    }
+
+    /// Is the formula that of other wheels than the robot's?
+    fn is_other_wheel(&self) -> bool {
+        let (by_formula, by_file) = self.present_masses();
+        !((by_formula / by_file - 1.0).abs() <= MAX_MASS_DIFFERENCE)
     }
 
     fn has_shift(&self) -> bool {
@@ -155,9 +186,8 @@ impl Designed<'_> {
     /// What the numbers do not say by themselves.
     pub(super) fn warnings(&self, touching_radius: Option<f64>) -> Vec<String> {
         let mut list = Vec::new();
-        let by_formula = self.mission.wheel_mass(&self.carrier.present);
-        let by_file = self.carrier.present_mass;
-        if !((by_formula / by_file - 1.0).abs() <= MAX_MASS_DIFFERENCE) {
+        if self.is_other_wheel() {
+            let (by_formula, by_file) = self.present_masses();
             list.push(format!(
                 "the formula gives the present wheel a mass of {} kg, the robot file {} kg: it does not describe this robot's wheels \
                  (`--wheel-mass-kg`)",
