@@ -467,3 +467,44 @@ fn what_makes_no_sense_is_refused() {
         );
     }
 }
+
+/// Fixes of a receiver become displacements: that the places are lost is stated.
+#[test]
+fn places_that_become_displacements_are_stated() {
+    let folder = Folder::new("log-convert-places");
+    let mut table = String::from("t,ticks,lat,lon\n");
+    for i in 0..100 {
+        let _ = writeln!(
+            table,
+            "{},{},{:.7},8.5",
+            0.1 * f64::from(i),
+            10 * i,
+            47.0 + 1e-6 * f64::from(i)
+        );
+    }
+    fs::write(folder.path("log.csv"), table).unwrap();
+    let map = |position: &str| {
+        let text = format!(
+            "format = 1\n[[table]]\ntime = {{ column = \"t\", unit = \"s\" }}\ncolumns = [\n\
+             {{ column = \"ticks\", meaning = \"wheel_count\", wheel = \"a\", unit = \"tick\" }},\n{position}]\n"
+        );
+        fs::write(folder.path("columns.toml"), text).unwrap();
+        let output = grouser(&[
+            "log",
+            "convert",
+            &folder.path("log.csv"),
+            &folder.path("out.mcap"),
+        ]);
+        let printed = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{printed}");
+        printed
+    };
+    let places = map(
+        "{ column = \"lat\", meaning = \"latitude\", unit = \"deg\" },\n{ column = \"lon\", meaning = \"longitude\", unit = \"deg\" },\n",
+    );
+    assert!(
+        places.contains("(`latitude`) are written as displacements"),
+        "{places}"
+    );
+    assert!(!map("").contains("displacements"));
+}

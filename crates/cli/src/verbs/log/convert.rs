@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use grouser_files::columns::{self, Meaning};
+use grouser_files::columns::{self, ColumnMap, Meaning};
 use grouser_log::Log;
 use grouser_log::container::{Container, Event, Format};
 use grouser_log::write::{SampleWriter, Table, copy, verify, write_table};
@@ -229,6 +229,17 @@ fn of_robot_file(log: &Log) -> Option<(Meaning, &String)> {
     })
 }
 
+/// What the columns have of places that are not poses, whose ways alone are read.
+fn places(map: &ColumnMap) -> Option<Meaning> {
+    let columns = || map.tables.iter().flat_map(|table| &table.columns);
+    let has = |meaning: &Meaning| columns().any(|column| column.meaning == *meaning);
+    let has_heading = columns().any(|column| column.meaning.is_heading());
+    let is_place = |meaning: &Meaning| has(meaning) && !has_heading;
+    [Meaning::Latitude, Meaning::PoseX]
+        .into_iter()
+        .find(is_place)
+}
+
 /// A table through its column map.
 fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let (file, path) = (&arguments.file, &arguments.output);
@@ -245,6 +256,7 @@ fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     }
     let columns = columns::read(map)?;
     session.used_file(map)?;
+    let places = places(&columns);
     let log = Log::find(std::slice::from_ref(file), columns)?;
     if let Some((meaning, wheel)) = of_robot_file(&log) {
         return Err(Error::usage(
@@ -278,6 +290,12 @@ fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
             shown(path)
         ),
     );
+    if let Some(place) = places {
+        report.warnings.push(format!(
+            "the places (`{}`) are written as displacements from one to the next: the new file does not have the places",
+            place.name()
+        ));
+    }
     for at in log.left_out().cut_off {
         report.warnings.push(cut_off(&at));
         report.outcome = Outcome::Doubtful;
