@@ -5,7 +5,8 @@ scipy's quad and brentq over the formulas as they are printed.
     just rivals
 
 Accuracy comes first: each time stands beside the rival's worst error against the reference mode. What every
-rival gave is stored under bench/target/rivals and its check sum printed. Writes bench/RESULTS.md.
+rival gave is stored under bench/target/rivals and its check sum printed. Writes its sections of bench/RESULTS.md,
+between markers.
 """
 
 import csv
@@ -525,8 +526,6 @@ def report(rows, ours, load_before):
     base = {job: seconds for name, job, seconds, _, _ in rows if name == "grouser"}
     words = {"forces": "three forces at a sinkage", "solve": "sinkage of a load", "curve": "101-point curve"}
     lines = [
-        "# The kernel beside its rivals",
-        "",
         f"`just rivals` on {datetime.date.today()}, {processor()}, lanes on {ours['instructions']}, one core; load of the machine",
         f"{load_before:.2f} before and {os.getloadavg()[0]:.2f} after. numpy {np.__version__}, scipy {scipy.__version__}, "
         f"numba {numba.__version__} ({svml()}), jax {jax.__version__}.",
@@ -550,14 +549,23 @@ def report(rows, ours, load_before):
                 shown_error = "" if error is None else f"{error:.1e}"
                 check = check if isinstance(check, str) else f"{check:.12g}"
                 lines.append(f"| {title} | {name} | {shown(seconds)} | {ratio} | {shown_error} | {check} |")
-    for verb, title in (
-        ("paths", "Paths outside the lean case, through the general kernel"),
-    ):
-        printed = subprocess.run([OURS, verb], check=True, capture_output=True, text=True).stdout
-        lines += ["", f"## {title}", "", f"`grouser-bench {verb}`", "", "```text", *printed.splitlines(), "```"]
-    text = "\n".join(lines) + "\n"
-    (HERE / "RESULTS.md").write_text(text)
-    print(text)
+    replace_section("rivals", lines)
+    printed = subprocess.run([OURS, "paths"], check=True, capture_output=True, text=True).stdout
+    lines = [f"`grouser-bench paths` on {datetime.date.today()}, {processor()}, load of the machine "
+             f"{os.getloadavg()[0]:.2f}: use the ratios", "", "```text", *printed.splitlines(), "```"]
+    replace_section("paths", lines)
+
+
+def replace_section(name, lines, path=HERE / "RESULTS.md"):
+    """Puts lines between the markers of a name; everything outside of markers stays as it is."""
+    begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
+    text = path.read_text()
+    if text.count(begin) != 1 or text.count(end) != 1:
+        raise SystemExit(f"{path} needs one line `{begin}` and one line `{end}`")
+    head, rest = text.split(begin)
+    _, tail = rest.split(end)
+    path.write_text("\n".join([head + begin, *lines, end + tail]))
+    print("\n".join(lines))
 
 
 if __name__ == "__main__":
