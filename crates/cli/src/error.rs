@@ -112,7 +112,10 @@ impl Error {
         hint: Option<String>,
     ) -> Self {
         let message = format!("cannot {action} {}: {reason}", shown(path));
-        Self::new(Kind::File, message, hint).at(path)
+        let of_standard = || {
+            (path == Path::new("-")).then(|| "standard input is read by `batch` alone".to_owned())
+        };
+        Self::new(Kind::File, message, hint.or_else(of_standard)).at(path)
     }
 
     pub(crate) fn with(mut self, details: Details) -> Self {

@@ -515,3 +515,34 @@ fn a_log_that_is_not_there_and_a_count_that_is_none_are_called_so() {
     said.assert_refused("half a lug");
     assert!(said.err.contains("must be a whole number"), "{said:?}");
 }
+
+/// What a first user tries: a column in another unit, standard input where it is not read, a robot file for a description.
+#[test]
+fn first_errors_state_what_is_needed() {
+    let folder = Folder::new();
+    let table = folder.file(
+        "in.csv",
+        "soil,radius_mm,width_m,slip,load_n\nlunar,100,0.1,0.2,40\n",
+    );
+    let said = grouser(["batch", table.to_str().unwrap(), "-o", "-"]);
+    said.assert_refused("another unit");
+    assert!(
+        said.err
+            .contains("no column `radius_m`; `radius_mm` is in another unit"),
+        "{said:?}"
+    );
+    let said = line("log info -");
+    said.assert_refused("standard input");
+    assert!(
+        said.err
+            .contains("hint: standard input is read by `batch` alone"),
+        "{said:?}"
+    );
+    let robot = folder.file("robot.toml", "format = 1\n");
+    let said = grouser(["robot", robot.to_str().unwrap()]);
+    said.assert_refused("no URDF");
+    assert!(
+        said.err.contains("`--stance` reads a robot file"),
+        "{said:?}"
+    );
+}

@@ -216,7 +216,18 @@ impl Columns {
                 } else {
                     "needed are `soil`, `radius_m`, `width_m`, `slip`, and `sinkage_m` or `load_n`"
                 };
-                refuse(format!("line 1: there is no column `{name}`"), Some(hint))
+                // `radius_mm` for `radius_m`
+                let stem = name.rsplit_once('_').map_or(name, |(stem, _)| stem);
+                let unit =
+                    |other: &&String| other.rsplit_once('_').is_some_and(|(own, _)| own == stem);
+                let other = names.iter().find(unit);
+                let other = other.map_or(String::new(), |other| {
+                    format!("; `{other}` is in another unit")
+                });
+                refuse(
+                    format!("line 1: there is no column `{name}`{other}"),
+                    Some(hint),
+                )
             })
         };
         let columns = Self {

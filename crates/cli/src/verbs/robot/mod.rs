@@ -42,8 +42,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     }
     let text = regular::read_text(path, urdf::SIZE_LIMIT)?;
     session.used_file(path)?;
-    let made =
-        urdf::robot_file(&text).map_err(|error| Error::content(path, &error, error.hint()))?;
+    let made = urdf::robot_file(&text).map_err(|error| {
+        let is_other = matches!(error, urdf::UrdfError::Xml { .. });
+        let other = "a description is read in URDF, which is XML; `--stance` reads a robot file";
+        let hint = error.hint().or_else(|| is_other.then(|| other.to_owned()));
+        Error::content(path, &error, hint)
+    })?;
     // what was made is read as any robot file is, so that nothing wrong is written
     let name = arguments
         .output
