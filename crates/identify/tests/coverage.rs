@@ -47,6 +47,13 @@ pub(crate) fn open_soil() -> OpenSoil {
 /// A folder with a job of noisy tests: plates of three sizes with a relative noise, a shear box with 80 Pa, and a wheel
 /// whose readings scatter as the job states.
 fn laboratory(seed: u64, plate_noise: f64, wheel: &[[f64; 5]]) -> PathBuf {
+    laboratory_on_spots(seed, plate_noise, 0.0, wheel)
+}
+
+/// The same, each plate and shear test on a spot of its own, whose pressure or strength differs by a share of `spots`; three of
+/// each where they do.
+fn laboratory_on_spots(seed: u64, plate_noise: f64, spots: f64, wheel: &[[f64; 5]]) -> PathBuf {
+    let times = if spots > 0.0 { 3 } else { 1 };
     let mut noise = Noise(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let count = COUNT.fetch_add(1, Ordering::Relaxed);
     let name = format!("grouser-coverage-{}-{count}", std::process::id());
@@ -54,21 +61,23 @@ fn laboratory(seed: u64, plate_noise: f64, wheel: &[[f64; 5]]) -> PathBuf {
     std::fs::create_dir_all(&folder).unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     let mut plates = String::from("test,plate_diameter_mm,depth_mm,force_n\n");
-    for diameter in [0.08, 0.12, 0.18_f64] {
+    for (index, diameter) in [0.08, 0.12, 0.18_f64].repeat(times).into_iter().enumerate() {
+        let spot = 1.0 + spots * noise.normal();
         for depth in 1..=30 {
             let depth = 1e-3 * f64::from(depth);
             let area = 0.25 * std::f64::consts::PI * diameter * diameter;
             let pressure = (9e3 / (0.5 * diameter) + 1.3e6) * depth.powf(0.92);
-            let force = area * pressure * (1.0 + plate_noise * noise.normal());
+            let force = spot * area * pressure * (1.0 + plate_noise * noise.normal());
             let (diameter, depth) = (1e3 * diameter, 1e3 * depth);
-            writeln!(plates, "d{diameter},{diameter},{depth},{force}").unwrap();
+            writeln!(plates, "d{index},{diameter},{depth},{force}").unwrap();
         }
     }
     write("plates.csv", &plates);
     let mut shear = String::from("normal_stress_kpa,displacement_mm,shear_stress_kpa\n");
-    for normal in [3.0, 6.0, 10.0, 15.0] {
+    for normal in [3.0, 6.0, 10.0, 15.0].repeat(times) {
+        let spot = 1.0 + spots * noise.normal();
         for displacement in (1..=60).step_by(2).map(f64::from) {
-            let strength = 1.6 + normal * 34_f64.to_radians().tan();
+            let strength = spot * (1.6 + normal * 34_f64.to_radians().tan());
             let stress = strength * (1.0 - (-displacement / 16.0).exp()) + 0.08 * noise.normal();
             writeln!(shear, "{normal},{displacement},{stress}").unwrap();
         }
@@ -121,7 +130,17 @@ pub(crate) fn found(
     wheel: &[[f64; 5]],
     edit: impl Fn(&mut Job),
 ) -> Identification {
-    let folder = laboratory(seed, plate_noise, wheel);
+    found_on_spots(seed, plate_noise, 0.0, wheel, edit)
+}
+
+fn found_on_spots(
+    seed: u64,
+    plate_noise: f64,
+    spots: f64,
+    wheel: &[[f64; 5]],
+    edit: impl Fn(&mut Job),
+) -> Identification {
+    let folder = laboratory_on_spots(seed, plate_noise, spots, wheel);
     let mut job = Job::read(&Document::read(&folder.join("tests.toml")).unwrap()).unwrap();
     edit(&mut job);
     let found = identify(&job).unwrap();
@@ -145,6 +164,26 @@ fn intervals_of_the_wheel_hold_with_noisy_plates() {
     println!("n_1, c_1, c_2 and datum in {hits:?} of 100");
     assert!(hits.iter().all(|hits| *hits > 88), "{hits:?}");
     assert!(hits[0] < 100);
+}
+
+/// Plates and shear tests on spots that differ by 5 %, three of each: without that in the intervals n_1, c_1, c_2 and the datum
+/// are in theirs in 79, 97, 76 and 89 of 100 laboratories.
+#[test]
+fn intervals_of_the_wheel_hold_on_spots_that_differ() {
+    let wheel = wheel_tests();
+    let mut hits = [0_u32; 4];
+    for seed in 1..=100 {
+        let stage = found_on_spots(seed, 0.03, 0.05, &wheel, |_| ())
+            .wheel
+            .unwrap();
+        for ((hits, truth), number) in hits.iter_mut().zip(TRUTH).zip(&stage.numbers) {
+            let low = number.interval.low.is_none_or(|low| low <= truth);
+            let high = number.interval.high.is_none_or(|high| truth <= high);
+            *hits += u32::from(low && high);
+        }
+    }
+    println!("n_1, c_1, c_2 and datum in {hits:?} of 100");
+    assert!(hits.iter().all(|hits| *hits > 88), "{hits:?}");
 }
 
 #[test]
