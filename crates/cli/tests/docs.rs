@@ -298,3 +298,25 @@ fn the_readme_and_the_tutorials_are_short() {
         }
     }
 }
+
+/// `just rivals` writes the sections of `bench/RESULTS.md` between markers, each once, and no more of that page.
+#[test]
+fn generated_sections_of_results_have_markers() {
+    let read = |name: &str| fs::read_to_string(root().join("bench").join(name)).unwrap();
+    let (script, results) = (read("rivals.py"), read("RESULTS.md"));
+    let sections: Vec<&str> = script
+        .split("    replace_section(\"")
+        .skip(1)
+        .filter_map(|rest| rest.split('"').next())
+        .collect();
+    assert_eq!(sections, ["rivals", "paths"]);
+    for name in sections {
+        let place = |edge: &str| {
+            let marker = format!("<!-- {edge} {name} -->");
+            assert_eq!(results.matches(&marker).count(), 1, "{marker}");
+            results.find(&marker)
+        };
+        assert!(place("begin") < place("end"));
+    }
+    assert_eq!(script.matches("\"RESULTS.md\"").count(), 1);
+}
