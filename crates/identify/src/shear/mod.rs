@@ -88,8 +88,10 @@ fn branches_of(readings: &[ShearReading]) -> Vec<Branch> {
 /// use grouser_identify::shear::{ShearReading, loading};
 ///
 /// let reading = |displacement, shear| ShearReading { normal: 5e3, displacement, shear };
-/// let record = [reading(0.01, 2e3), reading(0.02, 3e3), reading(0.015, 500.0), reading(0.012, 0.0)];
-/// assert_eq!(loading(&record), record[..2]);
+/// let forth = (1..=20).map(|i| reading(1e-3 * f64::from(i), 100.0 * f64::from(i)));
+/// let back = [reading(18e-3, 900.0), reading(15e-3, 0.0)];
+/// let record: Vec<ShearReading> = forth.chain(back).collect();
+/// assert_eq!(loading(&record), record[..20]);
 /// ```
 #[must_use]
 pub fn loading(readings: &[ShearReading]) -> Vec<ShearReading> {
