@@ -57,12 +57,12 @@ bench-tables rows="1000000" rounds="9":
     bench/target/venv/bin/python bench/tables.py {{rows}} {{rounds}}
 
 # `estimate` on a hundred random robots, sensors and courses of a world of its own, beside naive means (bench/random_logs.py);
-# with wheels read `hz` times a second where that is given
-random-logs first="0" count="100" hz="":
+# with wheels read `hz` times a second where that is not 0, and one of the troubles that `just random-logs 0 1 0 list` names
+random-logs first="0" count="100" hz="0" trouble="":
     cargo build --release
     test -d bench/target/venv || python3 -m venv bench/target/venv
     bench/target/venv/bin/pip install --quiet numpy
-    bench/target/venv/bin/python bench/random_logs.py {{first}} {{count}} {{hz}}
+    bench/target/venv/bin/python bench/random_logs.py {{first}} {{count}} {{hz}} {{trouble}}
 
 # the lanes' tests under the address sanitizer (needs a nightly compiler); minutes
 sanitize:

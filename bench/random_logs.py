@@ -1,14 +1,14 @@
 """`grouser estimate` on logs of robots, sensors, courses and slips drawn at random, beside the naive means over one and two
 seconds that anybody would take from the same files.
 
-    cargo build --release && python bench/random_logs.py [FIRST [COUNT [HZ]]]
+    cargo build --release && python bench/random_logs.py [FIRST [COUNT [HZ [TROUBLE]]]]
 
 The world is this file: a body on a course, and rims that run faster than the ground under them by their slip. It shares no code
 and no law with the program. What differs from log to log: two, four or six wheels or a car's steering, size and speed, stops,
 reverse and bends, the profile of slip, wheels by counts, angles, rates or speeds with resolution and noise, with or without
 gyro (with a bias that may never be seen at rest) and accelerometer, positions, displacements or speeds as reference with their
-rate, noise, outliers and delay, and whether the robot file states these. HZ thins the rows of wheels, gyro and accelerometer.
-Needs numpy.
+rate, noise, outliers and delay, and whether the robot file states these. HZ thins the rows of wheels, gyro and accelerometer, 0
+leaves them. A TROUBLE is something more that the robot file does not state: see TROUBLES. Needs numpy.
 """
 
 import csv
@@ -24,7 +24,18 @@ import numpy as np
 GROUSER = pathlib.Path(__file__).parents[1] / "target" / "release" / "grouser"
 STEP_S = 0.002
 SETTLED_S = 5.0  # errors count from here on
-MIN_RIM_M_PER_S = 0.05  # and where a wheel turns at least so fast
+MIN_RIM_M_PER_S = 0.05  # and where a wheel turns at least as fast
+TROUBLES = {
+    "outages": "the reference is silent for 12 s and for 6 s",
+    "stuck": "the first wheel's sensor shows one value for 6 s, where there are more than two wheels",
+    "gyro": "the gyro's scale is 1.03, and its bias drifts by 0.0003 rad/s a second",
+    "geometry": "the track is 5 % and the radius 1 % smaller than described",
+    "scatter": "stamps of the reference are late by 30 ms as they fall",
+    "jumps": "a pose jumps by up to 0.3 m once in 20 s, and stays there",
+    "aside": "the robot slides aside by 0.05 to 0.2 of its way, as on a slope",
+    "bends": "wheels outside a bend slip more by 0.1 to 0.4 at 0.4 rad/s, those inside less",
+    "lag": "rates and speeds of wheels are behind by 80 ms",
+}
 
 
 def course(random, time, levels, lag_s):
@@ -49,7 +60,7 @@ def drawn_levels(random, first, begin_s, gaps_s, end_s, level):
 class World:
     """True motion and slips, on steps of STEP_S."""
 
-    def __init__(self, random):
+    def __init__(self, random, trouble=None):
         self.lasts_s = random.choice([40.0, 80.0, 150.0])
         self.time = time = np.arange(0, self.lasts_s, STEP_S)
         self.kind = str(random.choice(["two", "four", "six", "car"]))
@@ -69,9 +80,13 @@ class World:
         elif self.kind != "four":  # others turn on the spot
             self.turn[np.abs(self.speed) < 1e-3] = 0.0
         self.yaw = np.cumsum(self.turn) * STEP_S
-        self.x = np.cumsum(self.speed * np.cos(self.yaw)) * STEP_S
-        self.y = np.cumsum(self.speed * np.sin(self.yaw)) * STEP_S
+        aside = random.uniform(0.05, 0.2) * np.sin(self.yaw + random.uniform(0, 6)) if trouble == "aside" else 0.0
+        self.x = np.cumsum(self.speed * (np.cos(self.yaw) - aside * np.sin(self.yaw))) * STEP_S
+        self.y = np.cumsum(self.speed * (np.sin(self.yaw) + aside * np.cos(self.yaw))) * STEP_S
         self.draw_slips(random)
+        if trouble == "bends" and self.kind != "car":
+            share = random.uniform(0.1, 0.4) / 0.4
+            self.slips = [np.clip(slip - share * np.sign(y) * self.turn, -0.4, 0.9) for slip, (_, y) in zip(self.slips, self.places)]
         self.rims = []
         for (x, y), slip in zip(self.places, self.slips):
             ground = self.speed - self.turn * y
@@ -113,8 +128,8 @@ class World:
 class Log:
     """The files of a world as its sensors see it; and what the naive means take from the same readings."""
 
-    def __init__(self, world, random, folder, thinned_hz=None):
-        self.world, self.folder = world, folder
+    def __init__(self, world, random, folder, thinned_hz=None, trouble=None):
+        self.world, self.folder, self.trouble = world, folder, trouble
         self.names = [f"w{i}" for i in range(len(world.places))]
         drawn_hz = int(random.choice([20, 50, 100]))
         hz = thinned_hz or drawn_hz
@@ -146,17 +161,26 @@ class Log:
         }[self.sensor]
         for name, rim in zip(self.names, world.rims):
             rate = rim / world.radius
+            if self.trouble == "lag" and self.sensor in ("rate", "speed"):
+                fading = np.exp(-np.arange(0, 0.4, STEP_S) / 0.08)
+                rate = np.convolve(rate, fading / fading.sum())[: len(rate)]
             counts = np.floor((np.cumsum(rate) * STEP_S + random.uniform(0, 6)) / (2 * np.pi) * self.ticks)[rows]
             noisy = rate[rows] + 0.01 * random.normal(size=len(rows))
             angle = counts / self.ticks * 2 * np.pi
             values = {"count": counts.astype(int), "angle": angle, "rate": noisy, "speed": noisy * world.radius}[self.sensor]
             data[name] = [f"{value:.5f}" if self.sensor != "count" else str(value) for value in values]
+            if self.trouble == "stuck" and name == "w0" and len(self.names) > 2:
+                middle, count = len(rows) // 2, round(6.0 / ((rows[1] - rows[0]) * STEP_S))
+                data[name][middle : middle + count] = [data[name][middle]] * len(data[name][middle : middle + count])
             columns.append(f'{{ column = "{name}", meaning = "{meaning}", wheel = "{name}", unit = "{unit}" }}')
             summed = np.cumsum(noisy) * (rows[1] - rows[0]) * STEP_S
             self.ways.append(world.radius * (angle if self.sensor in ("count", "angle") else summed))
         if self.has_gyro:
             bias, noise = random.normal() * 0.01, random.choice([0.002, 0.01])
-            data["gyro"] = [f"{value:.5f}" for value in (world.turn[rows] + bias + noise * random.normal(size=len(rows)))]
+            turn = world.turn[rows]
+            if self.trouble == "gyro":
+                turn = 1.03 * turn + 0.0003 * world.time[rows]
+            data["gyro"] = [f"{value:.5f}" for value in (turn + bias + noise * random.normal(size=len(rows)))]
             columns.append('{ column = "gyro", meaning = "yaw_rate", unit = "rad/s" }')
         if self.has_accelerometer:
             for name, true in (("forward", np.gradient(world.speed, STEP_S)), ("left", world.speed * world.turn)):
@@ -173,10 +197,16 @@ class Log:
         world = self.world
         at = np.arange(int(random.uniform(0, 0.2) / STEP_S), len(world.time), round(1 / (self.rate * STEP_S)))
         stamps = world.time[at] + self.delay
+        if self.trouble == "scatter":
+            stamps = np.maximum.accumulate(stamps + 0.03 * np.abs(random.normal(size=len(at)))) + 1e-6 * np.arange(len(at))
         noise = lambda sigma: sigma * random.normal(size=len(at))
         if self.reference == "pose":
             off = np.where(random.random(len(at)) < self.outliers, 0.5, 0.0)
             x, y = world.x[at] + noise(self.sigma) + off, world.y[at] + noise(self.sigma) - off
+            if self.trouble == "jumps":
+                jumps = random.random(len(at)) < 1 / (20 * self.rate)
+                jumped = np.cumsum(np.where(jumps, random.uniform(-0.3, 0.3, len(at)), 0.0))
+                x, y = x + jumped, y + jumped
             yaw = world.yaw[at] + noise(self.yaw_sigma)
             values = {"x": ("pose_x", "m", x), "y": ("pose_y", "m", y), "yaw": ("pose_yaw", "rad", yaw)}
             middle = yaw[:-1] + 0.5 * np.diff(yaw)
@@ -201,8 +231,12 @@ class Log:
             }
             steps, turns = forward[1:], turn[1:]
         self.reference_columns = [f'{{ column = "{n}", meaning = "{m}", unit = "{u}" }}' for n, (m, u, _) in values.items()]
-        text = {name: [f"{v:.5f}" for v in value] for name, (_, _, value) in values.items()}
-        self.write_table("reference.csv", {"t": [f"{t:.4f}" for t in stamps], **text})
+        is_out = np.zeros(len(stamps), bool)
+        if self.trouble == "outages" and self.reference != "displacement":
+            for share, lasts_s in ((0.3, 12.0), (0.7, 6.0)):
+                is_out |= (stamps > share * world.lasts_s) & (stamps < share * world.lasts_s + lasts_s)
+        text = {name: [f"{v:.5f}" for v in value[~is_out]] for name, (_, _, value) in values.items()}
+        self.write_table("reference.csv", {"t": [f"{t:.4f}" for t in stamps[~is_out]], **text})
         self.stamps = stamps
         self.reference_way = np.concatenate([[0.0], np.cumsum(steps)])
         self.reference_turn = np.concatenate([[0.0], np.cumsum(turns)])
@@ -224,8 +258,10 @@ class Log:
             lines += ["[filter]", f"reference_latency_s = {self.delay}"]
         if self.world.kind == "car":
             lines += ["[steering]", 'kind = "ackermann"', 'wheels = ["w0", "w1"]']
+        track, radius = (1.05, 1.01) if self.trouble == "geometry" else (1.0, 1.0)
         for name, (x, y) in zip(self.names, self.world.places):
-            lines += ["[[wheel]]", f'name = "{name}"', f"x_m = {x:.5f}", f"y_m = {y:.5f}", f"radius_m = {self.world.radius:.5f}"]
+            lines += ["[[wheel]]", f'name = "{name}"', f"x_m = {x:.5f}", f"y_m = {track * y:.5f}"]
+            lines += [f"radius_m = {radius * self.world.radius:.5f}"]
             lines += ['drive = "powered"', 'encoder_on = "wheel"', f"ticks_per_turn = {self.ticks}"]
         (self.folder / "robot.toml").write_text("\n".join(lines) + "\n")
         lines = ["format = 1"]
@@ -267,8 +303,10 @@ def scores(log):
             if row["wheel"] in found and row["slip"]:
                 found[row["wheel"]].append((float(row["time_s"]), float(row["slip"]), float(row["slip_sigma"]), row["health"]))
     errors, squares = {"filter": [], 1.0: [], 2.0: []}, []
+    longest_s = 0.0
     for wheel, name in enumerate(log.names):
         times = np.array([row[0] for row in found[name]])
+        began_s = None
         for i in range(int(SETTLED_S / STEP_S), len(world.time), 50):
             at_s = world.time[i]
             row = np.searchsorted(times, at_s, side="right") - 1
@@ -282,6 +320,9 @@ def scores(log):
             errors["filter"].append(slip - true)
             for window, value in naive.items():
                 errors[window].append(value - true)
+            is_off = health == "Ok" and abs(slip - true) > 4 * sigma
+            began_s = (at_s if began_s is None else began_s) if is_off else None
+            longest_s = max(longest_s, at_s - began_s + 0.1 if is_off else 0.0)
             if health == "Ok":
                 squares.append(((slip - true) / max(sigma, 1e-9)) ** 2)
     if not errors["filter"]:
@@ -294,18 +335,22 @@ def scores(log):
         "naive": min(rmse[1.0], rmse[2.0]),
         "nees": float(squares.mean()) if len(squares) else None,
         "in_90": float((squares < 1.645**2).mean()) if len(squares) else None,
+        "longest_beyond_s": float(longest_s),
         "beyond_4_sigma": float((squares > 16).mean()) if len(squares) else None,
     }
 
 
 def main():
-    given = [int(text) for text in sys.argv[1:]]
+    given = [int(text) for text in sys.argv[1:4]]
     first, count, thinned_hz = given + [0, 100, None][len(given) :]
+    trouble = sys.argv[4] if len(sys.argv) > 4 else None
+    if trouble not in (None, *TROUBLES):
+        sys.exit("\n".join(f"{name}: {what}" for name, what in TROUBLES.items()))
     ratios, results = [], []
     for seed in range(first, first + count):
         random = np.random.default_rng(seed)
         with tempfile.TemporaryDirectory() as folder:
-            log = Log(World(random), random, pathlib.Path(folder), thinned_hz)
+            log = Log(World(random, trouble), random, pathlib.Path(folder), thinned_hz, trouble)
             result = scores(log)
         what = {key: getattr(log, key) for key in ("sensor", "reference", "rate", "sigma", "delay", "is_told", "has_gyro")}
         what |= {"kind": log.world.kind, "profile": log.world.profile, "top": round(float(log.world.top), 2)}
@@ -320,6 +365,8 @@ def main():
     print(f"doubtful by its own checks: {sum(result['code'] == 3 for result in results)}")
     print(f"squared error over variance, median: {np.median([result['nees'] for result in honest]):.2f}")
     print(f"logs with more than 1 % of the Ok estimates beyond four sigma: {sum(r['beyond_4_sigma'] > 0.01 for r in honest)}")
+    print(f"for a second or longer: {sum(r['longest_beyond_s'] > 0.95 for r in honest)}")
+    print(f"90 % intervals hold: {np.mean([r['in_90'] for r in honest]):.3f}")
 
 
 if __name__ == "__main__":
