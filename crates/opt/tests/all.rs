@@ -11,6 +11,7 @@ mod random_starts;
 
 mod certified;
 mod certified_fronts;
+mod certified_methods;
 mod conditions;
 mod convex;
 mod enclosures;

@@ -5,6 +5,7 @@
     reason = "a test stops at the first surprise, prints what it measured, and picks places in lists"
 )]
 
+use std::fmt::Write as _;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -178,14 +179,24 @@ fn the_checker_accepts_what_is_proved() {
         (problem(Limit, 4.0, 0, 2), 1e-4, CertifyStatus::Proved),
         (problem(Poles, 4.0, 0, 2), 1e-6, CertifyStatus::Proved),
     ];
+    let mut table = String::new();
     let logs: Vec<Vec<String>> = cases
         .iter()
         .map(|(problem, gap, expected)| {
             let (status, lines) = proof(problem, *gap);
             assert_eq!(status, *expected);
+            let count = |part: &str| lines.iter().filter(|line| line.contains(part)).count();
+            let _ = writeln!(
+                table,
+                "leaves {:>4}  by tangents {:>3}  without divisors {:>4}",
+                count("\"weights\""),
+                count("\"tangent\""),
+                count("\"cleared\"")
+            );
             lines
         })
         .collect();
+    insta::assert_snapshot!(table);
     for verdict in verdicts(&folder("accepted"), &logs) {
         println!("{verdict}");
         assert!(verdict.starts_with("accepted"), "{verdict}");

@@ -180,7 +180,8 @@ impl Bounder {
         self.over.sum(&rows.tape, &nodes, &rows.terms(weights))
     }
 
-    /// The linear form of multipliers about the middle of a box; `None` where it has no bounded slopes.
+    /// The linear form of multipliers about the middle of a box, against a finite target; `None` where it has no bounded
+    /// slopes.
     pub(super) fn form(
         &mut self,
         rows: &Rows,
@@ -200,7 +201,7 @@ impl Bounder {
             weights: weights.clone(),
             offset,
             slopes,
-            limit: if share > 0.0 { share * target } else { 0.0 },
+            limit: share * target,
         })
     }
 
@@ -293,9 +294,7 @@ impl Bounder {
                     sum + *g * (*x - Interval::point(*c))
                 },
             );
-            if form.low() > low {
-                low = form.low();
-            }
+            low = low.max(form.low());
         }
         level(rows, weights, low)
     }

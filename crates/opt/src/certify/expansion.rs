@@ -92,8 +92,9 @@ impl Examiner {
                 expansion.offsets.push(offset);
             }
         }
-        for (at, &first) in irregular.iter().enumerate().take(MAX_POLES) {
-            for &second in irregular[at + 1..].iter().take(MAX_POLES) {
+        irregular.truncate(MAX_POLES);
+        for (at, &first) in irregular.iter().enumerate() {
+            for &second in &irregular[at + 1..] {
                 let pair = vec![first, second];
                 let (terms, needed) = (rows.terms(&pair), rows.needed_by(&pair));
                 let regular = self

@@ -142,7 +142,8 @@ impl Examiner {
             }
             let expansion = self.expand(rows, &examined.rest);
             examined.middle = examined.rest.iter().map(|x| x.middle()).collect();
-            examined.middle_level = self.middle_level(rows, aim.tolerance);
+            let level = rows.level_of(&self.at, aim.tolerance);
+            examined.middle_level = level.map_or(f64::INFINITY, |(level, _)| level);
             let scales = self.relax(rows, &expansion, &mut examined, target);
             if examined.bound >= target {
                 examined.end = End::Closed;
@@ -199,26 +200,6 @@ impl Examiner {
             return true;
         }
         false
-    }
-
-    /// γ at the middle, where every row is met to the tolerance.
-    fn middle_level(&self, rows: &Rows, tolerance: f64) -> f64 {
-        let mut level = f64::NEG_INFINITY;
-        for row in &rows.list {
-            let value = self.at.values[row.node as usize];
-            let met = match row.kind {
-                LinearKind::Objective => {
-                    level = level.max(value.high());
-                    !value.is_empty()
-                }
-                LinearKind::AtMost => value.high() <= tolerance,
-                LinearKind::Equal => value.magnitude() <= tolerance,
-            };
-            if !met {
-                return f64::INFINITY;
-            }
-        }
-        level
     }
 
     /// Bounds by multipliers of the linear problem at the middle; returns how much each row counts.
@@ -291,14 +272,7 @@ pub(super) fn allowed(kind: LinearKind, multiplier: f64) -> f64 {
 /// The side whose division promises most: the one along which the rows that count vary most.
 fn divide(rows: &Rows, expansion: &Expansion, examined: &Examined, scales: &[f64]) -> End {
     let n = examined.rest.len();
-    let relative = |d: usize| {
-        let range = rows.upper[d] - rows.lower[d];
-        if range > 0.0 {
-            examined.rest[d].width() / range
-        } else {
-            0.0
-        }
-    };
+    let relative = |d: usize| examined.rest[d].width() / (rows.upper[d] - rows.lower[d]);
     let variation = |d: usize| -> f64 {
         let width = examined.rest[d].width();
         expansion
@@ -311,7 +285,7 @@ fn divide(rows: &Rows, expansion: &Expansion, examined: &Examined, scales: &[f64
     let splits = |d: usize| {
         let side = examined.rest[d];
         let at = side.low() + DIVISION_SHARE * (side.high() - side.low());
-        (side.low() < at && at < side.high()).then_some(at)
+        (side.low() < at && at.is_finite()).then_some(at)
     };
     let score = |d: usize| {
         let v = variation(d);
@@ -334,3 +308,7 @@ fn divide(rows: &Rows, expansion: &Expansion, examined: &Examined, scales: &[f64
         at,
     })
 }
+
+#[cfg(test)]
+#[path = "process_tests.rs"]
+pub(super) mod tests;

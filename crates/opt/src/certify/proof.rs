@@ -132,7 +132,7 @@ impl Proof<'_, '_> {
             .collect();
         let bound = if bound.is_finite() {
             number(bound)
-        } else if bound > 0.0 {
+        } else if bound == f64::INFINITY {
             "null".to_owned()
         } else {
             "\"none\"".to_owned()
@@ -164,5 +164,26 @@ impl Proof<'_, '_> {
             numbers(x.iter().copied()),
             number(violation)
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_claim_lies_below_its_bound() {
+        for (bound, less) in [(2.0, 3e-10), (-4.0, 5e-10), (0.0, 1e-10)] {
+            assert!((bound - claim(bound) - less).abs() < 1e-15);
+        }
+        for bound in [f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(claim(bound), bound);
+        }
+    }
+
+    #[test]
+    fn names_of_any_characters_are_texts() {
+        let found = text("a\"b\\c\n\u{1f} \u{7f}é");
+        assert_eq!(found, "\"a\\\"b\\\\c\\u000a\\u001f \u{7f}é\"");
     }
 }

@@ -163,10 +163,9 @@ fn ratio(a: Interval, b: Interval, known: Interval) -> Interval {
     }
     let min_size = a.low().abs().min(a.high().abs()) / b.magnitude();
     // the signs of a quotient that `known` and the operands allow
-    let positive = (a.low() > 0.0 && b.high() > 0.0) || (a.high() < 0.0 && b.low() < 0.0);
-    let negative = (a.low() > 0.0 && b.low() < 0.0) || (a.high() < 0.0 && b.high() > 0.0);
-    let above = positive && known.high() >= min_size;
-    let below = negative && known.low() <= -min_size;
+    let b = if a.low().is_sign_negative() { -b } else { b };
+    let above = b.high() > 0.0 && known.high() >= min_size;
+    let below = b.low() < 0.0 && known.low() <= -min_size;
     match (below, above) {
         (true, true) => Interval::ENTIRE,
         (true, false) => Interval::new(f64::NEG_INFINITY, -min_size),

@@ -135,12 +135,17 @@ impl Rows {
             return None;
         }
         let point: Vec<Interval> = x.iter().map(|x| Interval::point(*x)).collect();
-        let mut over = Enclosures::default();
-        over.forward(&self.tape, &point, &self.needed);
+        let mut at = Enclosures::default();
+        at.forward(&self.tape, &point, &self.needed);
+        self.level_of(&at, tolerance)
+    }
+
+    /// As [`Self::level_at`], given the enclosures of all operations at the point.
+    pub(super) fn level_of(&self, at: &Enclosures, tolerance: f64) -> Option<(f64, f64)> {
         let mut level = f64::NEG_INFINITY;
         let mut violation = 0.0_f64;
         for row in &self.list {
-            let value = over.values[row.node as usize];
+            let value = at.values[row.node as usize];
             if value.is_empty() {
                 return None;
             }

@@ -106,20 +106,14 @@ impl Examiner {
         let point: Vec<Interval> = at.iter().map(|p| Interval::point(*p)).collect();
         self.at.forward(&rows.tape, &point, &rows.needed);
         let mut gradient = vec![Interval::ZERO; n];
-        let (mut kinds, mut list) = (Vec::new(), Vec::new());
+        let kinds = &expansion.kinds;
         let (mut gradients, mut offsets) = (Vec::new(), Vec::new());
-        for (row, (own, &kind)) in expansion.rows.iter().zip(&expansion.kinds).enumerate() {
+        for own in &expansion.rows {
             let (terms, needed) = (rows.terms(own), rows.needed_by(own));
-            let value = self.at.sum(&rows.tape, &needed, &terms);
-            if self.at.gradient(&rows.tape, &needed, &terms, &mut gradient)
-                && value.is_bounded()
-                && gradient.iter().all(|g| g.is_bounded())
-            {
-                list.push(row);
-                kinds.push(kind);
-                offsets.push(value.middle());
-                gradients.extend(gradient.iter().zip(radii).map(|(g, r)| g.middle() * r));
-            }
+            offsets.push(self.at.sum(&rows.tape, &needed, &terms).middle());
+            // the rows of an expansion are continuous over the whole box
+            self.at.gradient(&rows.tape, &needed, &terms, &mut gradient);
+            gradients.extend(gradient.iter().zip(radii).map(|(g, r)| g.middle() * r));
         }
         let size = scaled.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
         let side = |end: fn(Interval) -> f64| -> Vec<f64> {
@@ -142,7 +136,7 @@ impl Examiner {
                 curvature[d * n + d] += shift;
             }
             let model = LinearModel {
-                kinds: &kinds,
+                kinds,
                 gradients: &gradients,
                 offsets: &offsets,
                 curvature: Some(&curvature),
@@ -163,7 +157,7 @@ impl Examiner {
                 if multiplier == 0.0 || !multiplier.is_finite() {
                     continue;
                 }
-                expansion.add(&mut weights, list[at], multiplier);
+                expansion.add(&mut weights, at, multiplier);
                 share += if kinds[at] == LinearKind::Objective {
                     multiplier
                 } else {
@@ -181,7 +175,7 @@ impl Examiner {
                     promised += 0.5 * scaled[i * n + j] * step[i] * step[j];
                 }
             }
-            return (share > 0.0).then_some((weights, step, promised / share));
+            return Some((weights, step, promised / share));
         }
         None
     }
@@ -230,3 +224,7 @@ pub(super) fn max_curvature(hessian: &[Interval], x: &[Interval], slack: f64) ->
     // a checker with other widths of the same enclosures proves a little less
     low * (1.0 + 1e-6)
 }
+
+#[cfg(test)]
+#[path = "tangent_tests.rs"]
+mod tests;
