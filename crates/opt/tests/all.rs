@@ -12,6 +12,7 @@ mod random_starts;
 mod certified;
 mod certified_fronts;
 mod certified_methods;
+mod certified_searches;
 mod conditions;
 mod convex;
 mod enclosures;

@@ -207,3 +207,61 @@ impl Functions for Nowhere {
         (f[0], f[1], f[2]) = (x[0], x[1], x[0].exp());
     }
 }
+
+/// √f_1 + √f_2 = 2 along the front.
+struct Pair;
+impl Functions for Pair {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        f[0] = x[0].square();
+        f[1] = (x[0] - R::from_f64(2.0)).square();
+    }
+}
+
+/// A small front, as the checker replays it, in a time that is long enough.
+#[test]
+fn a_small_front_is_replayed() {
+    let problem = Problem::new(boxed(Pair, &[(-1.0, 3.0)], 2)).unwrap();
+    let mut settings = CertifySettings::default();
+    (settings.gap, settings.starts, settings.time_limit_s) = (0.2, 2, Some(1e6));
+    let mut gaps = Vec::new();
+    for candidates in [&[][..], &[0.5], &[0.5, 1.5]] {
+        settings.candidates = candidates.iter().map(|x| vec![*x]).collect();
+        let (mut log, mut boxes) = (Vec::new(), 0);
+        let watch = FrontWatch {
+            callback: &mut |progress| {
+                assert!(progress.boxes >= boxes);
+                boxes = progress.boxes;
+                ControlFlow::Continue(())
+            },
+            suggest: &mut |_| Vec::new(),
+            proof: Some(&mut |line: &str| {
+                log.push(line.to_owned());
+                ControlFlow::Continue(())
+            }),
+        };
+        let front = certify_front(&problem, &[0, 1], &settings, watch).unwrap();
+        assert!(front.status == CertifyStatus::Proved && front.share <= 0.2);
+        assert!(front.proofs > 2 && front.boxes >= boxes);
+        let begins = |text: &str| log.iter().filter(|line| line.starts_with(text)).count();
+        assert_eq!(begins("{\"least\""), front.proofs);
+        assert_eq!(begins("{\"front\""), 1);
+        // each point leaves as little open as is claimed: of f_1 = a there is f_2 = (2 − √a)²
+        for i in 0..=100 {
+            let x = 0.02 * f64::from(i);
+            let q = [x * x, (x - 2.0).powi(2)];
+            let is_near = |k: usize, p: [f64; 2]| p[k] <= q[k] + front.tolerance[k];
+            let near = |p: &grouser_opt::ProvedPoint| (0..2).all(|k| is_near(k, p.objectives));
+            assert!(front.points.iter().any(near));
+        }
+        let gap = &log[2][log[2].find("\"gap\":").unwrap() + 6..];
+        gaps.push(gap[..gap.find(',').unwrap()].parse::<f64>().unwrap());
+        if crate::proofs::python() {
+            let verdicts = crate::proofs::verdicts(&crate::proofs::folder("small"), &[log]);
+            assert!(verdicts[0].starts_with("accepted"), "{verdicts:?}");
+        }
+    }
+    // of two candidates the first objective's range of 2 and size of 2.25 are known
+    for (gap, expected) in gaps.into_iter().zip([1e-3, 1e-3, 0.2 * 0.2 * 2.0 / 3.25]) {
+        assert!((gap - expected).abs() < 1e-15, "{gap} {expected}");
+    }
+}

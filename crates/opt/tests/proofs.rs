@@ -124,7 +124,7 @@ fn proof(problem: &Problem<'_>, gap: f64) -> (CertifyStatus, Vec<String>) {
 }
 
 /// Is there a Python? Under CI there must be one.
-fn python() -> bool {
+pub(crate) fn python() -> bool {
     let found = Command::new("python3")
         .arg("--version")
         .output()
@@ -140,7 +140,7 @@ fn python() -> bool {
 }
 
 /// What the checker says of each log.
-fn verdicts(folder: &Path, logs: &[Vec<String>]) -> Vec<String> {
+pub(crate) fn verdicts(folder: &Path, logs: &[Vec<String>]) -> Vec<String> {
     fs::create_dir_all(folder).unwrap();
     let paths: Vec<PathBuf> = logs
         .iter()
@@ -162,7 +162,7 @@ fn verdicts(folder: &Path, logs: &[Vec<String>]) -> Vec<String> {
     text.lines().map(str::to_owned).collect()
 }
 
-fn folder(name: &str) -> PathBuf {
+pub(crate) fn folder(name: &str) -> PathBuf {
     std::env::temp_dir().join(format!("grouser-proofs-{name}-{}", std::process::id()))
 }
 

@@ -298,15 +298,13 @@ impl FrontSearch<'_, '_> {
         let side = |k: usize| (ends[k] - corner[k]) / self.range[k];
         let axis = usize::from(side(1) < side(0));
         let length = ends[axis] - corner[axis];
-        if !(length > 0.0 && length.is_finite()) {
+        if !length.is_finite() {
             return None;
         }
         let middle = corner[axis] + 0.5 * length;
         let margin = (0.5 - CUT_MARGIN) * length;
         let distance = |p: &&ProvedPoint| (p.objectives[axis] - middle).abs();
-        let inside =
-            |p: &&ProvedPoint| p.objectives[1 - axis] >= corner[1 - axis] && distance(p) <= margin;
-        let listed = self.points.iter().filter(inside);
+        let listed = self.points.iter().filter(|p| distance(p) <= margin);
         let listed = listed.min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let at = listed.map_or(middle, |p| p.objectives[axis]);
         (corner[axis] < at && at < ends[axis]).then_some((axis, at))
@@ -448,3 +446,7 @@ impl FrontSearch<'_, '_> {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "front_tests.rs"]
+mod tests;

@@ -433,3 +433,7 @@ impl Search<'_, '_> {
         lowest
     }
 }
+
+#[cfg(test)]
+#[path = "search_tests.rs"]
+mod tests;

@@ -118,10 +118,7 @@ impl Examiner {
     ) -> f64 {
         let before = examined.rest.clone();
         let mut forms = forms(expansion, target);
-        if target < f64::INFINITY
-            && examined.weights.rows.len() > 1
-            && examined.weights.tangent.is_none()
-        {
+        if target < f64::INFINITY && examined.weights.rows.len() > 1 {
             forms.extend(self.bounder.form(rows, &examined.weights, &before, target));
         }
         for variable in 0..before.len() {
@@ -196,33 +193,27 @@ fn forms(expansion: &Expansion, target: f64) -> Vec<Form> {
     let mut list = Vec::new();
     for (at, row) in expansion.rows.iter().enumerate() {
         let own = slopes(at);
-        let mut push = |sign: f64, limit: f64| {
-            let (offset, slopes) = if sign < 0.0 {
-                (
-                    -expansion.offsets[at].high(),
-                    own.iter().map(|g| -*g).collect(),
-                )
-            } else {
-                (expansion.offsets[at].low(), own.to_vec())
-            };
+        let mut push = |limit: f64| {
             list.push(Form {
-                weights: row
-                    .iter()
-                    .map(|(row, weight)| (*row, sign * weight))
-                    .collect::<Multipliers>()
-                    .into(),
-                offset,
-                slopes,
+                weights: row.clone().into(),
+                offset: expansion.offsets[at].low(),
+                slopes: own.to_vec(),
                 limit,
             });
         };
         match expansion.kinds[at] {
-            LinearKind::Objective if target < f64::INFINITY => push(1.0, target),
+            LinearKind::Objective if target < f64::INFINITY => push(target),
             LinearKind::Objective => {}
-            LinearKind::AtMost => push(1.0, 0.0),
+            LinearKind::AtMost => push(0.0),
             LinearKind::Equal => {
-                push(1.0, 0.0);
-                push(-1.0, 0.0);
+                push(0.0);
+                let less = row.iter().map(|(row, weight)| (*row, -weight));
+                list.push(Form {
+                    weights: less.collect::<Multipliers>().into(),
+                    offset: -expansion.offsets[at].high(),
+                    slopes: own.iter().map(|g| -*g).collect(),
+                    limit: 0.0,
+                });
             }
         }
     }
@@ -262,6 +253,9 @@ fn cut(form: &Form, x: &[Interval], variable: usize, above: bool) -> Option<f64>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::certify::process::Aim;
+    use crate::certify::process::tests::rows_over;
+    use crate::tape::{Binary, Node, Tape, Unary};
 
     fn form(slopes: &[(f64, f64)], offset: f64, limit: f64) -> Form {
         Form {
@@ -308,6 +302,8 @@ mod tests {
             cut(&form(&[(0.0, 1.0), (0.0, 0.0)], 5.0, 6.0), &x, 0, true),
             None
         );
+        let flat = form(&[(0.0, 1.0), (0.0, 0.0)], 5.0, 0.0);
+        assert_eq!(cut(&flat, &x, 0, true), None);
         let unbounded = form(&[(1.0, 1.0), (0.0, f64::INFINITY)], 5.0, 6.0);
         assert_eq!(cut(&unbounded, &x, 0, true), None);
     }
@@ -371,5 +367,95 @@ mod tests {
         let limits = [at_most, above, below];
         assert_eq!(list(f64::INFINITY), limits);
         assert_eq!(list(0.5), [&[objective][..], &limits[..]].concat());
+    }
+
+    /// The trims of a box, and what is left of it: by each row's limit, by its linear form.
+    fn trimmed(
+        x: Interval,
+        target: f64,
+        make: impl Fn(&mut Tape, Node) -> Vec<Node>,
+    ) -> [(Vec<Trim>, Interval); 2] {
+        let sides = [x, Interval::ONE];
+        let rows = rows_over(sides, &[], |tape, x, _| make(tape, x));
+        [false, true].map(|by_form| {
+            let mut examiner = Examiner::default();
+            let aim = Aim {
+                target: f64::INFINITY,
+                tolerance: 0.0,
+                best: None,
+            };
+            let mut examined = examiner.examine(&rows, None, &sides, &aim, false);
+            (examined.rest, examined.trims) = (sides.to_vec(), Vec::new());
+            examiner.bound_each_row(&rows, &mut examined, target);
+            if by_form {
+                let expansion = examiner.expand(&rows, &sides);
+                examiner.trim(&rows, &expansion, &mut examined, target);
+            } else {
+                examiner.propagate(&rows, &mut examined, target);
+            }
+            (examined.trims, examined.rest[0])
+        })
+    }
+
+    /// x below 2 over [1, 5]: what is above goes but for a fiftieth; of equal rows by the first.
+    #[test]
+    fn what_lies_beyond_a_limit_is_cut_off() {
+        let x = Interval::new(1.0, 5.0);
+        for (trims, rest) in trimmed(x, 2.0, |_, x| vec![x, x]) {
+            let [trim] = &trims[..] else {
+                panic!("{trims:?}");
+            };
+            assert!((trim.at - 2.06).abs() < 1e-12 && trim.above && trim.variable == 0);
+            assert_eq!(rest, Interval::new(1.0, trim.at));
+            assert!((trim.bound - 2.06).abs() < 1e-12);
+            assert_eq!(trim.weights.rows, [(0, 1.0)]);
+        }
+        // less than a tenth stays
+        for (trims, rest) in trimmed(x, 4.65, |_, x| vec![x]) {
+            assert!(trims.is_empty() && rest == x);
+        }
+        let minus = |tape: &mut Tape, x: Node| {
+            let minus = tape.unary(Unary::Neg, x);
+            vec![minus, minus]
+        };
+        for (trims, rest) in trimmed(x, -4.0, minus) {
+            let [trim] = &trims[..] else {
+                panic!("{trims:?}");
+            };
+            assert!((trim.at - 3.94).abs() < 1e-12 && !trim.above);
+            assert_eq!(rest, Interval::new(trim.at, 5.0));
+            assert_eq!(trim.weights.rows, [(0, 1.0)]);
+        }
+    }
+
+    /// A box that goes as a whole is closed, not trimmed: a place at its end would divide nothing.
+    #[test]
+    fn no_box_is_trimmed_as_a_whole() {
+        let x = Interval::new(2.0, 3.0);
+        // x² − x over [2, 3] is at least 2, as its linear form shows, but not its enclosure of [1, 7]
+        let rising = |tape: &mut Tape, x: Node| {
+            let square = tape.whole_power(x, 2);
+            vec![tape.binary(Binary::Sub, square, x)]
+        };
+        let falling = |tape: &mut Tape, x: Node| {
+            let five = tape.constant(5.0);
+            let back = tape.binary(Binary::Sub, five, x);
+            let square = tape.whole_power(back, 2);
+            vec![tape.binary(Binary::Sub, square, back)]
+        };
+        for found in [trimmed(x, 1.1, rising), trimmed(x, 1.1, falling)] {
+            let (trims, rest) = &found[1];
+            assert!(trims.is_empty() && *rest == x, "{trims:?}");
+        }
+        let next = Interval::new(1.0, 1.0_f64.next_up());
+        for found in [
+            trimmed(next, 1.0, |_, x| vec![x]),
+            trimmed(next, -1.0_f64.next_up(), |tape, x| {
+                vec![tape.unary(Unary::Neg, x)]
+            }),
+            trimmed(Interval::ONE, 0.5, |_, x| vec![x]),
+        ] {
+            assert!(found.iter().all(|(trims, _)| trims.is_empty()), "{found:?}");
+        }
     }
 }

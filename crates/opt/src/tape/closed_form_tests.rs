@@ -1,5 +1,11 @@
 //! Values and derivatives at points by closed forms, and where an operation is continuous and smooth.
 
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "whole numbers as products of which the bits are counted"
+)]
+
 use grouser_real::Interval;
 
 use super::{Binary, Curvatures, Enclosures, Node, Tape, Unary};
@@ -395,4 +401,92 @@ fn shares_are_exact_where_their_products_are() {
     // too small or great to tell
     assert!(slope(&[2e-141, 1.0]).width() > 0.0 && slope(&[2e-139, 1.0]).width() == 0.0);
     assert!(slope(&[1e141, 1.0]).width() > 0.0 && slope(&[0.5e140, 1.0]).width() == 0.0);
+}
+
+/// Of random numbers with few and many bits a multiple is one number just where the product of their whole parts is exact.
+#[test]
+fn multiples_are_exact_where_whole_numbers_are() {
+    let mut random = crate::random::Random::new(2012);
+    let (mut exact, mut rounded) = (0, 0);
+    for _ in 0..2000 {
+        let mut whole = || {
+            // with low bits of 0
+            let size = (1_u64 << (15 + random.below(25))) as f64;
+            let zeros = (1_u64 << random.below(12)) as f64;
+            ((random.uniform() * size).floor() + 1.0) * zeros
+        };
+        let (a, b) = (whole(), whole());
+        let product = a as u128 * b as u128;
+        let is_exact = (a * b) as u128 == product;
+        for a in [a, -a] {
+            let found = over([Interval::ONE; 2], |tape, x, _| {
+                let (a, b) = (tape.constant(a), tape.constant(b));
+                let multiple = tape.binary(Binary::Mul, a, x);
+                tape.binary(Binary::Mul, multiple, b)
+            });
+            let slope = found.gradient.unwrap()[0];
+            assert_eq!(slope.width() == 0.0, is_exact, "{a} {b} {slope:?}");
+            assert!(slope.contains(a * b));
+        }
+        exact += usize::from(is_exact);
+        rounded += usize::from(!is_exact);
+    }
+    assert!(exact > 500 && rounded > 500, "{exact} {rounded}");
+}
+
+/// The powers 0, 1 and 2 are smooth at 0 too.
+#[test]
+fn small_powers_at_0() {
+    for (n, slope, bend) in [(0, 0.0, 0.0), (1, 1.0, 0.0), (2, 0.0, 2.0)] {
+        for x in [Interval::ZERO, Interval::new(-1.0, 0.0)] {
+            let found = over([x, Interval::ONE], |tape, x, _| tape.whole_power(x, n));
+            let [bent, ..] = found.hessian.unwrap();
+            assert!((bent.middle() - bend).abs() < 1e-15);
+            if x == Interval::ZERO {
+                assert!((found.gradient.unwrap()[0].middle() - slope).abs() < 1e-15);
+            }
+        }
+    }
+}
+
+/// The same memory for two tapes: nothing of the first is left in the second.
+#[test]
+fn curvatures_forget_other_tapes() {
+    let x = [Interval::point(0.5), Interval::point(0.75)];
+    let mut curvatures = Curvatures::default();
+    let mut hessian = |make: &dyn Fn(&mut Tape) -> Node| {
+        let mut tape = Tape::new();
+        let node = make(&mut tape);
+        let nodes = tape.needed(node);
+        let mut enclosures = Enclosures::default();
+        enclosures.forward(&tape, &x, &nodes);
+        curvatures.forward(&tape, 2, &enclosures.values, &nodes);
+        let mut sum = [Interval::ZERO; 3];
+        assert!(curvatures.add_to(node, Interval::ONE, &mut sum));
+        sum.map(Interval::middle)
+    };
+    let squares = hessian(&|tape: &mut Tape| {
+        let (x, y) = (tape.variable(0), tape.variable(1));
+        let (a, b) = (tape.whole_power(x, 2), tape.whole_power(y, 2));
+        let (a, b) = (tape.whole_power(a, 2), tape.whole_power(b, 2));
+        tape.binary(Binary::Add, a, b)
+    });
+    for (found, expected) in squares.into_iter().zip([12.0 * 0.25, 0.0, 12.0 * 0.5625]) {
+        assert!((found - expected).abs() < 1e-14);
+    }
+    let line = hessian(&|tape: &mut Tape| {
+        let one = tape.constant(1.0);
+        let nodes: Vec<Node> = [0, 1, 0, 1, 1, 0]
+            .iter()
+            .map(|index| tape.variable(*index))
+            .collect();
+        let more = tape.constant(2.0);
+        let three = tape.constant(3.0);
+        let sum = nodes
+            .iter()
+            .fold(one, |a, b| tape.binary(Binary::Add, a, *b));
+        let sum = tape.binary(Binary::Mul, sum, more);
+        tape.binary(Binary::Add, sum, three)
+    });
+    assert_eq!(line, [0.0; 3]);
 }

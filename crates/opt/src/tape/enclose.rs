@@ -291,9 +291,6 @@ fn power_by_exponent(x: Interval, y: Interval, power: Interval) -> Interval {
     if x.low() > 0.0 {
         return power * x.ln();
     }
-    if !(y.low() > 0.0) {
-        return Interval::ENTIRE;
-    }
     let min = -(Interval::ONE / (Interval::ONE.exp() * Interval::point(y.low())));
     let max = if x.high() > 1.0 {
         power * x.ln()

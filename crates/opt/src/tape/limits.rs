@@ -26,6 +26,9 @@ struct Quotient {
 impl Quotient {
     /// Takes the products, quotients, signs and powers of an operation apart.
     fn multiply(&mut self, tape: &Tape, node: Node, is_divisor: bool) {
+        if self.dividends.len() + self.divisors.len() > MAX_FACTORS {
+            return;
+        }
         match tape.ops[node as usize] {
             Op::Unary(Unary::Neg, a) => {
                 self.is_negative = !self.is_negative;
@@ -44,7 +47,6 @@ impl Quotient {
                     self.multiply(tape, a, is_divisor != (n < 0));
                 }
             }
-            _ if self.dividends.len() + self.divisors.len() > MAX_FACTORS => {}
             _ if is_divisor => self.divisors.push(node),
             _ => self.dividends.push(node),
         }
@@ -256,5 +258,126 @@ mod tests {
         });
         let over = [Interval::new(-1.0, 1.0), Interval::ZERO];
         assert!(!after.tape.enclose(&over, after.functions[0]).is_bounded());
+    }
+
+    fn product(tape: &mut Tape, factors: &[Node]) -> Node {
+        let mut factors = factors.iter().copied();
+        let first = factors.next().unwrap();
+        factors.fold(first, |a, b| tape.binary(Binary::Mul, a, b))
+    }
+
+    /// y + 1, y + 2, ..., each divided so that their product is of moderate size.
+    fn factors(tape: &mut Tape, y: Node, count: u32) -> Vec<Node> {
+        let factor = |i: u32| {
+            let (add, divide) = (f64::from(i), tape.constant(f64::from(i) + 1.0));
+            let add = tape.constant(add);
+            let sum = tape.binary(Binary::Add, y, add);
+            tape.binary(Binary::Max, sum, divide)
+        };
+        (1..=count).map(factor).collect()
+    }
+
+    #[test]
+    fn powers_are_taken_apart() {
+        // x⁸ y/x, x⁻² y x³/x, and x² in the divisor against x⁻¹
+        assert_same(|tape, x, y| {
+            let power = tape.whole_power(x, 8);
+            let up = tape.binary(Binary::Mul, power, y);
+            tape.binary(Binary::Div, up, x)
+        });
+        assert_same(|tape, x, y| {
+            let (less, more) = (tape.whole_power(x, -2), tape.whole_power(x, 3));
+            let up = product(tape, &[less, y, more]);
+            tape.binary(Binary::Div, up, x)
+        });
+        assert_same(|tape, x, y| {
+            let (less, square) = (tape.whole_power(x, -3), tape.whole_power(x, -3));
+            let down = tape.binary(Binary::Mul, less, y);
+            let _ = square;
+            let up = tape.whole_power(x, -3);
+            tape.binary(Binary::Div, up, down)
+        });
+        // a ninth power counts as one factor
+        let (_, after) = limits(|tape, x, y| {
+            let power = tape.whole_power(x, 9);
+            let up = tape.binary(Binary::Mul, power, y);
+            tape.binary(Binary::Div, up, x)
+        });
+        let over = [Interval::new(-1.0, 2.0), Interval::new(0.5, 3.0)];
+        assert!(!after.tape.enclose(&over, after.functions[0]).is_bounded());
+    }
+
+    /// −sin(−x y)/x is y sinc(x y), of two signs that cancel, and the factor may hold powers itself.
+    #[test]
+    fn signs_and_powers_of_factors() {
+        assert_same(|tape, x, y| {
+            let minus = tape.unary(Unary::Neg, x);
+            let angle = tape.binary(Binary::Mul, minus, y);
+            let wave = tape.unary(Unary::Sin, angle);
+            let minus = tape.unary(Unary::Neg, wave);
+            tape.binary(Binary::Div, minus, x)
+        });
+        for power in [0, 2, 3] {
+            assert_same(|tape, x, y| {
+                let (power, one) = (tape.whole_power(x, power), tape.constant(1.0));
+                let sum = tape.binary(Binary::Sub, power, one);
+                let factor = tape.binary(Binary::Add, sum, x);
+                let up = tape.binary(Binary::Mul, factor, y);
+                tape.binary(Binary::Div, up, factor)
+            });
+        }
+        // 1/x + y has no value at 0
+        let (_, after) = limits(|tape, x, y| {
+            let inverse = tape.whole_power(x, -1);
+            let factor = tape.binary(Binary::Add, inverse, y);
+            tape.binary(Binary::Div, factor, factor)
+        });
+        let at = [Interval::ZERO, Interval::ONE];
+        assert!(after.tape.enclose(&at, after.functions[0]).is_empty());
+    }
+
+    /// Products of up to 32 factors are taken apart; longer ones stay as they are, with all of their factors.
+    #[test]
+    fn long_products_keep_their_factors() {
+        for (up, down) in [(24, 2), (29, 1)] {
+            assert_same(|tape, x, y| {
+                let mut all = factors(tape, y, up + down);
+                let mut divisors = all.split_off(up as usize);
+                all.push(x);
+                divisors.push(x);
+                let (up, down) = (product(tape, &all), product(tape, &divisors));
+                tape.binary(Binary::Div, up, down)
+            });
+        }
+        let at = [Interval::point(0.75), Interval::point(1.25)];
+        let over = [Interval::new(-1.0, 2.0), Interval::new(0.5, 3.0)];
+        for is_wave in [false, true] {
+            let (before, after) = limits(|tape, x, y| {
+                let mut all = factors(tape, y, 40);
+                all.insert(3, x);
+                let mut up = product(tape, &all);
+                if is_wave {
+                    // about 41! / 0.5
+                    let small = tape.constant(1e-50);
+                    up = tape.binary(Binary::Mul, up, small);
+                    up = tape.unary(Unary::Sin, up);
+                }
+                tape.binary(Binary::Div, up, x)
+            });
+            let whole = after.tape.enclose(&over, after.functions[0]);
+            assert!(!whole.is_bounded());
+            let of = |f: &TapedFunctions| f.tape.enclose(&at, f.functions[0]);
+            assert_eq!(of(&before), of(&after));
+        }
+    }
+
+    /// x, x², x⁴, ... : the factors of a power of 2⁶⁰ cannot be listed.
+    #[test]
+    fn squares_of_squares_take_no_time() {
+        let (before, after) = limits(|tape, x, _| {
+            let power = (0..60).fold(x, |x, _| tape.whole_power(x, 2));
+            tape.binary(Binary::Div, power, x)
+        });
+        assert!(after.tape.ops.len() < before.tape.ops.len());
     }
 }
