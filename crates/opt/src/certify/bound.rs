@@ -260,11 +260,10 @@ impl Bounder {
         };
         let mut form = sum.natural;
         for ((x, p), g) in x.iter().zip(&p).zip(&gradient) {
-            if x.width() > 0.0 {
-                let step = *x - *p;
-                let half_curvature = Interval::point(0.5 * curvature_of(*x, tangent.curvature));
-                form += *g * step + half_curvature * step.square();
-            }
+            // along a side without a length, whose curvature is infinite, the step is 0
+            let step = *x - *p;
+            let half_curvature = Interval::point(0.5 * curvature_of(*x, tangent.curvature));
+            form += *g * step + half_curvature * step.square();
         }
         let low = form.low();
         level(

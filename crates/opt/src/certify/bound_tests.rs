@@ -238,6 +238,14 @@ fn the_best_point_of_a_mean_value_form() {
             assert!(other <= best + 1e-12, "{slope:?} {i}");
         }
     }
+    // at an end, without rounding
+    for slope in [0.0, 0.1, 0.3, 0.7, 1.1] {
+        let x = Interval::new(-0.3, 1.7);
+        assert_eq!(centre(x, Interval::new(0.0, slope)), -0.3);
+        if slope > 0.0 {
+            assert_eq!(centre(x, Interval::new(-slope, 0.0)), 1.7);
+        }
+    }
     let infinity = f64::INFINITY;
     assert_eq!(centre(x, Interval::new(-1.0, infinity)), -1.0);
     assert_eq!(centre(x, Interval::new(-infinity, 1.0)), 3.0);
@@ -351,4 +359,62 @@ fn bounds_of_rows_with_known_minima() {
     near(form.limit, 10.0);
     near(form.slopes[0].middle(), 4.0);
     near(form.slopes[1].middle(), -6.0);
+}
+
+/// Of three variables: a matrix with known least eigenvalue, turned about two axes, in half sides.
+#[test]
+fn the_least_eigenvalue_of_turned_matrices() {
+    let mut random = Random::new(2012);
+    let half = [0.5, 2.0, 3.0];
+    let x = half.map(|half| Interval::new(1.0 - half, 1.0 + half));
+    for _ in 0..200 {
+        let eigenvalues = [0; 3].map(|_| 6.0 * random.uniform() - 3.0);
+        let mut full = [[0.0; 3]; 3];
+        for d in 0..3 {
+            full[d][d] = eigenvalues[d];
+        }
+        for (i, j) in [(0, 1), (1, 2), (0, 2)] {
+            let (sin, cos) = (6.0 * random.uniform()).sin_cos();
+            let turn = |a: f64, b: f64| (cos * a - sin * b, sin * a + cos * b);
+            for row in &mut full {
+                (row[i], row[j]) = turn(row[i], row[j]);
+            }
+            let rows: [(f64, f64); 3] = std::array::from_fn(|c| turn(full[i][c], full[j][c]));
+            (full[i], full[j]) = (rows.map(|row| row.0), rows.map(|row| row.1));
+        }
+        let places = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)];
+        let hessian = places.map(|(i, j)| Interval::point(full[i][j] / (half[i] * half[j])));
+        let least = eigenvalues.into_iter().fold(f64::INFINITY, f64::min);
+        assert!(exceeds_curvature(&hessian, &x, least - 1e-9));
+        assert!(!exceeds_curvature(&hessian, &x, least + 1e-9));
+    }
+    // positive, not only no less than 0
+    let side = [Interval::new(-1.0, 1.0)];
+    assert!(!exceeds_curvature(&[Interval::ZERO], &side, 0.0));
+    assert!(exceeds_curvature(&[Interval::ZERO], &side, -1e-300));
+}
+
+/// A side without a length counts for nothing: −(x − 1)² + 3 y over [−1, 3] × 2.
+#[test]
+fn a_tangent_along_a_side_without_a_length() {
+    let mut tape = Tape::new();
+    let (x, y, one) = (tape.variable(0), tape.variable(1), tape.constant(1.0));
+    let three = tape.constant(3.0);
+    let apart = tape.binary(Binary::Sub, x, one);
+    let square = tape.whole_power(apart, 2);
+    let line = tape.binary(Binary::Mul, three, y);
+    let node = tape.binary(Binary::Sub, line, square);
+    let rows = rows(tape, &[node]);
+    let x = [Interval::new(-1.0, 3.0), Interval::point(2.0)];
+    let mut bounder = Bounder::default();
+    let weights = Weights {
+        rows: vec![(0, 1.0)],
+        tangent: Some(Tangent {
+            at: vec![1.0, 2.0],
+            curvature: -8.000_001,
+        }),
+        is_cleared: false,
+    };
+    let bound = bounder.bound(&rows, &weights, &x);
+    assert!((bound - 2.0).abs() < 1e-5, "{bound}");
 }

@@ -148,3 +148,108 @@ impl Rows {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::certify::process::tests::rows_over;
+    use crate::random::Random;
+
+    fn rational(tape: &mut Tape, random: &mut Random, depth: usize) -> Node {
+        if depth == 0 || random.uniform() < 0.1 {
+            return match random.below(3) {
+                0 => tape.constant(4.0 * random.uniform() - 2.0),
+                index => tape.variable(index - 1),
+            };
+        }
+        let a = rational(tape, random, depth - 1);
+        if random.uniform() < 0.15 {
+            return tape.unary(Unary::Neg, a);
+        }
+        let b = rational(tape, random, depth - 1);
+        let of = [
+            Binary::Add,
+            Binary::Sub,
+            Binary::Mul,
+            Binary::Div,
+            Binary::Div,
+        ];
+        tape.binary(of[random.below(5)], a, b)
+    }
+
+    fn at(rows: &Rows, x: &[f64]) -> Vec<f64> {
+        let x: Vec<Interval> = x.iter().map(|x| Interval::point(*x)).collect();
+        let value = |row: &Row| rows.tape.enclose(&x, row.node).middle();
+        rows.list.iter().map(value).collect()
+    }
+
+    /// N − b |D| at the levels 0 and 1 gives N and |D|: their ratio is the size of the row.
+    #[test]
+    fn a_row_without_divisors_is_its_numerator_and_denominator() {
+        let mut random = Random::new(2012);
+        let mut compared = 0;
+        while compared < 2000 {
+            let seed = Random::new(random.below(1 << 30) as u64);
+            let rows = rows_over([Interval::new(-2.0, 2.0); 2], &[], |tape, x, y| {
+                let node = rational(tape, &mut seed.clone(), 4);
+                vec![
+                    node,
+                    tape.unary(Unary::Neg, node),
+                    tape.binary(Binary::Div, x, y),
+                ]
+            });
+            let cleared = rows.cleared().unwrap();
+            assert!(
+                cleared.is_cleared
+                    && cleared
+                        .list
+                        .iter()
+                        .all(|row| row.kind == LinearKind::AtMost)
+            );
+            for _ in 0..10 {
+                let [x, y] = [0; 2].map(|_| 4.0 * random.uniform() - 2.0);
+                let row = at(&rows, &[x, y]);
+                let (n, less) = (at(&cleared, &[x, y, 0.0]), at(&cleared, &[x, y, 1.0]));
+                let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (a.abs() + b.abs());
+                // what is not paired keeps its divisor
+                assert!(near(n[2], row[2]) && near(n[2] - 1.0, less[2]));
+                let size = n[0] - less[0];
+                if row[0].is_finite()
+                    && row[0] != 0.0
+                    && (1e-3..1e3).contains(&size)
+                    && n[0].abs() < 1e3
+                {
+                    assert!(
+                        near(n[0].abs(), row[0].abs() * size),
+                        "{row:?} {n:?} {less:?}"
+                    );
+                    assert!(near(n[1], -n[0]) && near(n[1] - less[1], size));
+                    compared += 1;
+                }
+            }
+        }
+    }
+
+    /// x/y + 1/y has the denominator y, not y²: x + 1 − |y| is at least 1 over [1, 2] × [−1, 1].
+    #[test]
+    fn a_common_denominator_counts_once() {
+        let sides = [Interval::new(1.0, 2.0), Interval::new(-1.0, 1.0)];
+        let rows = rows_over(sides, &[], |tape, x, y| {
+            let one = tape.constant(1.0);
+            let (a, b) = (
+                tape.binary(Binary::Div, x, y),
+                tape.binary(Binary::Div, one, y),
+            );
+            let sum = tape.binary(Binary::Add, a, b);
+            vec![sum, tape.unary(Unary::Neg, sum)]
+        });
+        let cleared = rows.cleared().unwrap();
+        let over = cleared
+            .tape
+            .enclose(&[sides[0], sides[1], Interval::ONE], cleared.list[0].node);
+        assert!(
+            (over.low() - 1.0).abs() < 1e-15 && (over.high() - 3.0).abs() < 1e-15,
+            "{over:?}"
+        );
+    }
+}

@@ -151,7 +151,7 @@ fn where_a_corner_is_cut() {
     let infinity = f64::INFINITY;
     assert_eq!(cut(&ends, unit, [-infinity, -infinity]), None);
     for corner in [1.0, 1.0_f64.next_up()] {
-        let next = [corner.next_up(), 0.0];
+        let next = [corner.next_up(), 0.25];
         assert_eq!(cut(&[next], unit, [corner, 0.0]), None);
     }
     assert_eq!(cut(&[[1.0, 1.0]], unit, [1.0, 1.0]), None);

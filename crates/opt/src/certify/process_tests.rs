@@ -51,7 +51,8 @@ fn a_box_is_closed_where_its_bound_is_the_target() {
     let one = rows_over(x, &[], |_, x, _| vec![x, x]);
     let closed = examine(&one, 1.0);
     assert!(is_closed(&closed) && closed.bound == 1.0);
-    // by the first of equal rows
+    // by the enclosure alone, of the first of equal rows
+    assert_eq!(closed.middle_level, f64::INFINITY);
     assert_eq!(closed.weights.rows, [(0, 1.0)]);
     assert!(!is_closed(&examine(&one, 1.0_f64.next_up())));
     let x = [over(-1.0, 1.0), over(0.0, 1.0)];
@@ -67,6 +68,26 @@ fn a_box_is_closed_where_its_bound_is_the_target() {
     assert!(is_closed(&closed) && closed.bound == 0.0);
     // a row that does not count has no multiplier
     assert_eq!(closed.weights.rows, [(0, 0.5), (1, 0.5)]);
+}
+
+/// A limit that is above 0 everywhere, and an equality that is not 0 anywhere, exclude a box; one that is 0 at an end does not.
+#[test]
+fn limits_that_are_not_met_close_a_box() {
+    let closed_by = |kind: LinearKind, low: f64, high: f64| {
+        let x = [over(low, high), over(0.0, 1.0)];
+        let kinds = [LinearKind::Objective, kind];
+        let rows = rows_over(x, &kinds, |_, x, y| vec![y, x]);
+        let examined = examine(&rows, f64::INFINITY);
+        is_closed(&examined).then_some(examined.weights.rows)
+    };
+    for kind in [LinearKind::AtMost, LinearKind::Equal] {
+        assert_eq!(closed_by(kind, 0.0, 1.0), None);
+        assert_eq!(closed_by(kind, 1e-300, 1.0), Some(vec![(1, 1.0)]));
+        assert_eq!(closed_by(kind, -1.0, 0.0), None);
+    }
+    let below = closed_by(LinearKind::Equal, -1.0, -1e-300);
+    assert_eq!(below, Some(vec![(1, -1.0)]));
+    assert_eq!(closed_by(LinearKind::AtMost, -1.0, -1e-300), None);
 }
 
 /// A number and its opposite need no look at the rows to be above 0, where that is enough.
@@ -88,6 +109,29 @@ fn the_greater_of_opposites_is_not_negative() {
     rows.opposites = None;
     assert_eq!(rows.nonnegative(), None);
     assert!(!is_closed(&examine(&rows, 0.0)));
+}
+
+/// Without a level that is known the rows without divisors mean nothing.
+#[test]
+fn no_level_no_rows_without_divisors() {
+    let x = [over(-1.0, 2.0), over(0.0, 1.0)];
+    let rows = rows_over(x, &[], |tape, x, y| {
+        let (one, ten) = (tape.constant(1.0), tape.constant(10.0));
+        let pole = tape.binary(Binary::Div, one, x);
+        vec![
+            pole,
+            tape.unary(Unary::Neg, pole),
+            tape.binary(Binary::Mul, ten, y),
+        ]
+    });
+    let cleared = rows.cleared();
+    let mut examiner = Examiner::default();
+    let found = examiner.examine(&rows, cleared.as_ref(), &x, &aim(f64::INFINITY), false);
+    // along y, in which 10 y varies
+    assert!(matches!(found.end, End::Divided { variable: 1, .. }));
+    let found = examiner.examine(&rows, cleared.as_ref(), &x, &aim(0.25), false);
+    let mut cleared = found.trims.iter().filter(|trim| trim.weights.is_cleared);
+    assert!(cleared.next().unwrap().bound == 0.25 && cleared.all(|trim| trim.bound == 0.25));
 }
 
 /// x ≤ y − 1/8 and y ≤ x − 1/8 exclude each other by their sum, whatever the objective is.
