@@ -163,6 +163,22 @@ fn a_point_may_be_off_by_the_tolerance() {
     assert_eq!(at([(-1.0_f64).next_down(), 0.0], 0.0), None);
 }
 
+/// exp(1000 x) at 1 is beyond all numbers: that is no level of a point.
+#[test]
+fn a_level_that_overflows_is_none() {
+    struct Steep;
+    impl Functions for Steep {
+        fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+            f[0] = (R::from_f64(1000.0) * x[0]).exp();
+        }
+    }
+    let params = ProblemParams::new(&[0.0], 1, Exact(Steep))
+        .variables([Variable::bounded("x", 0.0, -1.0, 1.0)]);
+    let problem = Problem::new(params).unwrap();
+    let at = |x: f64| of_point(&problem, &Method::Minimax, &[x], 0.0).x;
+    assert_eq!((at(0.5), at(1.0)), (Some(vec![0.5]), None));
+}
+
 #[test]
 fn no_feasible_point_lies_below_the_bound_of_any_method() {
     let mut stream = Stream(5);
