@@ -121,6 +121,7 @@ fn an_ended_search_claims_what_it_has() {
         (settings.starts, settings.max_boxes) = (0, boxes);
         settings
     };
+    let mut lowest_before = f64::NEG_INFINITY;
     for boxes in [0, 1, 3, 7] {
         let mut last = f64::NEG_INFINITY;
         let (c, log) = searched(&problem, &settings(boxes), |progress| {
@@ -132,7 +133,16 @@ fn an_ended_search_claims_what_it_has() {
             c.boxes >= boxes && c.lower >= last - 1e-12 && c.lower <= RIGHT,
             "{last} {c:?}"
         );
-        assert_eq!(c.lower.is_finite(), boxes > 0);
+        assert!(c.lower > lowest_before || boxes == 0, "{boxes} {c:?}");
+        lowest_before = c.lower;
+        // boxes are numbered as they are divided
+        let number = |line: &String| {
+            let text = &line[line.find("\"into\":[")? + 8..];
+            Some(text[..text.find(']')?].to_owned())
+        };
+        for (at, into) in log.iter().filter_map(number).enumerate() {
+            assert_eq!(into, format!("{},{}", 2 * at + 1, 2 * at + 2));
+        }
         let lowest = claims(&log).into_iter().fold(f64::INFINITY, f64::min);
         assert_eq!(c.lower, lowest);
     }

@@ -180,15 +180,14 @@ impl Search<'_, '_> {
         for candidate in &self.settings.candidates {
             self.consider(&mut best, candidate);
         }
-        if self.settings.starts > 0
-            && let Ok(found) = multi_start(
-                self.problem,
-                self.method,
-                &self.settings.solve,
-                self.settings.starts,
-                self.settings.seed,
-            )
-        {
+        // no starts are refused
+        if let Ok(found) = multi_start(
+            self.problem,
+            self.method,
+            &self.settings.solve,
+            self.settings.starts,
+            self.settings.seed,
+        ) {
             for run in &found.runs {
                 self.consider(&mut best, &run.x[..self.rows.dimension()]);
             }
