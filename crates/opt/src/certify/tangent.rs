@@ -6,7 +6,7 @@ use super::bound::{Multipliers, Tangent, Weights, exceeds_curvature};
 use super::expansion::Expansion;
 use super::process::{Aim, Examined, Examiner, allowed};
 use super::rows::Rows;
-use crate::sqp::{LinearKind, LinearModel};
+use crate::sqp::LinearModel;
 
 /// How many quadratic models a bound of second order is tried with.
 const MAX_TANGENTS: usize = 4;
@@ -151,18 +151,12 @@ impl Examiner {
             };
             let mut promised = 0.0;
             let mut weights = Vec::new();
-            let mut share = 0.0;
             for (at, &multiplier) in multipliers.iter().enumerate() {
                 let multiplier = allowed(kinds[at], multiplier);
                 if multiplier == 0.0 || !multiplier.is_finite() {
                     continue;
                 }
                 expansion.add(&mut weights, at, multiplier);
-                share += if kinds[at] == LinearKind::Objective {
-                    multiplier
-                } else {
-                    0.0
-                };
                 let change: f64 = gradients[at * n..(at + 1) * n]
                     .iter()
                     .zip(&step)
@@ -175,7 +169,7 @@ impl Examiner {
                     promised += 0.5 * scaled[i * n + j] * step[i] * step[j];
                 }
             }
-            return Some((weights, step, promised / share));
+            return Some((weights, step, promised));
         }
         None
     }

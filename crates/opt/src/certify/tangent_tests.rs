@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::certify::process::tests::rows_over;
+use crate::sqp::LinearKind;
 use crate::tape::{Binary, Node, Tape};
 
 /// x² + x y/2 + 3/2 y², times a scale.
@@ -138,5 +139,6 @@ fn how_far_a_curvature_is_sought() {
     let wide = |h: f64| Interval::new(h - 1e9, h + 1e9);
     let hessian = [wide(1.0), Interval::ZERO, wide(0.0)];
     assert_eq!(max_curvature(&hessian, &x, 5.0), -5.0 * 8.0_f64.powi(5));
+    assert_eq!(max_curvature(&hessian, &x, 10.0), -10.0 * 8.0_f64.powi(4));
     assert_eq!(max_curvature(&[Interval::ENTIRE; 3], &x, 5.0), -5.0);
 }
