@@ -1,8 +1,8 @@
 //! Goal attainment, weighted sums and Chebyshev distances against closed forms.
 
 use grouser_opt::{
-    Exact, Functions, Method, Problem, ProblemParams, Settings, Solution, Status,
-    check_derivatives, solve,
+    Exact, Functions, Limit, Method, Problem, ProblemParams, Settings, Solution, Status, Variable,
+    check_derivatives, evaluate, solve,
 };
 use grouser_real::Scalar;
 
@@ -157,4 +157,91 @@ fn a_wrong_derivative_is_named() {
     assert_eq!(check.wrong[0].function, "f2");
     assert_eq!(check.wrong[0].variable, "x1");
     near(check.wrong[0].difference, 2.6);
+}
+
+/// Two limits and two equalities, each with its own value: the violation is that of the worst, and a solution lists all in order.
+#[test]
+fn each_constraint_has_its_own_value() {
+    struct Plain;
+    impl Functions for Plain {
+        fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+            let c = R::from_f64;
+            (f[0], f[1]) = (x[0] + x[1], x[2]);
+            (f[2], f[3]) = (x[0] - c(7.0), x[1] - c(8.0));
+            (f[4], f[5]) = (x[2] - c(1.0), x[0] - x[1] - c(2.0));
+        }
+    }
+    let variables = ["x", "y", "z"].map(|name| Variable::bounded(name, 0.0, -20.0, 20.0));
+    let params = ProblemParams::new(&[0.0; 3], 2, Exact(Plain))
+        .variables(variables)
+        .inequalities(["x".to_owned(), "y".to_owned()])
+        .equalities(["z".to_owned(), "apart".to_owned()]);
+    let problem = Problem::new(params).unwrap();
+    let violation = |x: [f64; 3]| {
+        let merit = evaluate(&problem, &Method::Minimax, &x).unwrap();
+        merit.violation
+    };
+    assert_eq!(violation([2.0, 0.0, 1.0]), 0.0);
+    assert_eq!(violation([9.0, 7.0, 1.0]), 2.0);
+    assert_eq!(violation([12.0, 10.0, 1.0]), 5.0);
+    assert_eq!(violation([2.0, 0.0, -3.0]), 4.0);
+    assert_eq!(violation([2.0, 3.0, 1.0]), 3.0);
+    let found = solve(&problem, &Method::Minimax, &Settings::default()).unwrap();
+    let x = &found.x;
+    near(x[2], 1.0);
+    near(x[0] - x[1], 2.0);
+    assert_eq!(found.inequalities, [x[0] - 7.0, x[1] - 8.0]);
+    assert_eq!(found.equalities, [x[2] - 1.0, x[0] - x[1] - 2.0]);
+    assert!(found.status.is_solved());
+}
+
+/// Of an objective in two worlds one with the weight 0 does not count, though its 0 would be greater.
+#[test]
+fn a_world_without_weight_does_not_count() {
+    struct Below;
+    impl Functions for Below {
+        fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+            (f[0], f[1]) = (x[0], x[0]);
+        }
+    }
+    let params = ProblemParams::new(&[-3.0], 2, Exact(Below)).worlds(2);
+    let problem = Problem::new(params).unwrap();
+    let method = Method::Weighted {
+        weights: vec![1.0, 0.0],
+    };
+    assert_eq!(evaluate(&problem, &method, &[-3.0]).unwrap().utility, -3.0);
+}
+
+#[test]
+fn each_status_has_its_name() {
+    let names = [
+        Status::Converged,
+        Status::SmallStep,
+        Status::SmallDirectionalDerivative,
+        Status::Stalled,
+        Status::Limit(Limit::Values),
+        Status::Stopped,
+        Status::NoFeasiblePoint(Vec::new()),
+        Status::Unbounded,
+    ]
+    .map(|status| status.name());
+    let expected = "converged small_step small_directional_derivative stalled limit stopped no_feasible_point unbounded";
+    assert_eq!(names.join(" "), expected);
+}
+
+#[test]
+fn counts_add_up() {
+    let mut sum = solve(
+        &Problem::new(ProblemParams::new(&[0.3, 2.0], 2, Exact(Pair))).unwrap(),
+        &Method::Minimax,
+        &Settings::default(),
+    )
+    .unwrap()
+    .counts;
+    let one = sum;
+    assert!(one.iterations > 1 && one.values > 1 && one.jacobians > 1 && one.probes > 1);
+    sum += one;
+    let found = [sum.iterations, sum.values, sum.jacobians, sum.probes];
+    let half = [one.iterations, one.values, one.jacobians, one.probes];
+    assert_eq!(found, half.map(|count| 2 * count));
 }
