@@ -195,3 +195,21 @@ fn what_a_proof_may_leave_open() {
         assert!((found - gap).abs() < 1e-15, "{found} {gap}");
     }
 }
+
+/// A cut below which there is no point leaves no corner: x ≥ −9 has nothing at x ≤ −11.
+#[test]
+fn a_cut_without_points_leaves_no_corner() {
+    searched(&[[8.0, -8.5]], 0.25, &mut Vec::new(), |search| {
+        search.range = [40.0, 40.0];
+        let at = [-30.0, -10.0];
+        let mut corners = vec![Corner {
+            at,
+            is_stuck: false,
+        }];
+        assert_eq!(search.cut_of(at), Some((0, -11.0)));
+        assert_eq!(search.cut_all(&mut corners).unwrap(), CertifyStatus::Proved);
+        assert!(corners.iter().flat_map(|c| c.at).all(f64::is_finite));
+        assert!(corners.iter().all(|c| c.at[0] >= -11.0 && c.at[1] >= -10.0));
+        assert!(corners.iter().all(|c| search.open_share(c.at) <= 0.25));
+    });
+}

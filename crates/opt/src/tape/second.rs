@@ -24,8 +24,8 @@ type Slopes = Option<(Interval, Interval)>;
 impl Curvatures {
     /// Encloses the operations `nodes`, which must hold all that they need, given their values over the box.
     pub(crate) fn forward(&mut self, tape: &Tape, n: usize, values: &[Interval], nodes: &[Node]) {
-        let triangle = n * (n + 1) / 2;
         self.n = n;
+        let triangle = self.triangle();
         self.smooth.resize(tape.ops.len(), false);
         self.gradients.resize(tape.ops.len() * n, Interval::ZERO);
         self.hessians
@@ -64,6 +64,11 @@ impl Curvatures {
         self.smooth[at]
     }
 
+    /// The length of a lower triangle.
+    fn triangle(&self) -> usize {
+        self.n * (self.n + 1) / 2
+    }
+
     fn gradient(&self, node: usize) -> &[Interval] {
         &self.gradients[node * self.n..(node + 1) * self.n]
     }
@@ -77,8 +82,7 @@ impl Curvatures {
         if !self.smooth[a] || first.is_empty() || second.is_empty() {
             return false;
         }
-        let n = self.n;
-        let triangle = n * (n + 1) / 2;
+        let (n, triangle) = (self.n, self.triangle());
         let mut place = 0;
         for i in 0..n {
             let by_i = self.gradient(a)[i];
@@ -141,8 +145,7 @@ impl Curvatures {
             Binary::Max if x.high() < y.low() => (zero, one, [zero; 3]),
             _ => return false,
         };
-        let n = self.n;
-        let triangle = n * (n + 1) / 2;
+        let (n, triangle) = (self.n, self.triangle());
         let mut place = 0;
         let term = |sum: &mut Interval, factor: Interval, g: Interval, h: Interval| {
             if factor != zero && g != zero && h != zero {
