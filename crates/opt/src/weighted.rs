@@ -14,6 +14,9 @@ use crate::settings::Settings;
 use crate::solution::Solution;
 use crate::sqp;
 
+/// The names of added variables and rows begin with it: those of the problem, which are reported, do not.
+const MARK: char = '\u{2502}';
+
 /// An objective with a variable t of its own: Σ has weight · t, and each row's share · f ≤ t.
 struct Lifted {
     weight: f64,
@@ -212,15 +215,10 @@ pub(crate) fn solve(
         let sizes = own.rows.iter().map(|(i, share)| share * values[*i]);
         let size = sizes.fold(f64::NEG_INFINITY, f64::max);
         let start = if size.is_finite() { size } else { 0.0 };
-        let name = |i: usize| &problem.objectives()[i];
-        variables.push(Variable::free(
-            format!("\u{2502}{}\u{2502}", name(own.rows[0].0)),
-            start,
-        ));
-        inequalities.extend(own.rows.iter().map(|(i, share)| {
-            let sign = if *share < 0.0 { '-' } else { '+' };
-            format!("{sign} {}", name(*i))
-        }));
+        let name = |i: usize| format!("{MARK}{}{MARK}", problem.objectives()[i]);
+        variables.push(Variable::free(name(own.rows[0].0), start));
+        let rows = own.rows.iter().enumerate();
+        inequalities.extend(rows.map(|(k, (i, _))| format!("{}{k}", name(*i))));
     }
     let added = inequalities.len();
     let mut end = 0;
@@ -279,10 +277,7 @@ pub(crate) fn solve(
     solution.inequalities.drain(..added);
     solution.multipliers.lower.truncate(n);
     solution.multipliers.upper.truncate(n);
-    let own = |name: &String| {
-        !name.starts_with("+ ") && !name.starts_with("- ") && !name.contains('\u{2502}')
-    };
-    solution.active.retain(own);
+    solution.active.retain(|name| !name.starts_with(MARK));
     Ok(solution)
 }
 

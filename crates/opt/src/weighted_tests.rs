@@ -4,7 +4,9 @@ use super::{Sum, divided, utility};
 use crate::derivative::{Exact, Functions};
 use crate::jacobian::Jacobian;
 use crate::model::Model;
+use crate::parts::Parts;
 use crate::problem::{Problem, ProblemParams};
+use crate::robust::{Measure, World, robust};
 use grouser_real::Scalar;
 
 /// x − 2 y, x², y, and x + y − 3.
@@ -113,4 +115,38 @@ fn a_sum_of_the_worst_of_two_worlds() {
             &[0.0, 4.0, 0.0, -1.0],
         ],
     );
+}
+
+/// x², x y, and two limits; each with a number of its world added.
+struct Shifted(f64);
+impl Functions for Shifted {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        let shift = R::from_f64(self.0);
+        (f[0], f[1]) = (x[0].square() + shift, x[0] * x[1] - shift * x[0]);
+        (f[2], f[3]) = (x[0] - shift, x[1].square() - shift);
+    }
+}
+
+/// The functions of a sum of tails, as combinations of their parts and as they are.
+#[test]
+fn a_sum_of_tails_is_a_combination_of_parts() {
+    let limits = || ["first".to_owned(), "second".to_owned()];
+    let params = ProblemParams::new(&[0.5, 0.5], 2, Exact(Shifted(0.0))).inequalities(limits());
+    let worlds = [-1.0, 0.5, 2.0].map(|shift| World::new(shift.to_string(), Exact(Shifted(shift))));
+    let measure = Measure::ConditionalValueAtRisk { alpha: 0.5 };
+    let problem = robust(params, worlds.into(), measure).unwrap();
+    let sum = sum(&problem, &[2.0, 3.0]);
+    let source = sum.parts().unwrap();
+    let count = problem.function_count() - 1;
+    for x in [[0.5, -2.0], [-1.5, 0.25], [3.0, 1.0]] {
+        let mut expected = vec![0.0; count];
+        sum.values(&x, &mut expected);
+        let mut parts = vec![0.0; Parts::count(&sum)];
+        Parts::evaluate(&sum, &x, &mut parts, None, &mut || false);
+        let mut found = vec![0.0; count];
+        crate::parts::functions(source, &parts, &mut found);
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
 }

@@ -193,12 +193,15 @@ fn no_feasible_point_lies_below_the_bound_of_any_method() {
         let mut last = f64::NEG_INFINITY;
         let mut boxes = 0;
         let watch = &mut |progress: &grouser_opt::CertifyProgress| {
-            assert!(progress.lower >= last && progress.boxes >= boxes && progress.open > 0);
+            // closed boxes claim no more than the gap needs, of which open ones may have a little more
+            let room = 0.1 * 0.02 * (1.0 + progress.upper.abs());
+            assert!(progress.lower >= last - room);
+            assert!(progress.boxes >= boxes && progress.open > 0);
             (last, boxes) = (progress.lower, progress.boxes);
             ControlFlow::Continue(())
         };
         let c = certify_with(&problem, &method, &settings, watch, None).unwrap();
-        assert!(c.lower >= last && c.boxes >= boxes);
+        assert!(c.lower >= last - 0.1 * 0.02 * (1.0 + c.upper.abs()) && c.boxes >= boxes);
         proved += usize::from(c.status.is_proved());
         if c.status == CertifyStatus::Proved {
             assert!(c.gap() <= 0.02 * (1.0 + c.upper.abs()));

@@ -245,3 +245,36 @@ fn counts_add_up() {
     let half = [one.iterations, one.values, one.jacobians, one.probes];
     assert_eq!(found, half.map(|count| 2 * count));
 }
+
+/// A limit is named by what holds a weighted sum, whatever it is called; added rows and variables are not.
+#[test]
+fn what_holds_a_weighted_sum_has_its_own_name() {
+    struct Line;
+    impl Functions for Line {
+        fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+            (f[0], f[1]) = (x[0] + x[1], x[1]);
+            (f[2], f[3]) = (R::ONE - x[0], R::ONE - x[1]);
+        }
+    }
+    let variables = ["+ x", "y"].map(|name| Variable::bounded(name, 3.0, 1.0, 20.0));
+    let params = ProblemParams::new(&[3.0; 2], 2, Exact(Line))
+        .variables(variables)
+        .inequalities(["- slope".to_owned(), "+ width".to_owned()])
+        .absolute(1);
+    let method = Method::Weighted {
+        weights: vec![1.0, 2.0],
+    };
+    let problem = Problem::new(params).unwrap();
+    let found = solve(&problem, &method, &Settings::default()).unwrap();
+    let named = |name: &str| found.active.iter().any(|active| active == name);
+    for name in ["- slope", "+ width", "+ x >= lower", "y >= lower"] {
+        assert!(named(name), "{:?}", found.active);
+    }
+    let own = found
+        .active
+        .iter()
+        .filter(|name| !name.contains('\u{2502}'));
+    assert_eq!(own.count(), found.active.len());
+    // the weighted sum is the one objective
+    assert_eq!(found.active.len(), 5);
+}
