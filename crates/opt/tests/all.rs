@@ -26,3 +26,4 @@ mod refuted;
 mod robust;
 mod searches;
 mod stops;
+mod tails;

@@ -167,6 +167,12 @@ fn the_time_that_is_left() {
         search.settings = Box::leak(Box::new(settings));
         let left = search.seconds_left().unwrap();
         assert!((59.0..=60.0).contains(&left), "{left}");
+        // a share of no time is none
+        search.began = Instant::now()
+            .checked_sub(Duration::from_secs(101))
+            .unwrap();
+        let found = search.prove(0, None, true).unwrap();
+        assert!(found.status == CertifyStatus::TimeLimit && found.boxes == 0);
     });
 }
 

@@ -237,3 +237,7 @@ fn with_zeros(multipliers: &[f64], rows: usize, all: usize) -> Vec<f64> {
     let (own, bounds) = multipliers.split_at(rows.min(multipliers.len()));
     [own, &vec![0.0; all - rows], bounds].concat()
 }
+
+#[cfg(test)]
+#[path = "pieces_tests.rs"]
+mod tests;
