@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use grouser_opt::{
     Differences, Front, Jacobian, Measure, Method, Model, MultiStart, ParetoSettings, Problem,
-    ProblemParams, Progress, Settings, Stage, Status, Variable, World, multi_start,
+    ProblemParams, Progress, Settings, Stage, Status, Variable, World, evaluate, multi_start,
     multi_start_with, pareto, pareto_with, robust, solve, solve_with,
 };
 
@@ -229,4 +229,47 @@ fn a_model_says_why_it_fails() {
         };
         assert_eq!(reason.as_deref(), Some("the root of -4 is not real"));
     }
+}
+
+/// Each point that a callback hears of has the level and the violation that go with it; the last one is the solution.
+#[test]
+fn the_points_of_a_solve_are_reported() {
+    let model = Differences::new(|x: &[f64], f: &mut [f64]| {
+        f[0] = (x[0] - 2.0).powi(4) + x[1].powi(2);
+        f[1] = 1.0 - x[0] * x[1];
+    });
+    let variables = ["x", "y"].map(|name| Variable::bounded(name, 0.5, -3.0, 3.0));
+    let params = ProblemParams::new(&[0.5, 0.5], 1, model)
+        .variables(variables)
+        .inequalities(["hyperbola".to_owned()]);
+    let problem = Problem::new(params).unwrap();
+    let mut heard: Vec<(usize, Vec<f64>, Option<f64>)> = Vec::new();
+    let found = solve_with(
+        &problem,
+        &Method::Minimax,
+        &Settings::default(),
+        &mut |progress| {
+            assert_eq!(progress.stage, Stage::Solve);
+            let merit = evaluate(&problem, &Method::Minimax, progress.x).unwrap();
+            assert_eq!(progress.utility, merit.utility);
+            assert_eq!(progress.violation, merit.violation);
+            heard.push((
+                progress.iteration,
+                progress.x.to_vec(),
+                progress.stationarity,
+            ));
+            ControlFlow::Continue(())
+        },
+    )
+    .unwrap();
+    assert!(found.status.is_solved() && found.counts.iterations > 5);
+    let (first, last) = (&heard[0], heard.last().unwrap());
+    assert_eq!((first.0, &first.1[..]), (0, &[0.5, 0.5][..]));
+    assert!(first.2.is_some_and(|stationarity| stationarity > 0.1));
+    assert_eq!(last.1, found.x);
+    assert_eq!(last.2, Some(found.kkt.stationarity));
+    assert!(heard.is_sorted_by_key(|(iteration, ..)| *iteration));
+    let mut points: Vec<&Vec<f64>> = heard.iter().map(|(_, x, _)| x).collect();
+    points.dedup();
+    assert!(points.len() > 5, "{points:?}");
 }
