@@ -133,8 +133,8 @@ fn an_ended_search_claims_what_it_has() {
             c.boxes >= boxes && c.lower >= last - 1e-12 && c.lower <= RIGHT,
             "{last} {c:?}"
         );
-        assert!(c.lower > lowest_before || boxes == 0, "{boxes} {c:?}");
-        lowest_before = c.lower;
+        assert!(last > lowest_before || boxes == 0, "{boxes} {last} {c:?}");
+        lowest_before = last;
         // boxes are numbered as they are divided
         let number = |line: &String| {
             let text = &line[line.find("\"into\":[")? + 8..];
