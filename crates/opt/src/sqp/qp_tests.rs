@@ -221,3 +221,39 @@ fn a_factorisation_is_stopped_between_its_columns() {
     assert!(qp.solve(&warm, &mut stop).stopped);
     assert_eq!(calls, 1);
 }
+
+/// Multipliers of another problem are put within their bounds, those of the objectives onto the sum 1; of a variable that is
+/// fixed here the two bounds are one.
+#[test]
+fn where_multipliers_begin() {
+    let rows = Rows {
+        kinds: vec![
+            RowKind::Objective,
+            RowKind::Objective,
+            RowKind::Inequality { cap: 2.0 },
+            RowKind::Equality { cap: 3.0 },
+            RowKind::Ignored,
+        ],
+        gradients: vec![0.0; 10],
+        offsets: vec![0.0, 1.0, 0.0, 0.0, 0.0],
+        ..Rows::default()
+    };
+    let qp = Qp {
+        factor: &Factor::new(&[1.0, 0.0, 0.0, 1.0], 2).unwrap(),
+        rows: &rows,
+        lower: &[-1.0, 0.5],
+        upper: &[1.0, 0.5],
+    };
+    let warm = [0.5, 1.5, 5.0, -1.0, 9.0, 0.25, f64::NAN, 2.0, 0.75];
+    let expected = [0.25, 0.75, 2.0, -1.0, 0.0, 0.25, 0.0, 1.25, 0.0];
+    assert_eq!(qp.feasible_start(&warm), expected);
+    // without any the highest objective has all
+    let expected = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    assert_eq!(qp.feasible_start(&[]), expected);
+    let mut u = [0.0, 0.0, 0.0, 0.0, 0.0, 0.25, 0.5, -1.25, 0.0];
+    qp.split_fixed(&mut u);
+    assert_eq!(u[5..], [0.25, 0.5, 0.0, 1.25]);
+    u[7..].copy_from_slice(&[1.25, 0.0]);
+    qp.split_fixed(&mut u);
+    assert_eq!(u[5..], [0.25, 0.5, 1.25, 0.0]);
+}
