@@ -96,3 +96,54 @@ impl LinearModel<'_> {
         Some((multipliers, solution.step))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn solve(
+        kinds: &[LinearKind],
+        gradients: &[f64],
+        offsets: &[f64],
+    ) -> Option<(Vec<f64>, Vec<f64>)> {
+        LinearModel {
+            kinds,
+            gradients,
+            offsets,
+            curvature: None,
+            lower: &[-1.0],
+            upper: &[1.0],
+        }
+        .solve()
+    }
+
+    /// max(2 d, −d/2) is least at 0 with the multipliers 0.2 and 0.8; a limit of 1000 (d + 1/2) costs 2/1000 of the first.
+    #[test]
+    fn multipliers_of_lines() {
+        use LinearKind::{AtMost, Objective};
+        let near = |found: &[f64], expected: &[f64]| {
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+            }
+        };
+        let (multipliers, step) = solve(&[Objective; 2], &[2.0, -0.5], &[0.0; 2]).unwrap();
+        near(&multipliers, &[0.2, 0.8]);
+        near(&step, &[0.0]);
+        // a limit that does not vary costs nothing, met or not
+        for offset in [-1.0, 1.0] {
+            let found = solve(&[Objective, AtMost], &[2.0, 0.0], &[0.0, offset]).unwrap();
+            near(&found.0[..1], &[1.0]);
+            near(&found.1, &[-1.0]);
+            assert!(found.0[1].is_finite());
+        }
+        // −2 d pulls up to d = −1/2
+        let (multipliers, step) =
+            solve(&[Objective, AtMost], &[-2.0, 1000.0], &[0.0, 500.0]).unwrap();
+        near(&multipliers, &[1.0, 2e-3]);
+        near(&step, &[-0.5]);
+        for gradient in [0.0, f64::INFINITY, f64::NAN] {
+            assert_eq!(solve(&[Objective], &[gradient], &[1.0]), None);
+        }
+    }
+}

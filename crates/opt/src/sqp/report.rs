@@ -308,3 +308,75 @@ fn active(
     }
     names
 }
+
+#[cfg(test)]
+mod tests {
+    use grouser_real::Scalar;
+
+    use super::*;
+    use crate::derivative::{Exact, Functions};
+    use crate::method::Method;
+    use crate::problem::ProblemParams;
+
+    /// Multiplier times distance, by hand; what is violated lacks what its multiplier is below the cap.
+    #[test]
+    fn products_of_multipliers_and_distances() {
+        let of = |kind: RowKind, offset: f64, u: f64| {
+            let rows = Rows {
+                kinds: vec![kind],
+                gradients: vec![0.0],
+                offsets: vec![offset],
+                ..Rows::default()
+            };
+            complementarity(&rows, 3.0, &[-2.0], &[5.0], &[u, 0.0, 0.0])
+        };
+        let (cap, infinity) = (10.0, f64::INFINITY);
+        assert_eq!(of(RowKind::Objective, 1.0, 0.25), 0.5);
+        assert_eq!(of(RowKind::Inequality { cap }, 2.0, 4.0), 12.0);
+        assert_eq!(of(RowKind::Inequality { cap }, 0.0, 4.0), 0.0);
+        assert_eq!(of(RowKind::Inequality { cap }, -3.0, 0.25), 0.75);
+        assert_eq!(of(RowKind::Inequality { cap: infinity }, 2.0, 4.0), 0.0);
+        assert_eq!(of(RowKind::Equality { cap }, -2.0, -4.0), 12.0);
+        assert_eq!(of(RowKind::Equality { cap }, 2.0, 4.0), 12.0);
+        assert_eq!(of(RowKind::Equality { cap: infinity }, 2.0, 4.0), 0.0);
+        assert_eq!(of(RowKind::Ignored, 2.0, 4.0), 0.0);
+        let rows = Rows::default();
+        let bounds = |u: [f64; 2], lower: f64| complementarity(&rows, 0.0, &[lower], &[5.0], &u);
+        assert_eq!(bounds([0.5, 0.125], -2.0), 1.0);
+        assert_eq!(bounds([0.25, 0.125], -2.0), 0.625);
+        assert_eq!(bounds([0.0, 0.125], f64::NEG_INFINITY), 0.625);
+    }
+
+    /// Gradients of goals count by their weights, and the one as much as its multiplier says.
+    #[test]
+    fn sizes_of_gradients() {
+        struct Nothing;
+        impl Functions for Nothing {
+            fn evaluate<R: Scalar>(&self, _: &[R], f: &mut [R]) {
+                f.fill(R::ZERO);
+            }
+        }
+        let problem = Problem::new(ProblemParams::new(&[0.0; 2], 3, Exact(Nothing))).unwrap();
+        let method = Method::Attain {
+            goals: vec![0.0; 3],
+            weights: vec![0.5, 4.0, 0.0],
+        };
+        let program = Program::new(&problem, &method);
+        let mut jacobian = Jacobian::zeros(3, 2);
+        for (row, gradient) in [[1.0, -3.0], [16.0, 2.0], [99.0, 0.0]].iter().enumerate() {
+            jacobian.row_mut(row).copy_from_slice(gradient);
+        }
+        // 3/0.5 and 16/4; the limit does not count
+        assert_eq!(gradient_scale(&program, &jacobian), 6.0);
+        let weighted = weighted_gradient_scale(&program, &jacobian, &[0.25, 0.75, 8.0]);
+        assert_eq!(weighted, 4.5);
+        let rows = Rows {
+            kinds: vec![RowKind::Objective; 2],
+            gradients: vec![1.0, 2.0, 3.0, 4.0],
+            ..Rows::default()
+        };
+        // 0.5 (1, 2) + 2 (3, 4) + (3 − 1, 7 − 5)
+        let sum = lagrangian_gradient(2, &rows, &[0.5, 2.0, 1.0, 3.0, 5.0, 7.0]);
+        assert_eq!(sum, [8.5, 11.0]);
+    }
+}
