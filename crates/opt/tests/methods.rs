@@ -278,3 +278,19 @@ fn what_holds_a_weighted_sum_has_its_own_name() {
     // the weighted sum is the one objective
     assert_eq!(found.active.len(), 5);
 }
+
+/// Of two equal objectives one has no price; both hold the point, and a third that is lower does not.
+#[test]
+fn equal_objectives_hold_a_point_together() {
+    struct Equal;
+    impl Functions for Equal {
+        fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+            let square = x[0].square() + R::ONE;
+            (f[0], f[1], f[2]) = (square, square, square - R::from_f64(0.01));
+        }
+    }
+    let params = ProblemParams::new(&[0.5], 3, Exact(Equal));
+    let problem = Problem::new(params).unwrap();
+    let found = solve(&problem, &Method::Minimax, &Settings::default()).unwrap();
+    assert_eq!(found.active, ["f1", "f2"]);
+}
