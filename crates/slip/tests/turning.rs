@@ -94,6 +94,39 @@ impl World {
         }
     }
 
+    /// What the reference measures of a place, heading and speed; `passed` is the way since it did last.
+    fn reference_at(
+        &self,
+        step: i32,
+        ([x, y, yaw], v): ([f64; 3], f64),
+        passed: &mut [f64; 3],
+        noise: &mut Noise,
+    ) -> Option<Measurement> {
+        let time = f64::from(step) * STEP_S;
+        if (self.outage[0]..self.outage[1]).contains(&time) {
+            return None;
+        }
+        match self.reference {
+            Reference::Pose([place, heading]) => (step % 10 == 0).then(|| Measurement::Pose {
+                x: x + place * noise.normal() + self.first_pose_off(step),
+                y: y + place * noise.normal() - self.first_pose_off(step),
+                yaw: yaw + heading * noise.normal(),
+            }),
+            Reference::Displacement([way, heading]) => (step % 5 == 0).then(|| {
+                let [forward, left, turned] = core::mem::take(passed);
+                Measurement::Displacement {
+                    forward: forward + way * noise.normal(),
+                    left: left + way * noise.normal(),
+                    turn: Some(turned + heading * noise.normal()),
+                }
+            }),
+            Reference::Speed(sigma) => (step % 10 == 0).then(|| Measurement::Speed {
+                forward: v + sigma * noise.normal(),
+                left: None,
+            }),
+        }
+    }
+
     fn run(&self) -> Score {
         let mut noise = Noise::new(self.seed);
         let mut filter = SlipFilter::new(&self.robot(), FilterSettings::any_ground()).unwrap();
@@ -155,27 +188,9 @@ impl World {
                     left: v * turn + 0.1 * noise.normal(),
                 });
             }
-            let is_silent = (self.outage[0]..self.outage[1]).contains(&time);
-            match self.reference {
-                _ if is_silent => {}
-                Reference::Pose([place, heading]) if step % 10 == 0 => give(Measurement::Pose {
-                    x: x + place * noise.normal() + self.first_pose_off(step),
-                    y: y + place * noise.normal() - self.first_pose_off(step),
-                    yaw: yaw + heading * noise.normal(),
-                }),
-                Reference::Displacement([way, heading]) if step % 5 == 0 => {
-                    let [forward, left, turned] = core::mem::take(&mut passed);
-                    give(Measurement::Displacement {
-                        forward: forward + way * noise.normal(),
-                        left: left + way * noise.normal(),
-                        turn: Some(turned + heading * noise.normal()),
-                    });
-                }
-                Reference::Speed(sigma) if step % 10 == 0 => give(Measurement::Speed {
-                    forward: v + sigma * noise.normal(),
-                    left: None,
-                }),
-                _ => {}
+            let motion = ([x, y, yaw], v);
+            if let Some(measurement) = self.reference_at(step, motion, &mut passed, &mut noise) {
+                give(measurement);
             }
             if time < 20.0 || step % 10 != 0 {
                 continue;

@@ -66,8 +66,8 @@ mod tests {
     /// Readings at 50 Hz.
     fn after(rates: impl IntoIterator<Item = f64>) -> RepeatedRate {
         let mut rate = RepeatedRate::default();
-        for (i, value) in rates.into_iter().enumerate() {
-            rate.push(20_000_000 * i as i64, value);
+        for (i, value) in (0..).zip(rates) {
+            rate.push(20_000_000 * i, value);
         }
         rate
     }
