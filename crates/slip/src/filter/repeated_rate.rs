@@ -47,7 +47,7 @@ impl RepeatedRate {
         self.usually_changes() && self.repeats < 2
     }
 
-    /// Has it stopped to change?
+    /// Has it stopped changing?
     pub(super) fn has_stopped(&self) -> bool {
         self.usually_changes()
             && self.repeats >= STUCK_READINGS
