@@ -14,7 +14,7 @@ const MIN_EIGENVALUE_SHARE: f64 = 1e-12;
 /// A unit vector's component that is more than rounding.
 const MIN_COMPONENT: f64 = 1e-3;
 
-/// More tests than these are taken together, neighbour with neighbour: the work grows with their square, and so many have all
+/// More tests than these are taken together, neighbour with neighbour: the work grows with their square, and they have all
 /// degrees of freedom that matter.
 const MAX_TESTS: usize = 200;
 

@@ -6,7 +6,7 @@
 
 use crate::history::{seconds_between, whole};
 
-/// A window has about this many ticks, and at most so many readings.
+/// A window has about as many ticks as the first, and at most as many readings as the second.
 const WINDOW_TICKS: f64 = 12.0;
 const MAX_WINDOW_READINGS: f64 = 50.0;
 /// Windows with fewer or more ticks than this say nothing.
@@ -27,8 +27,8 @@ const MISSED: (f64, f64) = (0.022, 0.012);
 const STEADY: (f64, f64) = (2.0, 2.0);
 /// Parts of a turn.
 const PARTS: usize = 32;
-/// A slot is broken when its part of the turn lacks more than this many ticks a turn, by so many times the scatter of the other
-/// parts, over so many turns; what is older than so many turns counts half.
+/// A slot is broken when its part of the turn lacks more ticks a turn than the first, by more than the second times the scatter of the
+/// other parts, over the third number of turns; what is older than the fourth counts half.
 const MIN_LACKING_TICKS: f64 = 0.5;
 const MIN_SCATTER_MULTIPLE: f64 = 6.0;
 const TURNS: (f32, f32) = (8.0, 64.0);
