@@ -40,12 +40,13 @@ fn pick(stream: &mut Stream, count: u32) -> u32 {
         .unwrap()
 }
 
-const SIDE: f64 = 2.0;
+/// The box of both variables reaches as far to either side of 0, 1.
+const HALF_SIDE: f64 = 2.0;
 
 fn problem(stream: &mut Stream) -> (Problem<'static>, bool) {
     let a = [0; 4].map(|_| between(stream, -1.5, 1.5));
     let has_equality = pick(stream, 3) == 0;
-    let variables = ["x", "y"].map(|name| Variable::bounded(name, 0.1, -SIDE, SIDE));
+    let variables = ["x", "y"].map(|name| Variable::bounded(name, 0.1, -HALF_SIDE, HALF_SIDE));
     let mut params = ProblemParams::new(&[0.1, 0.2], 4, Exact(Mixed { a, has_equality }))
         .variables(variables)
         .inequalities(["curve".to_owned()])
@@ -107,12 +108,12 @@ fn the_certificate_of_a_point_is_its_merit() {
     for _ in 0..1500 {
         let (problem, _) = problem(&mut stream);
         let method = method(&mut stream);
-        let x = [0; 2].map(|_| between(&mut stream, -1.1 * SIDE, 1.1 * SIDE));
+        let x = [0; 2].map(|_| between(&mut stream, -1.1 * HALF_SIDE, 1.1 * HALF_SIDE));
         let tolerance = [0.0, 0.1, 1.0][pick(&mut stream, 3) as usize];
         let merit = evaluate(&problem, &method, &x).unwrap();
         let c = of_point(&problem, &method, &x, tolerance);
         assert!(c.boxes == 0 && c.status == CertifyStatus::BoxLimit && !c.status.is_proved());
-        let is_inside = x.iter().all(|x| x.abs() <= SIDE);
+        let is_inside = x.iter().all(|x| x.abs() <= HALF_SIDE);
         if is_inside && merit.violation <= tolerance {
             known += 1;
             let near = |found: f64, expected: f64| {
@@ -215,7 +216,7 @@ fn no_feasible_point_lies_below_the_bound_of_any_method() {
             assert!((merit.utility - c.upper).abs() < 1e-12 && merit.violation <= 1e-8);
         }
         for _ in 0..if has_equality { 0 } else { 500 } {
-            let x = [0; 2].map(|_| between(&mut stream, -SIDE, SIDE));
+            let x = [0; 2].map(|_| between(&mut stream, -HALF_SIDE, HALF_SIDE));
             let merit = evaluate(&problem, &method, &x).unwrap();
             if merit.violation <= 0.0 {
                 tried += 1;

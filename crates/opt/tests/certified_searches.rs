@@ -20,9 +20,9 @@ impl Functions for Valleys {
     }
 }
 
-/// The least value in each valley.
-const LEFT: f64 = 0.099_367_6;
-const RIGHT: f64 = -0.100_616_9;
+/// The least value in each valley, 1: at the outer roots of 4 x³ − 4 x = 0.1, by bisection.
+const LEAST_ON_THE_LEFT: f64 = 0.099_367_6;
+const LEAST_ON_THE_RIGHT: f64 = -0.100_616_9;
 
 fn valleys(model: &Valleys) -> Problem<'static> {
     let params = ProblemParams::new(&[-1.0], 1, Exact(model.clone()))
@@ -69,7 +69,7 @@ fn without_starts_there_are_no_local_solves() {
     // once for the formula
     assert_eq!(model.0.load(Ordering::Relaxed), 1);
     assert!(c.status == CertifyStatus::Proved && c.boxes > 10);
-    assert!((c.upper - RIGHT).abs() < 2e-6 && c.lower <= RIGHT);
+    assert!((c.upper - LEAST_ON_THE_RIGHT).abs() < 2e-6 && c.lower <= LEAST_ON_THE_RIGHT);
     let lowest = claims(&log).into_iter().fold(f64::INFINITY, f64::min);
     assert_eq!(c.lower, lowest);
 }
@@ -86,8 +86,8 @@ fn a_local_solve_from_the_first_box_improves_the_best_point() {
         ControlFlow::Continue(())
     });
     assert_eq!(c.status, CertifyStatus::Proved);
-    assert!((uppers[0] - LEFT).abs() < 1e-6, "{uppers:?}");
-    assert!((uppers[1] - RIGHT).abs() < 1e-6, "{uppers:?}");
+    assert!((uppers[0] - LEAST_ON_THE_LEFT).abs() < 1e-6, "{uppers:?}");
+    assert!((uppers[1] - LEAST_ON_THE_RIGHT).abs() < 1e-6, "{uppers:?}");
     // no leaf claims more than the gap needs
     let cap = c.upper - 0.96 * 1e-6 * (1.0 + c.upper.abs());
     let claims = claims(&log);
@@ -130,7 +130,7 @@ fn an_ended_search_claims_what_it_has() {
         });
         assert_eq!(c.status, CertifyStatus::BoxLimit);
         assert!(
-            c.boxes >= boxes && c.lower >= last - 1e-12 && c.lower <= RIGHT,
+            c.boxes >= boxes && c.lower >= last - 1e-12 && c.lower <= LEAST_ON_THE_RIGHT,
             "{last} {c:?}"
         );
         assert!(last > lowest_before || boxes == 0, "{boxes} {last} {c:?}");

@@ -8,9 +8,9 @@ const STUCK_TIME_S: f64 = 0.3;
 /// A rate that changes with this share of its readings does not repeat itself as often by chance: 0.2¹⁰ is 1e-7. Rates without
 /// noise, coarse ones and those that are held from row to row change more seldom.
 const MIN_CHANGES: f64 = 0.8;
-/// The share is known after as many readings, of which it is a fading mean.
+/// The share is known after as many readings, and each of them has this weight, 1, in its fading mean: a memory of as many.
 const ENOUGH_READINGS: u32 = 50;
-const WEIGHT: f64 = 0.02;
+const READING_WEIGHT: f64 = 0.02;
 
 /// How often the rate of one wheel changes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,11 +33,11 @@ impl RepeatedRate {
             self.repeats = self.repeats.saturating_add(1);
             return;
         }
-        let kept = 1.0 - WEIGHT;
+        let kept = 1.0 - READING_WEIGHT;
         for _ in 0..self.repeats.min(ENOUGH_READINGS) {
             self.changes *= kept;
         }
-        self.changes = kept * self.changes + WEIGHT;
+        self.changes = kept * self.changes + READING_WEIGHT;
         self.repeats = 0;
         self.since_ns = time_ns;
     }

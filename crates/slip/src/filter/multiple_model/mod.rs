@@ -8,19 +8,25 @@
 //! could refuse a steady reference for ever.
 
 mod course;
+mod covariance;
 mod group;
 mod model;
+mod motion;
 mod position_noise;
 pub(super) mod reference_noise;
+mod step;
 
 use grouser_real::{Real, wrap_angle};
 
 use course::Course;
 use group::Group;
-use model::{DRIFT, HEADING, MAX_SLIP, Model, SLIP, STATES, Since, Step, TURN_ERROR, X, Y};
-pub(super) use model::{MIN_RIM_SHARE, Rim, TurnError};
+pub(super) use model::MIN_RIM_SHARE;
+use model::{DRIFT, HEADING, MAX_SLIP, Model, SLIP, STATES, Since, TURN_ERROR, X, Y};
+pub(crate) use motion::ModelMotion;
 use position_noise::PositionNoise;
 use reference_noise::Errors;
+use step::Step;
+pub(super) use step::{Rim, TurnError};
 
 use crate::speed::Measured;
 
@@ -80,25 +86,6 @@ pub(crate) struct WheelStep {
     /// Specific force along that direction, m/s², and its noise density, m/s/√s.
     pub(crate) acceleration: Option<(f64, f64)>,
     pub(crate) rim: Rim,
-}
-
-/// The estimate, along the direction of the rims.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ModelMotion {
-    /// Speed, m/s: that of the rims less the slip; and its share of theirs.
-    pub(crate) speed: f64,
-    pub(crate) rim_share: f64,
-    /// Common slip and its standard deviation.
-    pub(crate) slip: f64,
-    pub(crate) slip_sigma: f64,
-    /// Sideways over forward speed.
-    pub(crate) drift: f64,
-    pub(crate) drift_sigma: f64,
-    /// Error of the turn rate, rad/s, and its variance.
-    pub(crate) turn_error: Measured,
-    /// Place and heading in the reference's frame.
-    pub(crate) place: [f64; 2],
-    pub(crate) heading: f64,
 }
 
 /// How a reading of the reference agrees with the prediction.
@@ -483,18 +470,7 @@ impl MultipleModel {
 
     /// The same with this share of the slip kept, and its prior for the rest.
     pub(crate) fn fading_motion(&self, kept: f64) -> Option<ModelMotion> {
-        let mut motion = self.motion()?;
-        if kept < 1.0 {
-            let [mean, sigma] = self.slip_prior;
-            motion.slip = mean + kept * (motion.slip - mean);
-            motion.slip_sigma = Real::hypot(
-                kept * motion.slip_sigma,
-                Real::sqrt(1.0 - kept * kept) * sigma,
-            );
-            motion.rim_share = model::rim_share(motion.slip).0;
-            motion.speed = self.rim.speed * motion.rim_share;
-        }
-        Some(motion)
+        Some(self.motion()?.faded(kept, self.slip_prior, self.rim.speed))
     }
 
     /// Counts the period of the readings, and lets the evidence fade, so that a change of ground changes the shares.

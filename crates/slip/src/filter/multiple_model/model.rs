@@ -3,6 +3,8 @@
 use grouser_real::{Real, wrap_angle};
 
 use super::course::Course;
+use super::covariance::is_covariance;
+use super::step::{Rim, Step, TurnError};
 
 /// Number of states.
 pub(super) const STATES: usize = 8;
@@ -47,53 +49,6 @@ const SUDDEN_SLIP_NOISE: f64 = 0.05;
 const FULL_NOISE_RIM_M_PER_S: f64 = 0.05;
 /// Slip lies within ±1.
 pub(super) const MAX_SLIP: f64 = 1.0;
-
-/// The measurements of wheels and inertial sensors over one step.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
-    /// Length, s.
-    pub(super) dt: f64,
-    /// Way of the rims over the step, m, and its direction beside the robot's heading, rad.
-    pub(super) rim_way: f64,
-    pub(super) direction: f64,
-    /// Turn of the robot over the step, rad.
-    pub(super) turn: f64,
-    /// Turn per way, rad/m, of a robot that turns as it is steered: in place of the turn.
-    pub(super) curvature: Option<f64>,
-    pub(super) turn_error: TurnError,
-    /// By how much more than before the turn rate is reduced, rad/s.
-    pub(super) removed: f64,
-    /// Specific force along the direction, m/s², and its noise density, m/s/√s.
-    pub(super) acceleration: Option<(f64, f64)>,
-}
-
-/// What is known of the error of the turn rate.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct TurnError {
-    /// Does a gyro measure the turn rate, or do the wheels?
-    pub(crate) by_gyro: bool,
-    /// What the turn rate was reduced by already, rad/s.
-    pub(crate) removed: f64,
-    /// Standard deviation of the rest, rad/s.
-    pub(crate) sigma: f64,
-    /// How long it stays the same, s.
-    pub(crate) memory: f64,
-}
-
-/// The rims' mean speed over their last window, which ties speed and slip.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Rim {
-    /// m/s.
-    pub(crate) speed: f64,
-    /// Variance of it, m²/s².
-    pub(crate) variance: f64,
-    /// By how much the window's middle lies before now, s.
-    pub(crate) lag: f64,
-    /// What the rims themselves show of their change since, m/s.
-    pub(crate) rise: f64,
-    /// Speed gained since by the specific force, m/s.
-    pub(crate) gained: f64,
-}
 
 /// What has passed since a reading was taken.
 #[derive(Clone, Copy, Debug)]
@@ -597,31 +552,4 @@ pub(super) fn inlier_probability(nis: f64) -> f64 {
     let good = (1.0 - OUTLIER_SHARE) * Real::exp(-0.5 * nis);
     let bad = OUTLIER_SHARE / square * Real::exp(-0.5 * nis / square);
     good / (good + bad).max(1e-300)
-}
-
-/// Less than this share of a variance is rounding, by which a difference of products is off by some 1e-16 of it; with less
-/// left, the state does not hold the noise.
-const ROUNDING_SHARE: f64 = 1e-9;
-
-/// Cholesky's decomposition: is it positive beyond rounding, where it is not 0?
-fn is_covariance(matrix: &[[f64; STATES]; STATES]) -> bool {
-    let mut root = [[0.0; STATES]; STATES];
-    for i in 0..STATES {
-        for j in 0..=i {
-            let known: f64 = (0..j).map(|k| root[i][k] * root[j][k]).sum();
-            let left = matrix[i][j] - known;
-            if i != j {
-                root[i][j] = if root[j][j] > 0.0 {
-                    left / root[j][j]
-                } else {
-                    0.0
-                };
-            } else if left > ROUNDING_SHARE * matrix[i][i] {
-                root[i][i] = Real::sqrt(left);
-            } else if matrix[i][i] != 0.0 {
-                return false;
-            }
-        }
-    }
-    true
 }

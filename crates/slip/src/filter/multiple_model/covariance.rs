@@ -1,0 +1,30 @@
+//! Does a matrix hold variances that can be?
+
+use grouser_real::Real;
+
+/// Less than this share of a variance is rounding, by which a difference of products is off by some 1e-16 of it; with less
+/// left, the state does not hold the noise.
+const ROUNDING_SHARE: f64 = 1e-9;
+
+/// Cholesky's decomposition: is it positive beyond rounding, where it is not 0?
+pub(super) fn is_covariance<const N: usize>(matrix: &[[f64; N]; N]) -> bool {
+    let mut root = [[0.0; N]; N];
+    for i in 0..N {
+        for j in 0..=i {
+            let known: f64 = (0..j).map(|k| root[i][k] * root[j][k]).sum();
+            let left = matrix[i][j] - known;
+            if i != j {
+                root[i][j] = if root[j][j] > 0.0 {
+                    left / root[j][j]
+                } else {
+                    0.0
+                };
+            } else if left > ROUNDING_SHARE * matrix[i][i] {
+                root[i][i] = Real::sqrt(left);
+            } else if matrix[i][i] != 0.0 {
+                return false;
+            }
+        }
+    }
+    true
+}
