@@ -6,7 +6,9 @@
 
 use std::path::{Path, PathBuf};
 
-use grouser_files::columns::{self, Column, ColumnMap, Meaning, Table, TimeColumn, TimeUnit};
+use grouser_files::columns::{
+    self, Column, ColumnMap, Frame, Meaning, Table, TimeColumn, TimeUnit,
+};
 use grouser_files::{Document, robot};
 use proptest::prelude::*;
 
@@ -130,6 +132,15 @@ fn map() -> impl Strategy<Value = ColumnMap> {
                 wheel,
                 factor,
                 offset: 0.0,
+                frame: Frame::default(),
+            };
+            let way = Column {
+                frame: if align_clock {
+                    Frame::Previous
+                } else {
+                    Frame::Halfway
+                },
+                ..of(Meaning::DisplacementForward, None, 1.0)
             };
             Table {
                 file,
@@ -149,6 +160,9 @@ fn map() -> impl Strategy<Value = ColumnMap> {
                     of(Meaning::WheelRate, Some(wheel), factor),
                     of(Meaning::YawRate, None, std::f64::consts::PI / 180.0),
                     of(Meaning::SpeedForward, None, 1.0 / 3.6),
+                    way,
+                    of(Meaning::DisplacementLeft, None, 1.0),
+                    of(Meaning::DisplacementTurn, None, 1.0),
                 ],
             }
         },

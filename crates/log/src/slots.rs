@@ -1,6 +1,7 @@
 //! From the numbers of a row or a message to measurements.
 
-use grouser_files::columns::{Column, Meaning};
+use grouser_files::columns::{Column, Frame, Meaning};
+use grouser_real::Real;
 
 use grouser_slip::Measurement;
 
@@ -19,7 +20,7 @@ enum Slot {
     YawRate(Part),
     /// Forwards, and to the left where that is measured.
     Acceleration(Part, Option<Part>),
-    Displacement(Part, Part, Option<Part>),
+    Displacement(Part, Part, Option<Part>, Frame),
     Pose(Part, Part, Heading),
     /// A place without a heading.
     Place(Part, Part),
@@ -78,6 +79,12 @@ impl Part {
     }
 }
 
+/// A way (m, forwards and to the left) in the frame before a turn to the left (rad), in that of half the turn.
+fn in_frame_halfway(((forward, left), turn): ((f64, f64), f64)) -> (f64, f64) {
+    let (sin, cos) = Real::sin_cos(0.5 * turn);
+    (cos * forward + sin * left, cos * left - sin * forward)
+}
+
 /// What a column of a table measures: places without a heading become displacements.
 pub(crate) fn measured(columns: &[Column], column: &Column) -> Meaning {
     let has_heading = || columns.iter().any(|c| c.meaning.is_heading());
@@ -125,8 +132,11 @@ impl Slots {
                 Meaning::AccelerationForward => {
                     Some(Slot::Acceleration(own, part(Meaning::AccelerationLeft)))
                 }
-                Meaning::DisplacementForward => part(Meaning::DisplacementLeft)
-                    .map(|left| Slot::Displacement(own, left, part(Meaning::DisplacementTurn))),
+                Meaning::DisplacementForward => {
+                    let turn = part(Meaning::DisplacementTurn);
+                    part(Meaning::DisplacementLeft)
+                        .map(|left| Slot::Displacement(own, left, turn, column.frame))
+                }
                 Meaning::PoseX => part(Meaning::PoseY).map(|y| match heading() {
                     Some(heading) => Slot::Pose(own, y, heading),
                     None => Slot::Place(own, y),
@@ -208,14 +218,17 @@ impl Slots {
                         .zip(left)
                         .map(|(forward, left)| Measurement::Acceleration { forward, left })
                 }
-                Slot::Displacement(forward, left, turn) => {
+                Slot::Displacement(forward, left, turn, frame) => {
                     let turn = optional(turn)?;
-                    number(forward)?.zip(number(left)?).map(|(forward, left)| {
-                        Measurement::Displacement {
-                            forward,
-                            left,
-                            turn,
-                        }
+                    let way = number(forward)?.zip(number(left)?);
+                    let way = match frame {
+                        Frame::Halfway => way,
+                        Frame::Previous => way.zip(turn).map(in_frame_halfway),
+                    };
+                    way.map(|(forward, left)| Measurement::Displacement {
+                        forward,
+                        left,
+                        turn,
                     })
                 }
                 Slot::Pose(x, y, heading) => {

@@ -20,6 +20,11 @@ fn slip(time_s: f64) -> f64 {
 
 /// A cart with a displacement every `every` rows, on a circle.
 fn cart(every: i32, turn_rad_per_s: f64) -> (Log, robot::RobotFile) {
+    cart_by_frame(every, turn_rad_per_s, "halfway")
+}
+
+/// As [`cart`], with displacements in the frame of halfway or of the previous row.
+fn cart_by_frame(every: i32, turn_rad_per_s: f64, frame: &str) -> (Log, robot::RobotFile) {
     let mut table = String::from("t,left,right,gyro,dx,dy,dyaw");
     let (mut angles, mut way) = ([0.0; 2], 0.0);
     let turn = turn_rad_per_s * f64::from(every) * DT_S;
@@ -46,7 +51,14 @@ fn cart(every: i32, turn_rad_per_s: f64) -> (Log, robot::RobotFile) {
         .unwrap();
         if (row + 1) % every == 0 {
             let chord = way * chord_over_arc;
-            write!(table, "{chord:.6},0,{:.6}", turn + 0.1 * error).unwrap();
+            let turned = turn + 0.1 * error;
+            let ahead = if frame == "previous" {
+                0.5 * turned
+            } else {
+                0.0
+            };
+            let [dx, dy] = [ahead.cos(), ahead.sin()].map(|part| chord * part);
+            write!(table, "{dx:.6},{dy:.6},{turned:.6}").unwrap();
             way = 0.0;
         } else {
             table.push_str(",,");
@@ -56,10 +68,11 @@ fn cart(every: i32, turn_rad_per_s: f64) -> (Log, robot::RobotFile) {
         { column = \"left\", meaning = \"wheel_angle\", wheel = \"left\", unit = \"rad\" },\n\
         { column = \"right\", meaning = \"wheel_angle\", wheel = \"right\", unit = \"rad\" },\n\
         { column = \"gyro\", meaning = \"yaw_rate\", unit = \"rad/s\" },\n\
-        { column = \"dx\", meaning = \"displacement_forward\", unit = \"m\" },\n\
+        { column = \"dx\", meaning = \"displacement_forward\", unit = \"m\", frame = \"FRAME\" },\n\
         { column = \"dy\", meaning = \"displacement_left\", unit = \"m\" },\n\
         { column = \"dyaw\", meaning = \"displacement_turn\", unit = \"rad\" },\n]\n";
-    let map = columns::parse(&Document::from_text("map.toml", map.to_owned()).unwrap()).unwrap();
+    let map = map.replace("FRAME", frame);
+    let map = columns::parse(&Document::from_text("map.toml", map).unwrap()).unwrap();
     let log = Log::over(
         "log.csv".as_ref(),
         Cursor::new(table),
@@ -116,11 +129,14 @@ fn short_displacements_show_a_jump_of_slip_at_once() {
     assert!(rmse < 0.1, "{rmse}");
 }
 
-/// A displacement is that of the frame halfway: a turn between two of them is no motion to the side.
+/// A displacement is that of the frame halfway, or of the previous row as its column states: a turn between two of them is no
+/// motion to the side.
 #[test]
 fn displacements_of_bends_show_the_slip_of_each_wheel() {
-    for (every, turn_rad_per_s) in [(20, 0.4), (40, 0.3), (40, -0.3)] {
-        let (log, file) = cart(every, turn_rad_per_s);
+    let bends = [(20, 0.4), (40, 0.3), (40, -0.3)];
+    let frames = bends.map(|bend| ["halfway", "previous"].map(|frame| (bend, frame)));
+    for ((every, turn_rad_per_s), frame) in frames.into_iter().flatten() {
+        let (log, file) = cart_by_frame(every, turn_rad_per_s, frame);
         let mut worst: f64 = 0.0;
         run(&log, &file, &Options::default(), |row| {
             let is_steady = (5.0..10.0).contains(&row.time_s);
@@ -130,7 +146,31 @@ fn displacements_of_bends_show_the_slip_of_each_wheel() {
             Ok(())
         })
         .unwrap();
-        println!("every {every} rows, {turn_rad_per_s} rad/s: {worst:.4}");
+        println!("every {every} rows, {turn_rad_per_s} rad/s, {frame}: {worst:.4}");
         assert!(worst > 0.0 && worst < 0.02, "{worst}");
     }
+}
+
+/// The way to the left alone does not show by which angle the frame has turned.
+#[test]
+fn a_frame_of_the_previous_row_needs_the_turn() {
+    let parse = |columns: &str| {
+        let text = format!(
+            "format = 1\n[[table]]\ntime = {{ column = \"t\", unit = \"s\" }}\ncolumns = [{columns}]\n"
+        );
+        columns::parse(&Document::from_text("map.toml", text).unwrap())
+    };
+    let dx = "{ column = \"dx\", meaning = \"displacement_forward\", unit = \"m\", frame = \"previous\" }";
+    let dy = "{ column = \"dy\", meaning = \"displacement_left\", unit = \"m\" }";
+    let error = parse(&format!("{dx}, {dy}")).unwrap_err().to_string();
+    assert!(error.contains("needs `displacement_turn`"), "{error}");
+    let error = parse(&format!(
+        "{}, {dx}",
+        dy.replace(" }", ", frame = \"previous\" }")
+    ));
+    let error = error.unwrap_err().to_string();
+    assert!(
+        error.contains("belongs to `displacement_forward`"),
+        "{error}"
+    );
 }

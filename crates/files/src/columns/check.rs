@@ -1,6 +1,6 @@
 //! Which meanings of one table go together.
 
-use super::{Column, Meaning};
+use super::{Column, Frame, Meaning};
 use crate::error::{Error, Place, Result};
 use crate::section::Section;
 
@@ -54,6 +54,12 @@ pub(crate) fn check_together(at: &Place, columns: &[Column]) -> Result<()> {
             return Err(Error::Contradiction {
                 at: at.clone(),
                 message: message.into(),
+            });
+        }
+        if column.frame == Frame::Previous && !is_there(Meaning::DisplacementTurn) {
+            return Err(Error::Contradiction {
+                at: at.clone(),
+                message: "`frame = \"previous\"` needs `displacement_turn` beside it".into(),
             });
         }
         let mut needs = column.meaning.needs().iter();

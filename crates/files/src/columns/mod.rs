@@ -71,7 +71,7 @@ pub enum Meaning {
     AccelerationForward,
     /// What it feels to the left.
     AccelerationLeft,
-    /// Way forwards since the row before, in the robot's frame.
+    /// Way forwards since the row before, in the robot's frame; [`Column::frame`] has which.
     DisplacementForward,
     /// Way to the left since the row before.
     DisplacementLeft,
@@ -260,6 +260,24 @@ pub struct Column {
     pub factor: f64,
     /// What is added in SI: a sinkage by a sensor that measures its distance from the ground.
     pub offset: f64,
+    /// The frame in which a displacement is stated; [`Frame::Halfway`] of all other columns.
+    pub frame: Frame,
+}
+
+/// The robot's frame in which a displacement is stated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Frame {
+    /// That of halfway between the row before and this one.
+    #[default]
+    Halfway,
+    /// That of the row before, as in the pose of this row relative to that one.
+    Previous,
+}
+
+impl Frame {
+    /// Every frame with its name in files.
+    pub const NAMES: [(&'static str, Self); 2] =
+        [("halfway", Self::Halfway), ("previous", Self::Previous)];
 }
 
 /// The column of time.
@@ -499,12 +517,23 @@ pub(crate) fn read_meaning(section: &Section<'_>, column: String) -> Result<Colu
             ),
         });
     }
+    let frame = section.optional_choice("frame", &Frame::NAMES)?;
+    if frame.is_some() && meaning != Meaning::DisplacementForward {
+        return Err(Error::Contradiction {
+            at: section.place_of("frame"),
+            message: format!(
+                "`frame` belongs to `displacement_forward`, for the way to the left as well, not to `{}`",
+                meaning.name()
+            ),
+        });
+    }
     Ok(Column {
         column,
         meaning,
         wheel: wheel.map(Into::into),
         factor: unit * scale.unwrap_or(1.0),
         offset: offset.unwrap_or(0.0),
+        frame: frame.unwrap_or_default(),
     })
 }
 

@@ -1,6 +1,6 @@
 //! Column maps as text.
 
-use super::{Column, ColumnMap, Meaning, Table, TimeUnit};
+use super::{Column, ColumnMap, Frame, Meaning, Table, TimeUnit};
 use crate::toml_text::{TomlText, quoted};
 use crate::unit::Quantity;
 
@@ -90,6 +90,12 @@ pub(crate) fn meaning(column: &Column, between: &str) -> String {
     }
     if column.offset != 0.0 {
         keys.push(format!("offset_m = {:?}", column.offset));
+    }
+    if column.frame != Frame::default() {
+        let names = Frame::NAMES.into_iter();
+        keys.extend(names.filter_map(|(name, frame)| {
+            (frame == column.frame).then(|| format!("frame = \"{name}\""))
+        }));
     }
     keys.join(between)
 }
