@@ -278,6 +278,9 @@ distance_m = 12.0
         assert!(all < 0.03 && settled < 0.03, "{sensor}: {all}, {settled}");
         for result in &results {
             assert!(result.slip.longest_wrong < 1.0, "{sensor}: {result:?}");
+            // the ground is the known soil: a slip that is found too high at the start is no reason to go round it
+            assert_eq!(result.outcome, Outcome::Arrived, "{sensor}: {result:?}");
+            assert!(result.slip.rmse.unwrap() < 0.08, "{sensor}: {result:?}");
         }
     }
 }

@@ -15,6 +15,7 @@ mod wild;
 mod world;
 
 mod control;
+mod control_backwards;
 mod control_decisions;
 mod control_wheels;
 mod counters;

@@ -471,8 +471,16 @@ fn sensors_are_silent_once_none_of_them_was_accepted_for_half_a_second() {
     }
 }
 
+/// Where the nose rises it drives uphill; backwards, where it falls.
 #[test]
 fn the_demand_of_the_slope_is_looked_up_ten_times_a_second() {
+    for direction in [1, -1] {
+        demand_of_the_slope(direction);
+    }
+}
+
+fn demand_of_the_slope(direction: i64) {
+    let sign = direction as f64;
     let demands = [(-0.35, 0.1), (0.0, 0.1), (1e-4, 0.8), (0.35, 0.8)];
     let points = demands.map(|(slope, mean)| (slope, SlipPrior { mean, sigma: 0.01 }));
     let robot = robot();
@@ -485,8 +493,8 @@ fn the_demand_of_the_slope_is_looked_up_ten_times_a_second() {
     let mut on_board = OnBoard::new(&robot, settings).unwrap();
     for index in 0..230 {
         let time_ns = index * PERIOD_NS;
-        // after the tick at two seconds, the second one that looks, the nose rises by 0.01 rad
-        let slope = if index > 200 { 0.01_f64 } else { 0.0 };
+        // after the tick at two seconds, the second one that looks, that end rises by 0.01 rad
+        let slope = if index > 200 { 0.01 * sign } else { 0.0 };
         let (sin, cos) = slope.sin_cos();
         let force = [sin, 0.0, cos].map(|part| part * EARTH_GRAVITY_M_PER_S2);
         let inertial = Measurement::Inertial {
@@ -494,7 +502,7 @@ fn the_demand_of_the_slope_is_looked_up_ten_times_a_second() {
             rate: [0.0; 3],
         };
         // 0.5 mm a row, by ticks of 0.628 mm
-        let raw = (5 * index.cast_unsigned()) / 6;
+        let raw = (1000 + direction * ((5 * index) / 6)).cast_unsigned();
         let counts = [0, 1, 2].map(|wheel| Measurement::WheelCount { wheel, raw });
         for measurement in counts.into_iter().chain([inertial]) {
             on_board.update(Sample {
@@ -505,7 +513,11 @@ fn the_demand_of_the_slope_is_looked_up_ten_times_a_second() {
         if index < 190 {
             continue;
         }
-        let rim_speed = on_board.tick(time_ns, request())[0].rim_speed;
+        let ahead = Request {
+            speed: 0.3 * sign,
+            ..request()
+        };
+        let rim_speed = sign * on_board.tick(time_ns, ahead)[0].rim_speed;
         if index < 195 {
             continue;
         }

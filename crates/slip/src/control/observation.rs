@@ -95,6 +95,11 @@ pub struct Request {
 }
 
 impl Request {
+    /// +1 where the robot is to drive forwards, −1 backwards.
+    pub(crate) const fn direction(&self) -> f64 {
+        if self.speed < 0.0 { -1.0 } else { 1.0 }
+    }
+
     /// How many of the numbers that count are invalid.
     pub(super) fn invalid_numbers(&self) -> u8 {
         let is_turned = match self.yaw_rate {
@@ -151,6 +156,13 @@ pub(super) struct RobotObservation {
     pub(super) request: Request,
     /// Are the speed and at least one powered wheel measured?
     pub(super) is_measured: bool,
+}
+
+impl RobotObservation {
+    /// Speed in the requested direction, m/s: of a robot that drives backwards as requested it is positive too.
+    pub(super) fn speed_ahead(&self) -> Option<f64> {
+        self.speed.map(|speed| speed * self.request.direction())
+    }
 }
 
 /// A mean weighted by load.

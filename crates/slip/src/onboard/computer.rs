@@ -75,6 +75,8 @@ pub struct OnBoard {
     /// The slip demand that soft ground is compared with: of the known soil, or of the belief one robot length before.
     demand_now: Option<SlipPrior>,
     demand_due: f64,
+    /// +1 while the robot is to travel forwards, −1 backwards.
+    direction: f64,
     clock: Clock,
     warm_up: f64,
     uses_poses: bool,
@@ -140,6 +142,7 @@ impl OnBoard {
             learner,
             demand_now: None,
             demand_due: 0.0,
+            direction: 1.0,
             clock: Clock::default(),
             warm_up: settings.warm_up,
             uses_poses: settings.uses_poses,
@@ -289,6 +292,10 @@ impl OnBoard {
             request,
         });
         self.decision = output.decision;
+        if request.speed != 0.0 {
+            let is_backing_out = output.mode == Mode::BackOut;
+            self.direction = request.direction() * if is_backing_out { -1.0 } else { 1.0 };
+        }
         output.commands
     }
 
@@ -321,7 +328,9 @@ impl OnBoard {
                 (Some(own), Some(slip)) => Compared::Soil(own.torque_ratio(slip).min(1.0)),
                 _ => Compared::Soil(1.0),
             };
-            let load = (self.torques[index], slip);
+            // a slip that is found too high is no soft ground: it counts a standard deviation lower
+            let least_slip = slip.map(|slip| slip - wheel.sigma.unwrap_or(0.0));
+            let load = (self.torques[index], least_slip);
             *seen = WheelObservation {
                 slip,
                 sigma: wheel.sigma,
@@ -361,10 +370,10 @@ impl OnBoard {
         }
     }
 
-    /// What the soil demands on the slope on which the robot stands; the filter's prior follows it.
+    /// What the soil demands on the slope that the robot drives up or down; the filter's prior follows it.
     fn look_up_demand(&mut self) {
-        // nose down is downhill
-        let slope = -self.attitude.pitch();
+        // nose down is downhill, or uphill backwards
+        let slope = -self.attitude.pitch() * self.direction;
         let known = self
             .demand
             .as_ref()

@@ -37,12 +37,6 @@ pub(super) struct BackOut {
     pushed_slip: f64,
 }
 
-/// Speed against the requested direction, m/s.
-pub(super) fn backward_speed(robot: &RobotObservation, speed: f64) -> f64 {
-    let sense = if robot.request.speed < 0.0 { -1.0 } else { 1.0 };
-    -speed * sense
-}
-
 /// Speed at which the robot is to back out, m/s.
 fn setpoint_speed(settings: &ControlSettings, robot: &RobotObservation) -> f64 {
     (settings.back_speed * robot.request.speed.abs()).min(settings.max_rim_speed)
@@ -70,10 +64,9 @@ impl BackOut {
         &mut self,
         settings: &ControlSettings,
         robot: &RobotObservation,
-        speed: f64,
         step: f64,
     ) {
-        let backward = backward_speed(robot, speed);
+        let backward = -robot.speed_ahead().unwrap_or(0.0);
         let setpoint = setpoint_speed(settings, robot);
         self.idle_time = if backward < IDLE_SPEED_SHARE * STANDSTILL_SPEED_M_PER_S {
             self.idle_time + step

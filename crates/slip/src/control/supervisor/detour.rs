@@ -18,7 +18,7 @@ impl Detour {
     pub(super) fn decide(&mut self, view: &View<'_>, recovery: &Recovery) -> Option<Transition> {
         let robot = view.robot;
         let across = robot.heading.map_or(0.0, |now| {
-            Real::sin(now - robot.request.heading) * robot.speed.unwrap_or(0.0)
+            Real::sin(now - robot.request.heading) * robot.speed_ahead().unwrap_or(0.0)
         });
         self.aside += recovery.detour_side() * across * view.step;
         let width = recovery.detour_width(view.settings);

@@ -149,16 +149,16 @@ impl Supervisor {
     fn monitor(&mut self, settings: &ControlSettings, robot: &RobotObservation, step: f64) {
         self.slip.filter(robot.slip, step);
         self.tilt.update(settings, robot, step);
-        let speed = robot.speed.unwrap_or(0.0);
+        let ahead = robot.speed_ahead().unwrap_or(0.0);
         let heading_error = self.heading_error(robot);
         self.clock.time += step;
         self.clock.travel += match self.mode {
-            ModeState::BackOut(_) => step * back_out::backward_speed(robot, speed),
-            _ => step * speed.abs(),
+            ModeState::BackOut(_) => -step * ahead,
+            _ => step * ahead.abs(),
         };
         let on_course = heading_error.abs() < ON_COURSE_RAD;
         match &mut self.mode {
-            ModeState::BackOut(mode) => mode.monitor(settings, robot, speed, step),
+            ModeState::BackOut(mode) => mode.monitor(settings, robot, step),
             ModeState::Traverse(mode) => mode.monitor(on_course, step),
             _ => {}
         }
@@ -183,7 +183,7 @@ impl Supervisor {
         self.slip
             .update_timers(settings, robot, self.tilt.tilt() < settings.steep, step);
         if !is_backing_out {
-            self.recovery.advance(settings, robot, speed, step);
+            self.recovery.advance(settings, robot, step);
         }
     }
 

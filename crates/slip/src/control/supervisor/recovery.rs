@@ -29,20 +29,20 @@ pub(super) struct Recovery {
     attempts: u32,
     /// Side of the last traverse: +1 left, −1 right, 0 none yet.
     traverse_side: f64,
-    /// Side of the detours about the present soft ground, likewise.
+    /// Side of the detours about the present soft ground, likewise, as one looks in the direction of the drive.
     detour_side: f64,
     detours: u32,
 }
 
 impl Recovery {
-    /// One step of a robot that drives ahead at `speed` (m/s).
+    /// One step of a robot that drives ahead.
     pub(super) fn advance(
         &mut self,
         settings: &ControlSettings,
         robot: &RobotObservation,
-        speed: f64,
         step: f64,
     ) {
+        let speed = robot.speed_ahead().unwrap_or(0.0);
         let ahead = robot.heading.map_or(1.0, |now| {
             Real::cos(wrap_angle(now - robot.request.heading))
         });
@@ -93,12 +93,12 @@ impl Recovery {
         settings.soft_across * (0.5 + 0.5 * f64::from(self.detours.max(1)))
     }
 
-    /// One more detour; the side is the firmer one.
-    fn begin_detour(&mut self, soft_ground: &mut SoftGroundMonitor) {
+    /// One more detour; the side is the firmer one, as one looks in the `direction` of the drive (+1 forwards, −1 backwards).
+    fn begin_detour(&mut self, soft_ground: &mut SoftGroundMonitor, direction: f64) {
         self.detours += 1;
         soft_ground.reset_timers();
         if self.detour_side == 0.0 {
-            self.detour_side = if soft_ground.side_difference() > SIDE_DIFFERENCE {
+            self.detour_side = if direction * soft_ground.side_difference() > SIDE_DIFFERENCE {
                 -1.0
             } else {
                 1.0
@@ -118,7 +118,7 @@ impl Recovery {
             return None;
         }
         let values = soft_ground.values(settings);
-        self.begin_detour(soft_ground);
+        self.begin_detour(soft_ground, view.robot.request.direction());
         if self.detours > settings.max_attempts && settings.decides == Decides::Everything {
             return Some(Transition::end(Ending::NoWay, Reason::SoftGround, values));
         }
@@ -159,7 +159,7 @@ impl Recovery {
         // on the level the soil holds the robot
         if view.tilt < settings.steep {
             detour_length = Some(soft_ground.take_back_length(settings));
-            self.begin_detour(soft_ground);
+            self.begin_detour(soft_ground, view.robot.request.direction());
         }
         Some(Transition::to(
             Next::BackOut { detour_length },

@@ -91,7 +91,7 @@ impl SlipMonitor {
         step: f64,
     ) {
         let count = |past: f64, now: bool| if now { past + step } else { 0.0 };
-        let speed = robot.speed.unwrap_or(0.0);
+        let speed = robot.speed_ahead().unwrap_or(0.0);
         self.high_time = count(self.high_time, self.slip > settings.high_slip);
         let rises = self.slip > self.slow + STEADY_BAND && is_level;
         let spins = self.slip > 1.0 - settings.stuck_share;
