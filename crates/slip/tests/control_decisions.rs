@@ -786,15 +786,19 @@ fn on_known(mut open: OpenLoop, mean: f64, sigma: f64) -> OpenLoop {
 
 #[test]
 fn ground_that_takes_much_more_slip_than_the_known_soil_is_left() {
-    // above 0.1 by 0.12 or by two sigma; smoothed over 0.2 s; for 0.3 s
-    for (sigma, slip, limit) in [
-        (0.02, 0.3, 0.22),
-        (0.1, 0.4, 0.3),
-        (0.1, 0.29, f64::INFINITY),
-        (0.02, 0.219, f64::INFINITY),
+    // above 0.1 by 0.12 or by two sigma of demand and slip; smoothed over 0.2 s; for 0.3 s
+    for (sigma, slip_sigma, slip, limit) in [
+        (0.02, 0.0, 0.3, 0.22),
+        (0.1, 0.0, 0.4, 0.3),
+        (0.03, 0.04, 0.3, 0.22),
+        (0.06, 0.08, 0.4, 0.3),
+        (0.0, 0.1, 0.4, 0.3),
+        (0.1, 0.0, 0.29, f64::INFINITY),
+        (0.06, 0.08, 0.29, f64::INFINITY),
+        (0.02, 0.0, 0.219, f64::INFINITY),
     ] {
         let mut open = known(sigma);
-        open.each(|wheel| wheel.slip = Some(slip));
+        open.each(|wheel| (wheel.slip, wheel.sigma) = (Some(slip), Some(slip_sigma)));
         if limit.is_infinite() {
             open.quiet(500);
             continue;

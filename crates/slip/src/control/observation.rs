@@ -136,6 +136,8 @@ pub struct ControlInput<'a> {
 pub(super) struct RobotObservation {
     /// Slip of the powered wheels, weighted by load.
     pub(super) slip: Option<f64>,
+    /// Its standard deviation: what measures the robot's speed is off for all wheels alike.
+    pub(super) slip_sigma: f64,
     /// How much softer the ground is on the left than on the right: difference of slip and firmness, 1.
     pub(super) side_difference: f64,
     /// Firmness of the ground: the least under any powered wheel that the next softest confirms.
@@ -193,7 +195,7 @@ struct Side {
 impl RobotObservation {
     /// Combines the wheels' observations.
     pub(super) fn new(input: &ControlInput<'_>, wheels: &[WheelController]) -> Self {
-        let (mut slip, mut rim_speed) = (LoadMean::default(), LoadMean::default());
+        let [mut slip, mut slip_sigma, mut rim_speed] = [LoadMean::default(); 3];
         let mut sides = [Side {
             slip: LoadMean::default(),
             firmness: 1.0,
@@ -236,6 +238,7 @@ impl RobotObservation {
             let wheel_slip = finite(wheel.slip).map(|slip| slip.clamp(-1.0, 1.0));
             if let Some(wheel_slip) = wheel_slip {
                 slip.add(load, wheel_slip);
+                slip_sigma.add(load, finite(wheel.sigma).unwrap_or(0.0));
             }
             if let Some(side) = side {
                 side.firmness = firmness.map_or(side.firmness, |firm| side.firmness.min(firm));
@@ -258,6 +261,7 @@ impl RobotObservation {
         };
         Self {
             slip: slip.value(),
+            slip_sigma: slip_sigma.value().unwrap_or(0.0),
             side_difference: right.firmness - left.firmness + slip_difference,
             firmness: if all_turn {
                 softest[0].max(softest[1] - FIRMNESS_AGREEMENT)

@@ -17,6 +17,9 @@ const MAX_PITCH_RAD: f64 = 1.4;
 /// Limits of readings, m/s² and rad/s: beyond the ranges of the inertial units that robots carry (16 g, 2000°/s).
 const MAX_FORCE_M_PER_S2: f64 = 1000.0;
 const MAX_RATE_RAD_PER_S: f64 = 100.0;
+/// The specific force of [`AttitudeFilter::felt_slope`] is smoothed over this time, s: as long as the slips that are compared with
+/// what it demands.
+const FELT_TIME_CONSTANT_S: f64 = 0.2;
 /// The mean over what was seen of gravity begins with this time, s, so that its share is never infinite.
 const MIN_SEEN_S: f64 = 1e-3;
 
@@ -42,6 +45,8 @@ pub struct AttitudeFilter {
     last_ns: Option<i64>,
     /// How long gravity has been seen, s, up to `GRAVITY_TIME_CONSTANT_S`.
     seen: f64,
+    /// Specific force forwards and up, smoothed, m/s².
+    felt: [f64; 2],
 }
 
 impl AttitudeFilter {
@@ -53,6 +58,7 @@ impl AttitudeFilter {
             angles: [0.0, 0.0, heading],
             last_ns: None,
             seen: 0.0,
+            felt: [0.0, gravity],
         }
     }
 
@@ -84,6 +90,10 @@ impl AttitudeFilter {
         pitch += passed * (cos * rate[1] - sin * rate[2]);
         yaw += passed * across / Real::cos(pitch.clamp(-MAX_PITCH_RAD, MAX_PITCH_RAD));
         let [forward, left, up] = force;
+        let felt_share = passed / (FELT_TIME_CONSTANT_S + passed);
+        for (felt, now) in self.felt.iter_mut().zip([forward, up]) {
+            *felt += felt_share * (now - *felt);
+        }
         let size = Real::sqrt(forward * forward + left * left + up * up);
         if (size - self.gravity).abs() < GRAVITY_BAND_M_PER_S2 {
             // a robot at rest measures gravity's reaction, upwards
@@ -109,6 +119,14 @@ impl AttitudeFilter {
             forward + self.gravity * Real::sin(pitch),
             left - self.gravity * Real::cos(pitch) * Real::sin(roll),
         ]
+    }
+
+    /// The slope (rad, up) on which a robot at a steady speed would need the pull that this one needs now: where it gains speed it
+    /// pulls as on a steeper one.
+    #[must_use]
+    pub fn felt_slope(&self) -> f64 {
+        let [forward, up] = self.felt;
+        Real::atan2(forward, up)
     }
 
     /// Roll, right side down positive, rad.
@@ -152,6 +170,33 @@ mod tests {
         assert!((filter.roll() - roll).abs() < 1e-9);
         let rest = filter.without_gravity(force);
         assert!(rest.iter().all(|part| part.abs() < 1e-9));
+    }
+
+    #[test]
+    fn a_robot_that_gains_speed_pulls_as_on_a_steeper_slope() {
+        let filter = |slope: f64, acceleration: f64, steps: i64| {
+            let (sin, cos) = slope.sin_cos();
+            let mut filter = AttitudeFilter::new(0.0, EARTH_GRAVITY_M_PER_S2);
+            for step in 0..=steps {
+                let force = [
+                    EARTH_GRAVITY_M_PER_S2 * sin + acceleration,
+                    0.0,
+                    EARTH_GRAVITY_M_PER_S2 * cos,
+                ];
+                filter.update(step * 10_000_000, force, [0.0; 3]);
+            }
+            filter.felt_slope()
+        };
+        assert!((filter(0.1, 0.0, 300) - 0.1).abs() < 1e-6);
+        assert!((filter(0.0, 0.5, 300) - (0.5 / EARTH_GRAVITY_M_PER_S2).atan()).abs() < 1e-6);
+        let both = (0.1_f64.tan() + -0.7 / (EARTH_GRAVITY_M_PER_S2 * 0.1_f64.cos())).atan();
+        assert!((filter(0.1, -0.7, 300) - both).abs() < 1e-6);
+        // smoothed over 0.2 s: by steps of 0.01 s
+        let share = 1.0 - (1.0_f64 + 0.05).powi(-20);
+        let expected = (share * 0.5 / EARTH_GRAVITY_M_PER_S2).atan();
+        assert!((filter(0.0, 0.5, 20) - expected).abs() < 1e-9);
+        let before = AttitudeFilter::new(0.0, EARTH_GRAVITY_M_PER_S2).felt_slope();
+        assert!(before.abs() < 1e-12);
     }
 
     /// Nothing shows the vertical: a force far from gravity's.

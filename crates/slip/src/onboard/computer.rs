@@ -328,8 +328,8 @@ impl OnBoard {
                 (Some(own), Some(slip)) => Compared::Soil(own.torque_ratio(slip).min(1.0)),
                 _ => Compared::Soil(1.0),
             };
-            // a slip that is found too high is no soft ground: it counts a standard deviation lower
-            let least_slip = slip.map(|slip| slip - wheel.sigma.unwrap_or(0.0));
+            // a slip that is found too high is no soft ground
+            let least_slip = slip.map(|slip| slip - 2.0 * wheel.sigma.unwrap_or(0.0));
             let load = (self.torques[index], least_slip);
             *seen = WheelObservation {
                 slip,
@@ -370,21 +370,21 @@ impl OnBoard {
         }
     }
 
-    /// What the soil demands on the slope that the robot drives up or down; the filter's prior follows it.
+    /// What the soil demands on the slope that the robot drives up or down; the filter's prior follows it. What soft ground is
+    /// compared with is the demand of the pull that a gain of speed needs besides.
     fn look_up_demand(&mut self) {
         // nose down is downhill, or uphill backwards
         let slope = -self.attitude.pitch() * self.direction;
-        let known = self
-            .demand
-            .as_ref()
-            .map(|demand| demand.at(Angle::from_rad(slope)));
+        let pulled = slope.max(self.attitude.felt_slope() * self.direction);
+        let known = |slope: f64| self.demand.as_ref()?.at(Angle::from_rad(slope));
         let learner = self.learner.as_deref();
-        let by_belief = |learnt: Option<SoilDemand>| match learnt {
+        let by_belief = |learnt: Option<SoilDemand>, slope: f64| match learnt {
             Some(learnt) => learnt.slip,
-            None => known.flatten(),
+            None => known(slope),
         };
-        self.demand_now = by_belief(learner.and_then(|own| own.demand_before(slope)));
-        if let Some(prior) = by_belief(learner.and_then(|own| own.demand(slope))) {
+        let before = learner.and_then(|own| own.demand_before(pulled));
+        self.demand_now = by_belief(before, pulled);
+        if let Some(prior) = by_belief(learner.and_then(|own| own.demand(slope)), slope) {
             let sigma = prior.sigma.max(MIN_PRIOR_SIGMA);
             // the table holds slips only, so that none is refused
             let _ = self.filter.set_slip_prior(SlipPrior { sigma, ..prior });

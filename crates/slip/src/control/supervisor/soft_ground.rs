@@ -1,5 +1,7 @@
 //! Ground that is softer than the known soil: found by its slip and by the torque that it takes.
 
+use grouser_real::Real;
+
 use super::super::observation::RobotObservation;
 use super::super::settings::ControlSettings;
 use crate::filter::SlipPrior;
@@ -7,7 +9,7 @@ use crate::filter::SlipPrior;
 /// Slip is smoothed over this time before it is compared with the demand, s: a fifth of the time that decisions about
 /// digging take.
 const TIME_CONSTANT_S: f64 = 0.2;
-/// Slip counts as higher than the demand from this many standard deviations of it.
+/// Slip counts as higher than the demand from this many standard deviations of both.
 const CERTAINTY_SIGMA: f64 = 2.0;
 /// Soft ground has been entered from this share of the margin to a detection. Tuned on `soft-patch.toml`.
 const ENTERED_SHARE: f64 = 0.4;
@@ -60,7 +62,8 @@ impl SoftGroundMonitor {
             self.side_difference += share * (robot.side_difference - self.side_difference);
         }
         let beyond = |demand: SlipPrior, share: f64| {
-            let margin = (CERTAINTY_SIGMA * demand.sigma).max(settings.soft_slip);
+            let sigma = Real::hypot(demand.sigma, robot.slip_sigma);
+            let margin = (CERTAINTY_SIGMA * sigma).max(settings.soft_slip);
             let least = MIN_OPTIMUM_SHARE * settings.optimum;
             self.slip - (demand.mean + share * margin).max(least)
         };
