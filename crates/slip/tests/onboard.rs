@@ -268,6 +268,34 @@ fn gravity_is_a_setting() {
     assert!((on_board.attitude().pitch() + tilt).abs() < 1e-6);
 }
 
+/// It is put down and rocks on its wheels for as long as the attitude is found.
+#[test]
+fn a_robot_that_is_put_down_has_not_tipped() {
+    let tips = |rocks_s: f64| {
+        let robot = robot();
+        let mut on_board = OnBoard::new(&robot, settings(&robot)).unwrap();
+        for index in 0..200 {
+            let lean = if (index as f64) * 0.01 < rocks_s {
+                0.9_f64
+            } else {
+                0.0
+            };
+            let force = [0.0, lean.sin(), lean.cos()].map(|part| part * EARTH_GRAVITY_M_PER_S2);
+            row(&mut on_board, index, force, 0.0);
+            on_board.tick(index * PERIOD_NS, request());
+            if let Some(decision) = on_board.decision()
+                && decision.action == Action::End(Ending::Tipping)
+            {
+                return true;
+            }
+        }
+        false
+    };
+    // the mean of what gravity shows is below 0.61 rad by half a second; a robot that goes on leaning tips
+    assert!(!tips(0.3));
+    assert!(tips(2.0));
+}
+
 #[test]
 fn what_does_not_exist_changes_nothing() {
     let robot = robot();

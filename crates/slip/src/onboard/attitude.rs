@@ -7,9 +7,9 @@ use crate::history::seconds_between;
 /// Gravity corrects the gyro's angles with this time constant, s: accelerations of a drive average out over it, while a
 /// gyro of 0.03°/s bias drifts by 0.3°.
 const GRAVITY_TIME_CONSTANT_S: f64 = 10.0;
-/// A specific force whose size differs by more than this from gravity's does not show the vertical, m/s²: a wheeled robot
+/// A specific force whose size differs by more than this share from gravity's does not show the vertical: a wheeled robot
 /// accelerates by less.
-const GRAVITY_BAND_M_PER_S2: f64 = 2.0;
+const GRAVITY_BAND_SHARE: f64 = 0.2;
 /// Angular rates are not integrated over longer gaps, s.
 const MAX_GAP_S: f64 = 0.5;
 /// Pitches are limited to this in the rates' equation, rad (80°): at 90° roll and yaw are not separable.
@@ -95,7 +95,7 @@ impl AttitudeFilter {
             *felt += felt_share * (now - *felt);
         }
         let size = Real::sqrt(forward * forward + left * left + up * up);
-        if (size - self.gravity).abs() < GRAVITY_BAND_M_PER_S2 {
+        if (size - self.gravity).abs() < GRAVITY_BAND_SHARE * self.gravity {
             // a robot at rest measures gravity's reaction, upwards
             let roll_by_gravity = Real::atan2(left, up);
             let pitch_by_gravity = Real::atan2(-forward, Real::hypot(left, up));
@@ -285,6 +285,12 @@ mod tests {
         }
         for size in [0.0, 7.5, 12.0, 15.0, 1e4, f64::NAN] {
             assert_eq!(tilt(force(size), [0.0; 3]), 0.0, "{size}");
+        }
+        // on the Moon a robot that falls feels a force near to gravity's too
+        for (size, is_tilted) in [(0.0, false), (1.0, false), (1.5, true), (2.2, false)] {
+            let mut filter = AttitudeFilter::new(0.0, 1.62);
+            filter.update(0, force(size), [0.0; 3]);
+            assert_eq!(filter.roll() != 0.0, is_tilted, "{size}");
         }
         for rate in [f64::NAN, 101.0, -101.0] {
             assert_eq!(tilt(force(10.0), [0.0, 0.0, rate]), 0.0, "{rate}");

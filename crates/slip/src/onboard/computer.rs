@@ -281,13 +281,15 @@ impl OnBoard {
             }
         };
         let is_settled = self.learner.as_deref().is_none_or(SoilLearner::is_settled);
+        // a robot that is put down rocks on its wheels
+        let is_warm = self.clock.seconds(now_ns) >= self.warm_up;
         let output = self.controller.step(&ControlInput {
             time_ns: now_ns,
             wheels: &self.observations,
             speed: self.speed(),
             heading: Some(self.attitude.heading()),
-            pitch: Some(self.attitude.pitch()),
-            roll: Some(self.attitude.roll()),
+            pitch: is_warm.then(|| self.attitude.pitch()),
+            roll: is_warm.then(|| self.attitude.roll()),
             slip_demand: self.demand_now.filter(|_| is_settled),
             request,
         });
