@@ -101,7 +101,10 @@ fn read(
             what: "its [ground]".into(),
         })?;
     let sensors = root.section("sensors", read_sensors)?.unwrap_or_default();
-    let (control, optimum, fixed_slip) = root.section("control", read_control)?.unwrap_or_default();
+    let usual = ControlSettings::under_gravity(robot.linkage.gravity());
+    let (control, optimum, fixed_slip) = root
+        .section("control", |s| read_control(s, usual))?
+        .unwrap_or((usual, None, None));
     let faults = read_faults(root, &robot)?;
     let duration = root.number("duration_s", (0.1, 1e6))?;
     let plan = root.section("plan", read_plan)?;
@@ -408,8 +411,8 @@ fn read_sensors(s: &Section<'_>) -> Result<SensorSettings> {
 /// The controller's settings, the slip to run at where the file gives one, and the fixed slip.
 type Control = (ControlSettings, Option<f64>, Option<f64>);
 
-fn read_control(s: &Section<'_>) -> Result<Control> {
-    let mut out = ControlSettings::default();
+fn read_control(s: &Section<'_>, usual: ControlSettings) -> Result<Control> {
+    let mut out = usual;
     read_fields(s, &mut out, ControlSettings::FIELDS)?;
     out.check().map_err(|error| {
         let refused = match &error {

@@ -1,5 +1,7 @@
 //! How the controller works: one value per line, each with its default.
 
+use grouser_terra::EARTH_GRAVITY_M_PER_S2;
+
 use crate::error::{Result, check_range};
 use crate::settings::{Field, check_fields};
 
@@ -156,6 +158,23 @@ impl Default for ControlSettings {
 }
 
 impl ControlSettings {
+    /// The defaults where gravity is `gravity` (m/s²): a change of speed takes the same share of a wheel's traction everywhere, so
+    /// that starts on the Moon do not slip by half.
+    ///
+    /// ```
+    /// use grouser_slip::control::ControlSettings;
+    ///
+    /// assert!((ControlSettings::under_gravity(1.62).max_acceleration - 0.0826).abs() < 1e-4);
+    /// ```
+    #[must_use]
+    pub fn under_gravity(gravity: f64) -> Self {
+        let usual = Self::default();
+        Self {
+            max_acceleration: usual.max_acceleration * gravity / EARTH_GRAVITY_M_PER_S2,
+            ..usual
+        }
+    }
+
     /// Every number of the settings, in the order of the struct.
     pub const FIELDS: &[Field<Self>] = &[
         Row::new("optimum", "1", (0.01, 0.95), |s| &mut s.optimum),
