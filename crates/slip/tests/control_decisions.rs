@@ -588,6 +588,16 @@ fn a_robot_that_fails_on_a_slope_crosses_it() {
     assert_eq!(open.controller.mode(), Mode::Forward);
 }
 
+/// At rest it stands on the slope already, however slowly the tilt is smoothed.
+#[test]
+fn a_robot_that_begins_on_a_slope_crosses_it() {
+    let mut open = OpenLoop::new(&settings());
+    // above 0.09 rad by less than what a tilt that is smoothed from 0 lacks after 2.6 s of digging
+    open.pitch = Some(-0.095);
+    open.each(|wheel| wheel.slip = Some(1.0));
+    open.until(Action::Traverse, Reason::DiggingIn);
+}
+
 #[test]
 fn a_gentle_slope_ends_a_leg_early() {
     // below 0.05 rad from 0.3 of the length on: 0.9 m

@@ -275,6 +275,32 @@ fn sides_that_run_far_apart_are_no_outliers_of_each_other() {
     .assert_within(0.05);
 }
 
+/// It turns on the spot and slides back: the side that hardly slips takes it against the mean of the rims, whose slip is above 1. The
+/// errors of the wheels' speeds were 0.02 m/s for as long as the turn lasted.
+#[test]
+fn the_slow_side_of_a_turn_on_the_spot_may_take_the_robot_back() {
+    for seed in 1..4 {
+        let world = World {
+            rows: 2,
+            half_track: 0.25,
+            speed: -0.018,
+            turn: -0.1,
+            slip: |_| 0.972,
+            right: Some(|_| 0.15),
+            gyro_bias: Some(0.002),
+            reference: Reference::Displacement([0.0015, 0.003]),
+            seed,
+            ..WORLD
+        };
+        let score = world.run();
+        println!("{score:?}");
+        assert!(
+            score.rmse < 0.13 && score.wrong < 0.04 && score.nees < 2.0,
+            "{score:?}"
+        );
+    }
+}
+
 #[test]
 fn a_heading_that_wanders_with_each_displacement_is_followed() {
     for gyro_bias in [None, Some(-0.008)] {

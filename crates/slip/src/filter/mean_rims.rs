@@ -14,6 +14,8 @@ const INLIER_SHARE: f64 = 0.2;
 const INLIER_SIGMA: f64 = 3.0;
 /// Rims slower than this do not turn, m/s.
 pub(super) const TURNING_SPEED_M_PER_S: f64 = 0.01;
+/// Rims that run against their mean do so at this multiple of it at most: where the mean nearly vanishes its slip means nothing.
+const MAX_AGAINST_SHARE: f64 = 4.0;
 /// Rim and robot differ by this for other reasons than slip, m/s.
 const RIM_CREEP_M_PER_S: f64 = 5e-4;
 /// Wheels move along themselves: the variance of their sideways speed against that of a rim. Without this a steered wheel that slips
@@ -55,6 +57,15 @@ pub(super) struct Rims {
     pub(super) lag: f64,
     /// Speed gained since the windows by the specific force, m/s; 0 without an accelerometer.
     pub(super) gained: f64,
+    /// The greatest slip of these rims together: above 1 where some run the other way, as in a turn on the spot, and may take the
+    /// robot with them.
+    pub(super) max_slip: f64,
+}
+
+/// The greatest slip of rims that run at `speed` together while the slowest along it runs at `slowest`, m/s.
+fn max_slip(speed: f64, slowest: f64) -> f64 {
+    let against = -slowest / speed.abs().max(TURNING_SPEED_M_PER_S);
+    1.0 + against.clamp(0.0, MAX_AGAINST_SHARE)
 }
 
 /// The motion of the rims over a step, over the powered wheels that agree with the median; `gained_since` is the speed gained since a
@@ -127,13 +138,18 @@ pub(super) fn mean_rims(
     let (lag, gained) = (lag / used, gained / used);
     let variance = variance / (used * used) + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
     if parallel {
+        let speed = speed / used;
+        let along = |wheel: &WheelChannel| Some(wheel.rim?.0.value * speed.signum());
+        let rims = wheels.iter().filter(|wheel| is_used(wheel));
+        let slowest = rims.filter_map(along).fold(0.0, f64::min);
         return Some(Rims {
             way: way / used,
             direction: Real::atan2(first[1], first[0]),
-            speed: speed / used,
+            speed,
             variance,
             lag,
             gained,
+            max_slip: max_slip(speed, slowest),
         });
     }
     if roll_one_way(wheels) {
@@ -155,6 +171,7 @@ pub(super) fn mean_rims(
         variance,
         lag,
         gained,
+        max_slip: 1.0,
     })
 }
 

@@ -281,8 +281,8 @@ impl OnBoard {
             }
         };
         let is_settled = self.learner.as_deref().is_none_or(SoilLearner::is_settled);
-        // a robot that is put down rocks on its wheels
-        let is_warm = self.clock.seconds(now_ns) >= self.warm_up;
+        // a robot that is put down rocks on its wheels; a clock that was set back is no reason not to watch the tilt
+        let is_warm = !(0.0..self.warm_up).contains(&self.clock.seconds(now_ns));
         let output = self.controller.step(&ControlInput {
             time_ns: now_ns,
             wheels: &self.observations,

@@ -16,6 +16,8 @@ pub(super) struct TiltMonitor {
     tilt: f64,
     slow: f64,
     exceeded_time: f64,
+    /// Has a tilt been measured?
+    is_known: bool,
 }
 
 impl TiltMonitor {
@@ -31,6 +33,10 @@ impl TiltMonitor {
         let level = (Real::cos(pitch) * Real::cos(roll)).clamp(-1.0, 1.0);
         let tilt = Real::acos(level);
         self.now = tilt;
+        if !self.is_known {
+            // a robot that begins on a slope stands on it
+            (self.tilt, self.slow, self.is_known) = (tilt, tilt, true);
+        }
         self.tilt += step / (SLIP_TIME_CONSTANT_S + step) * (tilt - self.tilt);
         self.slow += step / (SLOW_TIME_CONSTANT_S + step) * (tilt - self.slow);
         self.exceeded_time = if tilt > settings.max_tilt {

@@ -375,6 +375,7 @@ impl GroundTrack {
                 rise: RISE_FACTOR * (rims.speed - self.slow_rim_speed),
                 gained: rims.gained,
             },
+            max_slip: rims.max_slip,
         });
         self.history.push(now_ns, self.models.totals());
         self.use_awaited_speed(false, settings);

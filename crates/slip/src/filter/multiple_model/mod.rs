@@ -86,6 +86,8 @@ pub(crate) struct WheelStep {
     /// Specific force along that direction, m/s², and its noise density, m/s/√s.
     pub(crate) acceleration: Option<(f64, f64)>,
     pub(crate) rim: Rim,
+    /// The greatest slip of the rims together.
+    pub(crate) max_slip: f64,
 }
 
 /// How a reading of the reference agrees with the prediction.
@@ -230,6 +232,7 @@ impl MultipleModel {
                 turn_error: wheels.turn_error,
                 removed,
                 acceleration: wheels.acceleration.filter(|_| uses),
+                max_slip: wheels.max_slip,
             };
             group.mix(wheels.dt);
             group.each(|model| model.predict(&step));

@@ -47,7 +47,7 @@ const SUDDEN_SLIP_NOISE: f64 = 0.05;
 /// Slip changes with the ground under the rims: the process noise is in full from this rim speed on, m/s, and none at rest. Twice
 /// that makes errors on random logs 0.4 % smaller, and those at 0.1 m/s depend on it then (`known_truth`).
 const FULL_NOISE_RIM_M_PER_S: f64 = 0.05;
-/// Slip lies within ±1.
+/// Slip lies within ±1, but for rims that run apart.
 pub(super) const MAX_SLIP: f64 = 1.0;
 
 /// What has passed since a reading was taken.
@@ -76,6 +76,8 @@ pub(super) struct Model {
     slip_noise: f64,
     /// Process noise density of the accelerometer's bias, m/s² per √s.
     bias_noise: f64,
+    /// The greatest slip of the rims together.
+    max_slip: f64,
 }
 
 impl Model {
@@ -85,6 +87,7 @@ impl Model {
             covariance: [[0.0; STATES]; STATES],
             slip_noise,
             bias_noise,
+            max_slip: MAX_SLIP,
         }
     }
 
@@ -139,6 +142,8 @@ impl Model {
     /// Predicts over one step.
     pub(super) fn predict(&mut self, step: &Step) {
         let dt = step.dt;
+        self.max_slip = step.max_slip;
+        self.clamp_slip();
         let [.., slip, drift, bias, _] = self.mean;
         let turn = self.predict_turn_error(step);
         let turn = match step.curvature {
@@ -317,7 +322,7 @@ impl Model {
     }
 
     fn clamp_slip(&mut self) {
-        self.mean[SLIP] = self.mean[SLIP].clamp(-MAX_SLIP, MAX_SLIP);
+        self.mean[SLIP] = self.mean[SLIP].clamp(-MAX_SLIP, self.max_slip);
     }
 
     /// Inflates the variance of the heading (rad²).

@@ -17,6 +17,8 @@ pub(super) struct Step {
     pub(super) removed: f64,
     /// Specific force along the direction, m/s², and its noise density, m/s/√s.
     pub(super) acceleration: Option<(f64, f64)>,
+    /// The greatest slip of the rims together.
+    pub(super) max_slip: f64,
 }
 
 /// What is known of the error of the turn rate.
