@@ -64,6 +64,12 @@ random-logs first="0" count="100" hz="0" trouble="":
     bench/target/venv/bin/pip install --quiet numpy
     bench/target/venv/bin/python bench/random_logs.py {{first}} {{count}} {{hz}} {{trouble}}
 
+# the controller beside open loop on a hundred drives with robots, soils, reliefs, gravities and sensors drawn at random
+# (bench/random_drives.py); minutes
+random-drives first="0" count="100":
+    cargo build --release
+    python3 bench/random_drives.py {{first}} {{count}}
+
 # the lanes' tests under the address sanitizer (needs a nightly compiler); minutes
 sanitize:
     RUSTFLAGS=-Zsanitizer=address CARGO_TARGET_DIR=target/sanitize cargo +nightly test --package grouser-terra --target x86_64-unknown-linux-gnu --lib --test all -- lanes:: batches::
