@@ -290,9 +290,7 @@ impl Detector {
             && !light
         {
             watched.heard_s += dt;
-            let share = (dt / TORQUE_MEMORY_S)
-                .max(dt / (watched.heard_s + dt))
-                .min(1.0);
+            let share = (dt / TORQUE_MEMORY_S).max(dt / watched.heard_s).min(1.0);
             watched.usual_torque += share * (torque - watched.usual_torque);
             if let Some((slip, _)) = trusted(estimate) {
                 watched.usual_slip += share * (slip - watched.usual_slip);
@@ -367,3 +365,6 @@ fn trusted(estimate: &WheelEstimate) -> Option<(f64, f64)> {
     let (slip, sigma) = (estimate.slip?.value(), estimate.sigma?);
     (usable && sigma.is_finite()).then_some((slip, sigma))
 }
+
+#[cfg(test)]
+mod tests;

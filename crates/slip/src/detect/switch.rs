@@ -57,6 +57,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn waits_for_nothing_without_a_time_and_anew_when_the_clock_is_set() {
+        let mut switch = Switch::default();
+        assert_eq!(switch.take(5, (true, false), (0.0, 0.0)), Some((true, 5)));
+        assert_eq!(switch.take(5, (false, true), (0.0, 0.0)), Some((false, 5)));
+        let mut at = |ms: i64, on| {
+            let found = switch.take(ms * 1_000_000, (on, !on), (0.1, 0.1));
+            (found, switch.is_rising(), switch.is_on())
+        };
+        assert_eq!(at(500, false), (None, false, false));
+        assert_eq!(at(500, true), (None, true, false));
+        // set back: not before 0.1 s of the new clock
+        assert_eq!(at(300, true), (None, true, false));
+        assert_eq!(at(399, true), (None, true, false));
+        assert_eq!(at(400, true), (Some((true, 300_000_000)), false, true));
+        assert_eq!(at(450, false), (None, false, true));
+    }
+
+    #[test]
     fn changes_after_its_time_and_not_for_a_flicker() {
         let mut switch = Switch::default();
         let patience = (0.3, 0.5);
