@@ -22,6 +22,7 @@ use crate::history::seconds_between;
 use crate::robot::{Robot, WheelRole};
 use crate::sample::{Measurement, Sample};
 use crate::speed::Measured;
+use crate::wheel_estimate::WheelEstimate;
 pub use gravity::check_gravity;
 use pair::{Pair, Verdict};
 
@@ -111,13 +112,21 @@ impl StartCheck {
         sample: &Sample,
         known: &FilterOutput<'_>,
     ) -> core::result::Result<Progress, Fault> {
+        self.step(sample, known.wheels)
+    }
+
+    fn step(
+        &mut self,
+        sample: &Sample,
+        wheels: &[WheelEstimate],
+    ) -> core::result::Result<Progress, Fault> {
         self.listen(sample);
         let begun = *self.begun_ns.get_or_insert(sample.time_ns);
         let passed = seconds_between(begun, sample.time_ns);
         if !(0.0..=2.0 * WINDOW_S).contains(&passed) {
             self.restart(sample.time_ns);
         } else if passed >= WINDOW_S {
-            self.end_window(known, passed);
+            self.end_window(wheels, passed);
             self.restart(sample.time_ns);
         }
         match self.found {
@@ -177,9 +186,9 @@ impl StartCheck {
         }
     }
 
-    fn end_window(&mut self, known: &FilterOutput<'_>, passed: f64) {
+    fn end_window(&mut self, wheels: &[WheelEstimate], passed: f64) {
         let mut rims = [None; crate::filter::MAX_FILTER_WHEELS];
-        for (rim, wheel) in rims.iter_mut().zip(known.wheels) {
+        for (rim, wheel) in rims.iter_mut().zip(wheels) {
             *rim = wheel.rim_speed.map(|rim| rim.value);
         }
         let count = self.rows.len();
@@ -327,3 +336,6 @@ impl StartCheck {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -142,3 +142,137 @@ fn guess(factor: f64, units: &Units) -> Option<&'static str> {
     let near = |unit: &&(f64, &str)| (Real::ln(factor.abs() / unit.0)).abs() <= MAX_SLIP_FACTOR;
     units.iter().find(near).map(|unit| unit.1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: (f64, f64) = (0.2, 5.0);
+
+    /// Readings of first and second, over `seconds` in all.
+    fn of(seconds: f64, readings: &[(f64, f64)]) -> Pair {
+        let mut pair = Pair::default();
+        for (first, second) in readings {
+            pair.take(*first, *second, 0.0, seconds / readings.len() as f64);
+        }
+        pair
+    }
+
+    /// The second is `second` at first and 0 from then on.
+    fn beside(second: f64, first: &[f64]) -> Pair {
+        let seconds = |index| if index == 0 { second } else { 0.0 };
+        let readings = first.iter().enumerate();
+        let readings: Vec<_> = readings.map(|(i, first)| (*first, seconds(i))).collect();
+        of(2.0, &readings)
+    }
+
+    fn verdict(pair: &Pair) -> Verdict {
+        pair.verdict(LIMITS, &LENGTHS)
+    }
+
+    #[test]
+    fn a_slope_is_that_of_least_squares_and_without_means_where_there_is_a_bias() {
+        let readings = [(2.0, 1.0), (3.0, 2.0), (7.0, 4.0)];
+        let near = |pair: &Pair, slope: f64, together: f64| {
+            let found = pair.slope().unwrap();
+            assert!((found.0 - slope).abs() < 1e-12 && (found.1 - together).abs() < 1e-12);
+        };
+        near(&of(1.0, &readings), 36.0 / 21.0, 36.0 / 1302.0_f64.sqrt());
+        let mut pair = Pair::default();
+        for (first, second) in readings {
+            pair.take_unbiased(first, second, 0.0, 1.0);
+        }
+        // deviations -2, -1, 3 and -4/3, -1/3, 5/3
+        near(&pair, 12.0 / 7.0, 4.0 * 3.0_f64.sqrt() / 7.0);
+        // a bias changes nothing
+        let mut shifted = Pair::default();
+        for (first, second) in readings {
+            shifted.take_unbiased(first - 9.0, second, 0.0, 1.0);
+        }
+        near(&shifted, 12.0 / 7.0, 4.0 * 3.0_f64.sqrt() / 7.0);
+        for still in [[(0.0, 1.0), (0.0, 2.0)], [(1.0, 0.0), (2.0, 0.0)]] {
+            let still = of(1.0, &still);
+            assert!(still.slope().is_none() && !still.is_related());
+            assert_eq!(verdict(&still), Verdict::Unrelated);
+        }
+    }
+
+    #[test]
+    fn a_second_is_seen_where_the_second_reading_moves() {
+        let mut pair = Pair::default();
+        pair.take(1.0, 0.499, 0.5, 10.0);
+        assert!(pair.slope().is_none() && !pair.is_settled());
+        pair.take(1.0, -0.5, 0.5, 0.5);
+        assert!(pair.slope().is_some() && !pair.is_settled() && !pair.is_related());
+        assert_eq!(verdict(&pair), Verdict::Open);
+        pair.take(1.0, -0.5, 0.5, 0.5);
+        assert!(pair.is_settled() && pair.is_related());
+        // what is nearly still counts against a bias, though not as time
+        let mut pair = Pair::default();
+        pair.take_unbiased(1.0, 0.499, 0.5, 10.0);
+        assert!(!pair.is_settled());
+        pair.take_unbiased(1.0, -0.5, 0.5, 1.0);
+        assert!(pair.is_settled());
+    }
+
+    /// Correlations of exactly 3/4: (3 2 1 1 1) beside (4 0 0 0 0), and of exactly 0.3: (3 9 3 1) beside (10 0 0 0).
+    #[test]
+    fn what_a_pair_comes_to_changes_at_its_limits() {
+        let related = [3.0, 2.0, 1.0, 1.0, 1.0];
+        assert!(beside(4.0, &related).is_related());
+        assert!(!beside(4.0, &[3.0, 2.1, 1.0, 1.0, 1.0]).is_related());
+        assert_eq!(verdict(&beside(4.0, &related)), Verdict::Fits);
+        assert_eq!(verdict(&beside(-4.0, &related)), Verdict::Sign(-0.75));
+        assert_eq!(
+            verdict(&beside(-4.0, &[3.0, 2.1, 1.0, 1.0, 1.0])),
+            Verdict::Fits
+        );
+        assert_eq!(verdict(&beside(10.0, &[3.0, 9.0, 3.0, 1.0])), Verdict::Fits);
+        let less = beside(10.0, &[3.0, 9.0, 3.0, 2.0]);
+        assert_eq!(verdict(&less), Verdict::Unrelated);
+        // factors: 5 and 1/5 are plausible, more and less are not
+        assert_eq!(verdict(&of(2.0, &[(5.0, 1.0)])), Verdict::Fits);
+        let many = verdict(&of(2.0, &[(6.0, 1.0)]));
+        assert_eq!(many, Verdict::Scale(6.0, "another unit"));
+        assert_eq!(verdict(&of(2.0, &[(1.0, 5.0)])), Verdict::Fits);
+        let few = verdict(&of(2.0, &[(1.0, 8.0)]));
+        assert_eq!(few, Verdict::Scale(0.125, "another unit"));
+        // a low one of the two only where they go together: 3/16 and 1/10
+        let together = beside(4.0, &related.map(|first| 0.25 * first));
+        assert_eq!(verdict(&together), Verdict::Scale(0.1875, "another unit"));
+        assert_eq!(verdict(&beside(10.0, &[1.0, 1.0, 1.0, 1.0])), Verdict::Fits);
+        // a high one in any case
+        let apart = verdict(&beside(1.0, &[6.0, 9.0, 9.0, 9.0]));
+        assert_eq!(apart, Verdict::Scale(6.0, "another unit"));
+        for (factor, unit) in LENGTHS {
+            for slipped in [0.8, 1.25] {
+                let Verdict::Scale(times, named) = verdict(&of(2.0, &[(factor * slipped, 1.0)]))
+                else {
+                    panic!("{unit}");
+                };
+                assert!((times / factor - slipped).abs() < 1e-12 && named == unit);
+            }
+        }
+    }
+
+    #[test]
+    fn a_unit_is_a_factor_that_holds_through_speeds_that_vary() {
+        let degrees = 57.3;
+        let unit = |seconds, speeds: [f64; 2]| {
+            let readings = speeds.map(|speed| (degrees * speed, speed));
+            of(seconds, &readings).unit().map(|(_, unit)| unit)
+        };
+        let named = "degrees given as radians";
+        assert_eq!(unit(2.0, [3.9, 6.1]), Some(named));
+        assert_eq!(unit(1.9, [3.9, 6.1]), None);
+        // a fifth of the mean is not enough
+        assert_eq!(unit(2.0, [4.0, 6.0]), None);
+        assert_eq!(unit(2.0, [5.0, 5.0]), None);
+        // a correlation of exactly 0.99: 99² + 14² + 3 = 100²
+        let readings = [99.0, 14.0, 1.0, 1.0, 1.0];
+        assert_eq!(beside(1.75, &readings).unit(), Some((99.0 / 1.75, named)));
+        assert_eq!(beside(1.75, &[99.0, 14.0, 1.0, 1.0, 1.1]).unit(), None);
+        // no unit's factor
+        assert_eq!(of(2.0, &[(3.9, 3.9), (6.1, 6.1)]).unit(), None);
+    }
+}
