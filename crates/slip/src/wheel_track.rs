@@ -382,3 +382,6 @@ impl<T: Travel> WheelTrack<T> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;
