@@ -104,9 +104,8 @@ impl MeasuredSlip {
             let q = v / u;
             Real::sqrt(forward.variance + q * q * rim.variance) / u.abs()
         } else {
-            let near = (v.abs() - 2.0 * forward.sigma()).max(u.abs());
-            // a rim that stands
-            let v = if near > 0.0 { near } else { v.abs() };
+            // above 0, for one of the two is outside its noise
+            let v = (v.abs() - 2.0 * forward.sigma()).max(u.abs());
             let inverse_q = u / v;
             Real::sqrt(rim.variance + inverse_q * inverse_q * forward.variance) / v
         };
@@ -136,6 +135,73 @@ impl MeasuredSlip {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn of(forward: (f64, f64), rim: (f64, f64)) -> MeasuredSlip {
+        let speed = |(value, sigma): (f64, f64)| Measured {
+            value,
+            variance: sigma * sigma,
+        };
+        MeasuredSlip::from_speeds(speed(forward), speed(rim), &SlipLimits::default())
+    }
+
+    /// The limits are 2 mm/s, 10 mm/s and 0.25.
+    #[test]
+    fn a_speed_exactly_at_a_limit_is_within_it() {
+        let motion = |v, u| of((v, 0.0), (u, 0.0)).motion;
+        assert_eq!(motion(0.002, 0.001), Motion::Standstill);
+        assert_eq!(motion(0.001, 0.002), Motion::Standstill);
+        assert_eq!(motion(-0.002, 0.1), Motion::Driving);
+        assert_eq!(motion(0.1, -0.002), Motion::Braking);
+        assert_eq!(motion(-0.0021, 0.1), Motion::RollBack);
+        assert_eq!(motion(0.1, -0.0021), Motion::RollBack);
+        // two sigma are the limit where they are more
+        assert_eq!(of((-0.0041, 0.002), (0.1, 0.0)).motion, Motion::RollBack);
+        assert_eq!(of((-0.0039, 0.002), (0.1, 0.0)).motion, Motion::Driving);
+        assert_eq!(of((0.1, 0.0), (-0.0041, 0.002)).motion, Motion::RollBack);
+        assert_eq!(of((0.1, 0.0), (-0.0039, 0.002)).motion, Motion::Braking);
+        let low = Health::Degraded(Degraded::LowSpeed);
+        assert_eq!(of((0.008, 0.0), (0.0099, 0.0)).health, low);
+        assert_eq!(of((0.008, 0.0), (0.01, 0.0)).health, Health::Ok);
+        assert_eq!(of((0.5, 0.25), (1.0, 0.0)).health, Health::Ok);
+        let quantised = Health::Degraded(Degraded::Quantised);
+        assert_eq!(of((0.5, 0.251), (1.0, 0.0)).health, quantised);
+    }
+
+    /// First-order propagation of both errors, by differences of the slip itself; braking at the speed nearer to the rim's.
+    #[test]
+    fn a_sigma_is_that_of_both_speeds() {
+        let slip = |v, u| Slip::from_speeds(v, u).unwrap().value();
+        let expected = |at_v: f64, u: f64, (of_v, of_u): (f64, f64)| {
+            let step = 1e-6;
+            let by_v = (slip(at_v + step, u) - slip(at_v - step, u)) / (2.0 * step);
+            let by_u = (slip(at_v, u + step) - slip(at_v, u - step)) / (2.0 * step);
+            (by_v * of_v).hypot(by_u * of_u)
+        };
+        let sigmas = (0.02, 0.007);
+        for (v, at_v, u) in [
+            (0.06, 0.06, 0.12),
+            (0.15, 0.15, 0.3),
+            // two sigma nearer
+            (0.2, 0.16, 0.1),
+            (0.5, 0.46, 0.3),
+            // but not beyond the rim's
+            (0.12, 0.101, 0.1),
+        ] {
+            for sign in [1.0, -1.0] {
+                let seen = of((sign * v, sigmas.0), (sign * u, sigmas.1));
+                assert_eq!(seen.slip.unwrap().value(), slip(v, u));
+                let (sigma, expected) = (seen.sigma.unwrap(), expected(at_v, u, sigmas));
+                assert!(
+                    (sigma / expected - 1.0).abs() < 0.02,
+                    "{v}: {sigma}, {expected}"
+                );
+            }
+        }
+        // a rim that stands shows its own error alone
+        let standing = of((0.2, 0.05), (0.0, 0.01));
+        assert_eq!(standing.slip.unwrap().value(), -1.0);
+        assert!((standing.sigma.unwrap() - 0.1).abs() < 1e-12);
+    }
 
     /// A noisy speed of the ground that comes out fast looks like a braking wheel, whose slip hardly depends on it.
     #[test]

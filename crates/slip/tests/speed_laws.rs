@@ -1,6 +1,6 @@
 //! The speed laws against pulses of a known rotation.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use grouser_slip::{Fault, MixedSpeed, PeriodSpeed};
 use proptest::prelude::*;
@@ -100,6 +100,54 @@ fn mixed_law_is_exact_between_edges() {
     assert!(law.speed(0, 0, 1_000).is_err());
     assert!(law.speed(1, 1_000, 1_000).is_err());
     assert!(law.speed(1, i64::MAX, i64::MIN).is_err());
+}
+
+/// Numbers by hand: 100 edges a turn, so that a pulse in 0.1 s is 0.2π rad/s.
+#[test]
+fn period_law_extrapolates_is_bounded_and_knows_its_noise() {
+    let law = |edges: &[i64]| {
+        let mut law = PeriodSpeed::new(N, 1e-3).unwrap();
+        for ms in edges {
+            law.edge(ms * 1_000_000, true).unwrap();
+        }
+        law
+    };
+    let near = |value: f64, expected: f64| (value / expected - 1.0).abs() < 1e-9;
+    let held = law(&[0, 100]);
+    // the clock's millisecond at both ends of 100 ms
+    let clock = 0.04 * PI * PI * 1e-4 / 6.0;
+    for ms in [100, 150] {
+        let speed = held.speed_at(ms * 1_000_000).unwrap();
+        assert!(near(speed.value, 0.2 * PI) && near(speed.variance, clock));
+    }
+    // no pulse for as long as the last took, and for twice as long: anything up to the bound
+    for (ms, bound) in [(200, 0.2 * PI), (300, 0.1 * PI)] {
+        let speed = held.speed_at(ms * 1_000_000).unwrap();
+        assert!(near(speed.value, bound) && near(speed.variance, bound * bound / 12.0));
+    }
+    // from 0.2π to 0.4π rad/s between middles 75 ms apart, for the 25 ms from the last middle on
+    let speed = law(&[0, 100, 150]).speed_at(150_000_000).unwrap();
+    let change = 0.2 * PI / 3.0;
+    let clock = 0.16 * PI * PI * 4e-4 / 6.0;
+    assert!(near(speed.value, 0.4 * PI + change));
+    assert!(near(speed.variance, clock + change * change / 3.0));
+    // from 0.25π to 0.2π rad/s in 90 ms, for no more than two periods
+    let slowing = law(&[0, 80, 180]);
+    for ms in [345, 360] {
+        let speed = slowing.speed_at(ms * 1_000_000).unwrap();
+        assert!(near(speed.value, 0.2 * PI - 0.05 * PI * 0.2 / 0.09), "{ms}");
+    }
+}
+
+/// 25 of 100 ticks in half a second are π rad/s; 10 ms at both ends.
+#[test]
+fn mixed_law_knows_its_noise() {
+    let law = MixedSpeed::new(N, 0.01).unwrap();
+    for (pulses, expected) in [(25, PI), (-25, -PI)] {
+        let speed = law.speed(pulses, 0, 500_000_000).unwrap();
+        assert!((speed.value - expected).abs() < 1e-12);
+        assert!((speed.variance - PI * PI * 4e-4 / 6.0).abs() < 1e-12);
+    }
 }
 
 #[test]

@@ -105,12 +105,11 @@ impl PeriodSpeed {
             value = (omega_1 + change).max(0.0);
             variance += change * change / 3.0;
         }
-        if since_edge > 0.0 {
-            let bound = self.angle_per_edge / since_edge;
-            if value >= bound {
-                value = bound;
-                variance = variance.max(bound * bound / 12.0);
-            }
+        // infinite at the edge itself
+        let bound = self.angle_per_edge / since_edge;
+        if value >= bound {
+            value = bound;
+            variance = variance.max(bound * bound / 12.0);
         }
         let signed = if self.forward { value } else { -value };
         Some(Measured {
