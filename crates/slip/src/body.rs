@@ -107,3 +107,37 @@ fn inverse(m: [[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
     }
     Some(out)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_inverse_is_one_and_what_has_none_is_refused() {
+        // positive definite, each with other signs of the correlations; units that differ by a factor of 1e6
+        for (a, b, c) in [
+            (0.3, 0.5, 0.2),
+            (-0.4, 0.1, 0.6),
+            (0.7, -0.2, -0.3),
+            (0.0, 0.0, 0.9),
+        ] {
+            let unit = [1e-3, 2.0, 1e3];
+            let correlation = [[1.0, a, b], [a, 1.0, c], [b, c, 1.0]];
+            let m = [0, 1, 2].map(|i| [0, 1, 2].map(|j| correlation[i][j] * unit[i] * unit[j]));
+            let inverse = inverse(m).unwrap();
+            for i in 0..3 {
+                for j in 0..3 {
+                    let product: f64 = (0..3).map(|k| m[i][k] * inverse[k][j]).sum();
+                    let expected = f64::from(u8::from(i == j));
+                    assert!((product * unit[j] / unit[i] - expected).abs() < 1e-12);
+                }
+            }
+        }
+        let diagonal = |first| [[first, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        for first in [0.0, -1.0, f64::INFINITY, f64::NAN] {
+            assert_eq!(inverse(diagonal(first)), None, "{first}");
+        }
+        let singular = [[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!(inverse(singular), None);
+    }
+}

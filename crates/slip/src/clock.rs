@@ -44,9 +44,38 @@ impl Clock {
             };
             return Ok(Step::Start);
         }
-        if time_ns < last_ns {
-            self.refused_ns = Some(time_ns);
-        }
+        self.refused_ns = Some(time_ns);
         Err(Fault::NotLater { time_ns, last_ns })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gap_begins_where_it_is_longer_than_its_limit() {
+        let mut clock = Clock::default();
+        assert_eq!(clock.accept(0, 1.0), Ok(Step::Start));
+        assert_eq!(clock.accept(1_000_000_000, 1.0), Ok(Step::After(1.0)));
+        assert_eq!(clock.accept(2_000_000_001, 1.0), Ok(Step::Start));
+    }
+
+    #[test]
+    fn two_refused_times_that_follow_each_other_are_a_clock_that_was_set_back() {
+        let mut clock = Clock::default();
+        clock.accept(10, 1.0).unwrap();
+        let refused = |time_ns| {
+            Err(Fault::NotLater {
+                time_ns,
+                last_ns: 10,
+            })
+        };
+        // the last time again was not set back, and one time twice does not follow itself
+        for time_ns in [10, 5, 5] {
+            assert_eq!(clock.accept(time_ns, 1.0), refused(time_ns));
+        }
+        assert_eq!(clock.accept(7, 1.0), Ok(Step::Start));
+        assert_eq!(clock.accept(8, 1.0), Ok(Step::After(1e-9)));
     }
 }

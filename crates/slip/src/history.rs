@@ -155,7 +155,7 @@ impl<const K: usize> History<K> {
         let oldest = self.entry(0).time_ns;
         let span = seconds_between(oldest, self.entry(last).time_ns);
         let guess = whole(seconds_between(oldest, time_ns) / span * last as f64);
-        let mut low = usize::try_from(guess).unwrap_or(0).min(last - 1);
+        let mut low = usize::try_from(guess).unwrap_or(0).min(last);
         let mut high = low + 1;
         let mut step = 1;
         while self.entry(low).time_ns > time_ns {
@@ -201,6 +201,29 @@ mod tests {
         assert_eq!(history.between(250, 750), Some([3.0]));
         assert_eq!(history.at(-1), None);
         assert_eq!(history.at(1001), None);
+        assert_eq!(
+            [0, 1000].map(|time| history.at(time)),
+            [Some([0.0]), Some([6.0])]
+        );
+    }
+
+    #[test]
+    fn of_three_entries_within_a_spacing_the_last_takes_the_place_of_the_second() {
+        // ten spaces of 100 ns
+        let kept = |times: [i64; 3]| {
+            let mut history = History::<1>::new(12, 1_000);
+            for (time, total) in times.into_iter().zip([0.0, 7.0, 1.0]) {
+                history.push(time, [total]);
+            }
+            history.at(times[1]) == Some([7.0])
+        };
+        assert!(!kept([0, 50, 99]) && kept([0, 50, 100]) && kept([0, 99, 198]));
+    }
+
+    #[test]
+    fn room_is_what_a_rate_needs_within_a_span_and_two() {
+        let room = |span, rate, max| History::<1>::of_rate(span, rate, max).ring.len();
+        assert_eq!((room(0.5, 100.0, 1_000), room(0.5, 100.0, 40)), (52, 40));
     }
 
     #[test]
@@ -219,6 +242,15 @@ mod tests {
             [100, 800, 900].map(|time| history.bend_at(time)),
             [[0.0]; 3]
         );
+        // two spaces are enough, one is not
+        let mut history = History::<1>::new(8, 0);
+        for time in [100, 300] {
+            history.push(time, [quadratic(time)]);
+        }
+        assert_eq!(history.bend_at(200), [0.0]);
+        history.push(600, [quadratic(600)]);
+        let [linear] = history.at(400).unwrap();
+        assert!((linear + history.bend_at(400)[0] - quadratic(400)).abs() < 1e-6);
     }
 
     #[test]

@@ -97,3 +97,66 @@ impl Steering {
         self.swung - self.from
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grouser_terra::Angle;
+
+    /// Where a wheel's centre is and its heading, by steps of rotation about a point.
+    #[test]
+    fn a_steered_wheel_is_turned_about_its_point() {
+        let joint = [0.3, -0.2];
+        let wheel = Wheel::powered("wheel")
+            .at(0.9, 0.4)
+            .heading(Angle::from_rad(0.5));
+        for (wheel, joint) in [
+            (wheel.clone().steered_about(joint[0], joint[1]), joint),
+            (wheel, [0.9, 0.4]),
+        ] {
+            let mut steering = Steering::new(&wheel);
+            assert!(!steering.is_used() && !steering.has_turned());
+            // the first angle is one that it has, not a turn
+            let first = 0.3;
+            assert!(steering.turn(first) && steering.is_used() && !steering.has_turned());
+            assert!(!steering.turn(first) && !steering.has_turned());
+            assert_eq!(steering.swung_in_all(), 0.0);
+            let centre = |angle: f64| {
+                let (sin, cos) = f64::sin_cos(angle);
+                let arm = [0.9 - joint[0], 0.4 - joint[1]];
+                [
+                    joint[0] + arm[0] * cos - arm[1] * sin,
+                    joint[1] + arm[0] * sin + arm[1] * cos,
+                ]
+            };
+            // its way along its heading, summed over small steps
+            let way = |from: f64, to: f64| -> f64 {
+                let step = (to - from) / 1e4;
+                let part = |index: u32| {
+                    let at = from + step * f64::from(index);
+                    let (a, b) = (centre(at), centre(at + step));
+                    let heading = 0.5 + at + 0.5 * step;
+                    (b[0] - a[0]) * heading.cos() + (b[1] - a[1]) * heading.sin()
+                };
+                (0..10_000).map(part).sum()
+            };
+            let mut last = first;
+            for angle in [0.8, -0.7, 1.9] {
+                steering.mark();
+                assert!(steering.turn(angle) && steering.has_turned());
+                assert!((steering.swung() - way(last, angle)).abs() < 1e-6);
+                assert!((steering.swung_in_all() - way(first, angle)).abs() < 1e-6);
+                last = angle;
+                // its speed where the robot moves at 0.4 m/s, 0.1 m/s to the left, and turns at 0.7 rad/s
+                let place = centre(angle);
+                let speed = [0.4 - 0.7 * place[1], 0.1 + 0.7 * place[0]];
+                let (sin, cos) = f64::sin_cos(0.5 + angle);
+                let of = |row: [f64; 3]| row[0] * 0.4 + row[1] * 0.1 + row[2] * 0.7;
+                let along = speed[0] * cos + speed[1] * sin;
+                let across = speed[1] * cos - speed[0] * sin;
+                assert!((of(steering.along()) - along).abs() < 1e-12);
+                assert!((of(steering.across()) - across).abs() < 1e-12);
+            }
+        }
+    }
+}
