@@ -33,6 +33,7 @@ mod onboard;
 mod onboard_start;
 mod prior;
 mod promises;
+mod robot_description;
 mod soil_learner;
 mod soil_tables;
 mod speed_laws;

@@ -1,6 +1,9 @@
 //! Names that logs and other languages know: each is its variant's, and the wheel of a measurement.
 
-use grouser_slip::{Degraded, Health, Invalid, Measurement, Motion, Reference};
+use grouser_slip::filter::{FilterSettings, SlipFilter};
+use grouser_slip::{
+    Degraded, Health, Invalid, Measurement, Motion, Reference, Robot, Sample, Wheel,
+};
 
 #[test]
 fn a_state_is_written_as_its_variant() {
@@ -65,4 +68,46 @@ fn a_measurement_of_a_wheel_knows_which() {
     assert_eq!(robots_own.wheel(), None);
     assert_eq!(robots_own.with_wheel(5), robots_own);
     assert!(!robots_own.is_rotation());
+}
+
+/// Raw readings are for what runs on board: the filter waits for what that makes of them.
+#[test]
+fn a_raw_reading_changes_nothing_in_the_filter() {
+    let wheel = Wheel::powered("wheel").ticks_per_turn(100);
+    let robot = Robot::new("cart".into(), vec![wheel]).unwrap();
+    let mut filter = SlipFilter::new(&robot, FilterSettings::default()).unwrap();
+    for step in 0..100 {
+        let measurement = Measurement::YawRate { rate: 0.0 };
+        let time_ns = step * 10_000_000;
+        filter
+            .update(Sample {
+                time_ns,
+                measurement,
+            })
+            .unwrap();
+    }
+    let (time_ns, wheel) = (filter.latest().time_ns, 0);
+    for measurement in [
+        Measurement::Inertial {
+            force: [0.0; 3],
+            rate: [0.0; 3],
+        },
+        Measurement::JointAngle {
+            joint: 0,
+            angle: 0.1,
+        },
+        Measurement::Steering { angle: 0.1 },
+        Measurement::Sinkage { wheel, depth: 0.1 },
+        Measurement::EntryAngle { wheel, angle: 0.1 },
+        Measurement::MotorCurrent { wheel, share: 0.1 },
+    ] {
+        // even an hour later
+        let sample = Sample {
+            time_ns: 3_600_000_000_000,
+            measurement,
+        };
+        let output = filter.update(sample).unwrap();
+        assert_eq!((output.time_ns, output.clock_steps), (time_ns, 0));
+        assert_eq!(output.rejected.total(), 0);
+    }
 }
