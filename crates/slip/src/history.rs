@@ -83,7 +83,7 @@ impl<const K: usize> History<K> {
         Some((entry.time_ns, entry.totals))
     }
 
-    /// Adds totals at a time later than the newest.
+    /// Adds totals at a time no earlier than the newest.
     pub(crate) fn push(&mut self, time_ns: i64, totals: [f64; K]) {
         let new = Entry { time_ns, totals };
         let capacity = self.ring.len();
@@ -218,6 +218,16 @@ mod tests {
             history.at(times[1]) == Some([7.0])
         };
         assert!(!kept([0, 50, 99]) && kept([0, 50, 100]) && kept([0, 99, 198]));
+    }
+
+    #[test]
+    fn totals_may_jump_at_one_time() {
+        let mut history = History::<1>::new(8, 0);
+        for (time, total) in [(0, 0.0), (10, 1.0), (10, 3.0), (20, 5.0)] {
+            history.push(time, [total]);
+        }
+        let at = [5, 10, 15].map(|time| history.at(time));
+        assert_eq!(at, [Some([0.5]), Some([3.0]), Some([4.0])]);
     }
 
     #[test]

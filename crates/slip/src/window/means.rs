@@ -82,11 +82,7 @@ impl Tracked {
 
     fn steer(&mut self, time_ns: i64, angle: f64) -> core::result::Result<(), Fault> {
         Fault::check_range("steering angle", angle, -7.0, 7.0, "rad")?;
-        if self
-            .swings
-            .newest()
-            .is_some_and(|(last, _)| last >= time_ns)
-        {
+        if self.swings.newest().is_some_and(|(last, _)| last > time_ns) {
             // the clock was set back
             self.swings.clear();
         }
@@ -522,3 +518,6 @@ const fn prior(sigma: f64) -> Measured {
         variance: sigma * sigma,
     }
 }
+
+#[cfg(test)]
+mod tests;
