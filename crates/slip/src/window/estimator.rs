@@ -176,3 +176,133 @@ impl WindowEstimator {
         Some(estimate)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::Wheel;
+    use crate::sample::Measurement;
+    use crate::speed::Measured;
+
+    /// Two powered wheels and a free one on one axle, 0.1 m, that send angles.
+    fn estimator(change: impl Fn(&mut WindowSettings)) -> WindowEstimator {
+        let wheels = [
+            Wheel::powered("left").at(0.0, 0.2),
+            Wheel::powered("right").at(0.0, -0.2),
+            Wheel::free("free"),
+        ];
+        let robot = Robot::new("cart".into(), wheels.to_vec()).unwrap();
+        let mut settings = WindowSettings::default();
+        change(&mut settings);
+        WindowEstimator::new(&robot, settings).unwrap()
+    }
+
+    fn take(estimator: &mut WindowEstimator, ms: i64, measurement: Measurement) {
+        let time_ns = ms * 1_000_000;
+        let output = estimator
+            .update(Sample {
+                time_ns,
+                measurement,
+            })
+            .unwrap();
+        assert!(output.wheels.len() == 3 && output.time_ns >= time_ns);
+    }
+
+    /// A second of rims of these speeds, m/s.
+    fn drive(estimator: &mut WindowEstimator, rims: [f64; 3]) -> [WheelEstimate; 3] {
+        for ms in (0..=1000).step_by(20) {
+            for (wheel, rim) in rims.into_iter().enumerate() {
+                let angle = rim * 0.001 * ms as f64 / 0.1;
+                take(estimator, ms, Measurement::WheelAngle { wheel, angle });
+            }
+        }
+        let latest = estimator.latest().unwrap();
+        [0, 1, 2].map(|wheel| latest.wheels[wheel])
+    }
+
+    #[test]
+    fn health_names_what_a_slip_lacks() {
+        let health = |reference, rims| {
+            let estimates = drive(&mut estimator(|s| s.reference = reference), rims);
+            (estimates[1].health, estimates[1].motion)
+        };
+        let degraded = |why| Health::Degraded(why);
+        let driving = Some(Motion::Driving);
+        for (reference, moving) in [
+            (Reference::Grip, degraded(Degraded::Relative)),
+            (Reference::FreeWheel, degraded(Degraded::YawAssumed)),
+        ] {
+            assert_eq!(health(reference, [0.3, 0.4, 0.3]), (moving, driving));
+            // what is worse stays, and what has no slip lacks nothing
+            let slow = degraded(Degraded::LowSpeed);
+            assert_eq!(health(reference, [0.007, 0.009, 0.007]), (slow, driving));
+            let standing = (Health::Ok, Some(Motion::Standstill));
+            assert_eq!(health(reference, [0.0, 0.0, 0.0]), standing);
+        }
+        // with a gyro nothing is assumed
+        let mut estimator = estimator(|_| ());
+        for ms in 0..=1000 {
+            let rate = 0.0;
+            take(&mut estimator, ms, Measurement::YawRate { rate });
+        }
+        assert_eq!(drive(&mut estimator, [0.4; 3])[1].health, Health::Ok);
+    }
+
+    #[test]
+    fn the_free_wheel_drives_or_stands_and_has_no_slip() {
+        for (rim, motion) in [(0.3, Motion::Driving), (0.0, Motion::Standstill)] {
+            let free = drive(&mut estimator(|_| ()), [0.4, 0.4, rim])[2];
+            assert_eq!(
+                (free.motion, free.slip, free.sigma),
+                (Some(motion), None, None)
+            );
+        }
+        // at what stands a setting decides
+        let slow = drive(&mut estimator(|s| s.standstill_speed = 0.05), [0.04; 3]);
+        assert!(
+            slow.iter()
+                .all(|wheel| wheel.motion == Some(Motion::Standstill))
+        );
+        let slow = drive(&mut estimator(|s| s.low_speed = 0.05), [0.045; 3])[0];
+        assert_eq!(slow.health, Health::Degraded(Degraded::LowSpeed));
+    }
+
+    /// The right wheel's readings end 0.1 s before those of the left, while the ground and the left wheel get faster.
+    #[test]
+    fn each_wheel_has_its_own_window() {
+        let mut estimator = estimator(|s| s.reference = Reference::Speed);
+        for ms in (0..=1000).step_by(20) {
+            let late = f64::from((i32::try_from(ms).unwrap() - 900).max(0)) * 0.001;
+            let way = 0.3 * 0.001 * ms as f64 + late;
+            let forward = if ms > 900 { 1.3 } else { 0.3 };
+            let left = Some(0.0);
+            take(&mut estimator, ms, Measurement::Speed { forward, left });
+            take(&mut estimator, ms, Measurement::YawRate { rate: 0.0 });
+            if ms <= 900 {
+                let angle = way / 0.1;
+                take(
+                    &mut estimator,
+                    ms,
+                    Measurement::WheelAngle { wheel: 1, angle },
+                );
+            }
+            let angle = way / 0.1;
+            take(
+                &mut estimator,
+                ms,
+                Measurement::WheelAngle { wheel: 0, angle },
+            );
+        }
+        let latest = estimator.latest().unwrap();
+        for (wheel, speed, until_ms) in [(0, 0.5, 1000), (1, 0.3, 900)] {
+            let wheel = latest.wheels[wheel];
+            let near = |seen: Option<Measured>| (seen.unwrap().value - speed).abs() < 1e-3;
+            assert!(
+                near(wheel.rim_speed) && near(wheel.forward_speed),
+                "{wheel:?}"
+            );
+            assert_eq!(wheel.until_ns, Some(until_ms * 1_000_000));
+        }
+        assert_eq!(latest.time_ns, 1_000_000_000);
+    }
+}

@@ -295,3 +295,6 @@ impl ReferenceTrack {
         Some(())
     }
 }
+
+#[cfg(test)]
+mod tests;
