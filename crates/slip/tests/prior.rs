@@ -238,6 +238,145 @@ fn tables_are_those_of_whole_searches() {
     }
 }
 
+/// Dry sand or snow with tan φ as it is, greater and smaller by `share`.
+fn frictions(key: &str, share: f64) -> [Soil; 3] {
+    let soil = catalogue::find(key).unwrap().soil().unwrap();
+    let p = *soil.params();
+    [1.0, 1.0 + share, 1.0 - share].map(|factor| {
+        let phi = Angle::from_rad((factor * p.phi.rad().tan()).atan());
+        Soil::new(SoilParams { phi, ..p }).unwrap()
+    })
+}
+
+fn friction_alone(share: f64) -> SoilDoubt {
+    let mut doubt = SoilDoubt::of(0.0);
+    doubt.friction = share;
+    doubt
+}
+
+/// The mean, and a soil without a slip half way to `end`.
+fn spread([own, more, less]: [Option<f64>; 3], end: f64) -> Option<(f64, f64)> {
+    let mean = own?;
+    let off = [more, less].map(|slip| slip.map_or(0.5 * (end - mean), |slip| slip - mean));
+    Some((
+        mean,
+        (0.5 * (off[0] * off[0] + off[1] * off[1])).sqrt().max(1e-4),
+    ))
+}
+
+/// Slopes that some of the soils do not hold, on the level and downhill.
+#[test]
+fn a_soil_that_holds_no_slope_counts_half_way_to_the_end() {
+    let wheel = RigidWheel::new(0.15, 0.12).unwrap();
+    for (key, share, weight, from, to) in [
+        ("dry-sand", 0.15, 500.0, -10.0, 10.0),
+        ("snow", 0.3, 200.0, -45.0, -30.0),
+    ] {
+        let soils = frictions(key, share);
+        let slopes = (Angle::from_deg(from), Angle::from_deg(to));
+        let doubt = friction_alone(share);
+        let demand = SlipDemand::new(wheel, &soils[0], weight, slopes, doubt).unwrap();
+        let (mut points, mut alone) = (0, 0);
+        for place in 0..9 {
+            let slope = slopes.0.rad() + (slopes.1.rad() - slopes.0.rad()) * f64::from(place) / 8.0;
+            let slips = soils.map(|soil| {
+                let pair = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+                match pair.slip_demand(weight, Angle::from_rad(slope)).unwrap() {
+                    SlopeOutcome::Holds { slip } => Some(slip.value()),
+                    _ => None,
+                }
+            });
+            let end = if slope < 0.0 { -1.0 } else { 1.0 };
+            let found = demand
+                .points()
+                .iter()
+                .find(|point| (point.0 - slope).abs() < 1e-9);
+            let truth = spread(slips, end);
+            println!("{key} {:.1}: {slips:?} {found:?}", slope.to_degrees());
+            assert_eq!(found.is_some(), truth.is_some());
+            if let (Some((_, found)), Some((mean, sigma))) = (found, truth) {
+                points += 1;
+                alone += usize::from(slips.iter().any(Option::is_none));
+                assert!((found.mean - mean).abs() < 1e-9 && (found.sigma - sigma).abs() < 1e-9);
+            }
+        }
+        assert!(points > 2 && alone > 0, "{key}: {points} {alone}");
+    }
+}
+
+/// A bearing that stops the wheel on the weaker soil alone.
+#[test]
+fn a_soil_that_does_not_turn_the_wheel_counts_half_way_to_a_locked_one() {
+    let share = 0.3;
+    let soils = frictions("dry-sand", share);
+    let mut alone = 0;
+    for step in 1..12 {
+        let torque = 0.05 * f64::from(step);
+        let slips = soils.map(|soil| {
+            let pair = WheelOnSoil::new(fifth(), soil, Settings::default()).unwrap();
+            pair.free_slip(10.0, torque).unwrap().map(Slip::value)
+        });
+        let loads = (10.0, 10.0);
+        let skid = FreeWheelSkid::new(fifth(), &soils[0], torque, loads, friction_alone(share));
+        let found = skid.unwrap().at(10.0);
+        let truth = spread(slips, -1.0);
+        println!("{torque:.2} N m: {slips:?} {found:?}");
+        assert_eq!(found.is_some(), truth.is_some());
+        if let (Some(found), Some((mean, sigma))) = (found, truth) {
+            alone += usize::from(slips.iter().any(Option::is_none));
+            assert!((found.mean - mean).abs() < 1e-9 && (found.sigma - sigma).abs() < 1e-9);
+        }
+    }
+    assert!(alone > 0);
+}
+
+#[test]
+fn a_skid_over_the_laws_is_that_of_each() {
+    use grouser_terra::ShearLaw::{Coupled, SlipVelocity, TowedRestart};
+    let (loads, doubt) = ((4.0, 6.0), SoilDoubt::of(0.1));
+    let all = FreeWheelSkid::over_laws(fifth(), &sand(), 0.0, loads, doubt).unwrap();
+    let each: Vec<SlipPrior> = [Coupled, SlipVelocity, TowedRestart]
+        .into_iter()
+        .filter_map(|law| {
+            let mut params = *sand().params();
+            params.laws.shear = Some(law);
+            let soil = Soil::new(params).unwrap();
+            let skid = FreeWheelSkid::new(fifth(), &soil, 0.0, loads, doubt).ok()?;
+            skid.at(4.0)
+        })
+        .collect();
+    assert_eq!(each.len(), 3);
+    let mean = each.iter().map(|prior| prior.mean).sum::<f64>() / 3.0;
+    let square = |prior: &SlipPrior| prior.sigma.powi(2) + prior.mean.powi(2);
+    let square = each.iter().map(square).sum::<f64>() / 3.0;
+    let found = all.at(4.0).unwrap();
+    assert!((found.mean - mean).abs() < 1e-9);
+    assert!((found.sigma - (square - mean * mean).sqrt()).abs() < 1e-9);
+}
+
+#[test]
+fn ready_made_points_are_checked() {
+    let of = |points: &[(f64, f64, f64)]| {
+        let point = |&(slope, mean, sigma): &(f64, f64, f64)| (slope, SlipPrior { mean, sigma });
+        let points: Vec<_> = points.iter().map(point).collect();
+        SlipDemand::from_points(&points)
+    };
+    let demand = of(&[(-0.1, 0.02, 0.1), (0.1, 0.22, 0.3)]).unwrap();
+    let level = demand.at(Angle::from_rad(0.0)).unwrap();
+    assert!((level.mean - 0.12).abs() < 1e-12 && (level.sigma - 0.2).abs() < 1e-12);
+    for bad in [
+        [(0.1, 0.2, 0.1), (-0.1, 0.0, 0.1)],
+        [(-1.6, 0.0, 0.1), (0.1, 0.0, 0.1)],
+        [(-0.1, 0.0, 0.1), (1.6, 0.0, 0.1)],
+        [(-0.1, -1.1, 0.1), (0.1, 0.0, 0.1)],
+        [(-0.1, 0.0, 0.1), (0.1, 1.1, 0.1)],
+        [(-0.1, 0.0, 0.0), (0.1, 0.0, 0.1)],
+        [(-0.1, 0.0, 0.1), (0.1, f64::NAN, 0.1)],
+    ] {
+        assert!(of(&bad).is_err(), "{bad:?}");
+    }
+}
+
 /// How long the tables of a drive take: `cargo test --release -p grouser-slip --test all prior:: -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement"]

@@ -157,3 +157,34 @@ fn mixture(priors: &(impl Iterator<Item = SlipPrior> + Clone)) -> Option<SlipPri
         sigma: Real::sqrt(variance),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grouser_terra::catalogue;
+
+    #[test]
+    fn a_mixture_has_the_mean_of_variances_and_the_spread_between() {
+        let prior = |mean, sigma| SlipPrior { mean, sigma };
+        let of = |priors: &[SlipPrior]| mixture(&priors.iter().copied());
+        assert_eq!(of(&[]), None);
+        assert_eq!(of(&[prior(-0.25, 0.5)]), Some(prior(-0.25, 0.5)));
+        // variances of 9 and 25, and ±4 about the mean
+        let mixed = of(&[prior(0.02, 0.03), prior(0.1, 0.05)]).unwrap();
+        assert!((mixed.mean - 0.06).abs() < 1e-15);
+        assert!((mixed.sigma - 0.0033_f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_table_has_nine_points_and_one_of_one_load() {
+        let sand = catalogue::find("dry-sand").unwrap().soil().unwrap();
+        let wheel = RigidWheel::new(0.05, 0.03).unwrap();
+        for (loads, points) in [((5.0, 5.0), 1), ((5.0, 6.0), 9)] {
+            let skid = FreeWheelSkid::new(wheel, &sand, 0.0, loads, SoilDoubt::of(0.1)).unwrap();
+            let places: Vec<f64> = skid.table.points().iter().map(|point| point.0).collect();
+            assert_eq!(places.len(), points);
+            assert_eq!(places[0], loads.0.sqrt());
+            assert!((places[points - 1] - loads.1.sqrt()).abs() < 1e-12);
+        }
+    }
+}

@@ -58,11 +58,8 @@ impl SlipDemand {
             _ => None,
         };
         OutOfRange::check("slope", to, (-MAX_SLOPE_RAD, MAX_SLOPE_RAD), "rad")?;
-        let (load, spinning) = (
-            weight * slopes.1.cos(),
-            Kinematics::straight(Slip::new(1.0)?),
-        );
-        family.own().sinkage_under(load, &spinning)?;
+        let spinning = Kinematics::straight(Slip::new(1.0)?);
+        family.own().sinkage_under(0.0, &spinning)?;
         let slip = |pair: &WheelOnSoil, slope: f64, near: Option<f64>| {
             let slope = Angle::from_rad(slope);
             let found = match near.and_then(|near| Slip::new(near).ok()) {
