@@ -89,27 +89,24 @@ fn a_counter_that_may_wrap_unseen_is_foreseen_by_the_last_speed() {
         for (ms, ticks) in [(0, 30), (100, 100), (300, 250)] {
             track.take(ms * MS, &count(sign * ticks)).unwrap();
         }
-        assert!(near(
-            track.travel(),
-            220.0 * f64::from(i32::try_from(sign).unwrap()) * per_tick
-        ));
+        assert!(near(track.travel(), 220.0 * sign as f64 * per_tick));
         // in 0.1 s it cannot: -95 ticks after 9 m/s forwards are no 161
         let mut track = by_counts(per_tick, SETTINGS);
         for (ms, ticks) in [(0, 30), (100, 120), (200, 25)] {
             track.take(ms * MS, &count(sign * ticks)).unwrap();
         }
-        assert!(near(
-            track.travel(),
-            -5.0 * f64::from(i32::try_from(sign).unwrap()) * per_tick
-        ));
+        assert!(near(track.travel(), -5.0 * sign as f64 * per_tick));
     }
-    // exactly half the range
-    let mut track = by_counts(0.01, SETTINGS);
-    track.max_speed = 128.0 * track.per_tick.unwrap();
-    for (seconds, ticks) in [(0, 0), (1, 120), (2, 248)] {
-        track.take(seconds * 1000 * MS, &count(ticks)).unwrap();
+    // exactly half the range, which is shown alike in both directions
+    for sign in [1, -1] {
+        let mut track = by_counts(0.01, SETTINGS);
+        track.max_speed = 128.0 * track.per_tick.unwrap();
+        for (seconds, ticks) in [(0, 0), (1, 120), (2, 248)] {
+            let measurement = count(sign * ticks);
+            track.take(seconds * 1000 * MS, &measurement).unwrap();
+        }
+        assert!(near(track.travel(), 2.48 * sign as f64));
     }
-    assert!(near(track.travel(), 2.48));
 }
 
 #[test]
