@@ -91,11 +91,11 @@ pub(crate) fn meaning(column: &Column, between: &str) -> String {
     if column.offset != 0.0 {
         keys.push(format!("offset_m = {:?}", column.offset));
     }
-    if column.frame != Frame::default() {
-        let names = Frame::NAMES.into_iter();
-        keys.extend(names.filter_map(|(name, frame)| {
-            (frame == column.frame).then(|| format!("frame = \"{name}\""))
-        }));
+    let named = Frame::NAMES
+        .iter()
+        .find(|(_, frame)| *frame == column.frame);
+    if let Some((name, _)) = named.filter(|(_, frame)| *frame != Frame::default()) {
+        keys.push(format!("frame = \"{name}\""));
     }
     keys.join(between)
 }
