@@ -103,7 +103,7 @@ fn read(
     let sensors = root.section("sensors", read_sensors)?.unwrap_or_default();
     let usual = ControlSettings::under_gravity(robot.linkage.gravity());
     let (control, optimum, fixed_slip) = root
-        .section("control", |s| read_control(s, usual))?
+        .section("control", |s| read_control(s, &usual))?
         .unwrap_or((usual, None, None));
     let faults = read_faults(root, &robot)?;
     let duration = root.number("duration_s", (0.1, 1e6))?;
@@ -411,8 +411,8 @@ fn read_sensors(s: &Section<'_>) -> Result<SensorSettings> {
 /// The controller's settings, the slip to run at where the file gives one, and the fixed slip.
 type Control = (ControlSettings, Option<f64>, Option<f64>);
 
-fn read_control(s: &Section<'_>, usual: ControlSettings) -> Result<Control> {
-    let mut out = usual;
+fn read_control(s: &Section<'_>, usual: &ControlSettings) -> Result<Control> {
+    let mut out = *usual;
     read_fields(s, &mut out, ControlSettings::FIELDS)?;
     out.check().map_err(|error| {
         let refused = match &error {
