@@ -70,7 +70,7 @@ pub fn to_toml(scenario: &Scenario, remarks: &[&str]) -> String {
     let usual = SensorSettings::default();
     write_fields(&mut out, &scenario.sensors, &usual, SensorSettings::FIELDS);
     out.header("[control]");
-    let usual = ControlSettings::default();
+    let usual = ControlSettings::under_gravity(scenario.robot.linkage.gravity());
     write_fields(&mut out, &scenario.control, &usual, ControlSettings::FIELDS);
     out.optional_number("optimum", scenario.optimum);
     out.number("fixed_slip", scenario.fixed_slip);
