@@ -4,7 +4,7 @@
 use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::start::{Progress, StartCheck, check_gravity};
 use grouser_slip::{Fault, Measurement, Robot, Sample, Wheel};
-use grouser_terra::Angle;
+use grouser_terra::{Angle, EARTH_GRAVITY_M_PER_S2};
 
 const PERIOD_S: f64 = 0.01;
 const TICKS_PER_TURN: u32 = 10_000;
@@ -204,7 +204,6 @@ fn sensors_that_measure_what_they_should_are_plausible() {
 
 #[test]
 fn gravity_shows_its_unit_and_its_axis_at_rest() {
-    const G: f64 = 9.806_65;
     let steepest = Angle::from_deg(35.0);
     let [forward, left, up] = [
         "acceleration forward",
@@ -215,23 +214,48 @@ fn gravity_shows_its_unit_and_its_axis_at_rest() {
     let other = "another unit, or a robot that does not rest";
     let along = "gravity lies along this axis at rest";
     let upside_down = "upside down, or gravity with the other sign";
-    let side = G / 2.0_f64.sqrt();
+    let side = EARTH_GRAVITY_M_PER_S2 / 2.0_f64.sqrt();
     for (force, field, times, looks_like) in [
-        ([0.0, 0.0, 1.0], up, 1.0 / G, in_g),
-        ([0.0, 0.6, 0.8], up, 1.0 / G, in_g),
-        ([0.0, 0.0, 1.09], up, 1.09 / G, in_g),
-        ([0.0, 0.0, -0.91], up, 0.91 / G, in_g),
-        ([0.0, 0.0, 1.11], up, 1.11 / G, other),
-        ([0.0, 0.0, 0.05], up, 0.05 / G, other),
-        ([0.0, 0.0, 1000.0 * G], up, 1000.0, in_mm),
-        ([0.0, 0.0, 1090.0 * G], up, 1090.0, in_mm),
-        ([0.0, 0.0, 890.0 * G], up, 890.0, other),
-        ([0.0, 0.0, 1.11 * G], up, 1.11, other),
-        ([0.0, 0.0, 0.89 * G], up, 0.89, other),
-        ([G, 0.0, 0.0], forward, 1.0, along),
-        ([0.0, -0.95 * G, 1.0], left, -0.95, along),
-        ([side, side, 0.0], forward, side / G, along),
-        ([0.0, 0.1, -1.05 * G], up, -1.05, upside_down),
+        ([0.0, 0.0, 1.0], up, 1.0 / EARTH_GRAVITY_M_PER_S2, in_g),
+        ([0.0, 0.6, 0.8], up, 1.0 / EARTH_GRAVITY_M_PER_S2, in_g),
+        ([0.0, 0.0, 1.09], up, 1.09 / EARTH_GRAVITY_M_PER_S2, in_g),
+        ([0.0, 0.0, -0.91], up, 0.91 / EARTH_GRAVITY_M_PER_S2, in_g),
+        ([0.0, 0.0, 1.11], up, 1.11 / EARTH_GRAVITY_M_PER_S2, other),
+        ([0.0, 0.0, 0.05], up, 0.05 / EARTH_GRAVITY_M_PER_S2, other),
+        (
+            [0.0, 0.0, 1000.0 * EARTH_GRAVITY_M_PER_S2],
+            up,
+            1000.0,
+            in_mm,
+        ),
+        (
+            [0.0, 0.0, 1090.0 * EARTH_GRAVITY_M_PER_S2],
+            up,
+            1090.0,
+            in_mm,
+        ),
+        ([0.0, 0.0, 890.0 * EARTH_GRAVITY_M_PER_S2], up, 890.0, other),
+        ([0.0, 0.0, 1.11 * EARTH_GRAVITY_M_PER_S2], up, 1.11, other),
+        ([0.0, 0.0, 0.89 * EARTH_GRAVITY_M_PER_S2], up, 0.89, other),
+        ([EARTH_GRAVITY_M_PER_S2, 0.0, 0.0], forward, 1.0, along),
+        (
+            [0.0, -0.95 * EARTH_GRAVITY_M_PER_S2, 1.0],
+            left,
+            -0.95,
+            along,
+        ),
+        (
+            [side, side, 0.0],
+            forward,
+            side / EARTH_GRAVITY_M_PER_S2,
+            along,
+        ),
+        (
+            [0.0, 0.1, -1.05 * EARTH_GRAVITY_M_PER_S2],
+            up,
+            -1.05,
+            upside_down,
+        ),
     ] {
         let fault = check_gravity(force, steepest).unwrap_err();
         let Fault::Implausible {
@@ -246,9 +270,27 @@ fn gravity_shows_its_unit_and_its_axis_at_rest() {
         assert!((factor - times).abs() < 1e-12 * times.abs(), "{force:?}");
     }
     // as steep as the steepest ground, exactly
-    let level = check_gravity([0.0, 0.0, G], Angle::from_rad(0.0)).unwrap();
+    let level = check_gravity([0.0, 0.0, EARTH_GRAVITY_M_PER_S2], Angle::from_rad(0.0)).unwrap();
     assert_eq!(level.rad(), 0.0);
-    let tilted = check_gravity([0.6 * G, 0.0, 0.8 * G], Angle::from_deg(37.0)).unwrap();
+    let tilted = check_gravity(
+        [
+            0.6 * EARTH_GRAVITY_M_PER_S2,
+            0.0,
+            0.8 * EARTH_GRAVITY_M_PER_S2,
+        ],
+        Angle::from_deg(37.0),
+    )
+    .unwrap();
     assert!((tilted.rad().tan() - 0.75).abs() < 1e-12);
-    assert!(check_gravity([0.6 * G, 0.0, 0.8 * G], steepest).is_err());
+    assert!(
+        check_gravity(
+            [
+                0.6 * EARTH_GRAVITY_M_PER_S2,
+                0.0,
+                0.8 * EARTH_GRAVITY_M_PER_S2
+            ],
+            steepest
+        )
+        .is_err()
+    );
 }

@@ -20,7 +20,8 @@ const SETTINGS: DetectSettings = DetectSettings {
     lift_off_time: 0.0,
     standstill_speed: 0.007_812_5,
 };
-const SIGMA: f64 = 0.125;
+/// Of a slip, 1: a binary fraction too.
+const SLIP_SIGMA: f64 = 0.125;
 /// Ticks of a quarter of a second.
 const TICK_NS: i64 = 250_000_000;
 
@@ -157,7 +158,7 @@ fn a_light_wheel_is_off_the_ground_once_its_torque_is_known() {
     // the ground eases a wheel that slips two sigma less than usual, but for the exact limit
     for (slip, is_lifted) in [(0.25, true), (0.24, false)] {
         let mut fed = usual(1, 0.5);
-        let found = fed.take(&[moving(slip, SIGMA, (1.0, 0.0), 1.0)], &[0.0]);
+        let found = fed.take(&[moving(slip, SLIP_SIGMA, (1.0, 0.0), 1.0)], &[0.0]);
         assert_eq!(!found.is_empty(), is_lifted, "{slip}");
     }
     // back on the ground: more than half the usual torque, a rim that stands, or no torque at all
@@ -195,7 +196,7 @@ fn wheels_whose_torques_fall_together_have_not_left_the_ground() {
 
 #[test]
 fn a_high_slip_is_one_beyond_its_noise_on_the_ground() {
-    let at = |slip: f64| moving(slip, SIGMA, (1.0, 0.0), 1.0);
+    let at = |slip: f64| moving(slip, SLIP_SIGMA, (1.0, 0.0), 1.0);
     let mut fed = usual(1, 0.25);
     assert_eq!(fed.take(&[at(0.75)], &[8.0]), []);
     assert!(fed.take(&[at(0.76)], &[8.0]).contains(&(HIGH, true)));
@@ -271,7 +272,7 @@ fn a_robot_digs_in_by_the_mean_of_its_wheels() {
         immobilised: 0.001,
         ..SETTINGS
     };
-    let at = |slips: [f64; 2]| slips.map(|slip| moving(slip, SIGMA, (1.0, 0.0), 1.0));
+    let at = |slips: [f64; 2]| slips.map(|slip| moving(slip, SLIP_SIGMA, (1.0, 0.0), 1.0));
     let mut fed = Fed::new(2, settings);
     assert_eq!(fed.take(&at([0.875, 0.625]), &[]), []);
     assert_eq!(fed.take(&at([0.875, 0.63]), &[]), dig(true));
@@ -292,14 +293,15 @@ fn a_robot_digs_in_by_the_mean_of_its_wheels() {
 /// Two wheels of 1 m/s at the rim: the robot is stuck below 0.25 m/s each, with the noise of both speeds.
 #[test]
 fn a_robot_is_immobilised_where_its_way_is_less_than_its_rims_by_its_noise() {
-    const DOUBT: f64 = 0.007_812_5;
+    /// Of a speed over ground: a binary fraction, as all limits here.
+    const WAY_SIGMA_M_PER_S: f64 = 0.007_812_5;
     let settings = DetectSettings {
         high_slip: 0.999,
         dig_in: 0.999,
         ..SETTINGS
     };
     let held = |begins| [(Event::Immobilised, begins)];
-    let at = |slip: f64, way: f64| [moving(slip, SIGMA, (-way, DOUBT), -1.0); 2];
+    let at = |slip: f64, way: f64| [moving(slip, SLIP_SIGMA, (-way, WAY_SIGMA_M_PER_S), -1.0); 2];
     let mut fed = Fed::new(2, settings);
     // 0.25 m/s with two sigma of the way on the one side, and of a rim that stands on the other
     assert_eq!(fed.take(&at(0.8, 0.25), &[]), []);
@@ -311,7 +313,7 @@ fn a_robot_is_immobilised_where_its_way_is_less_than_its_rims_by_its_noise() {
     assert_eq!(fed.take(&at(0.63, 0.52), &[]), held(false));
     fed.take(&at(0.63, 0.24), &[]);
     // rims that turn exactly as one that stands
-    let standing = moving(0.63, SIGMA, (0.0, DOUBT), 0.007_812_5);
+    let standing = moving(0.63, SLIP_SIGMA, (0.0, WAY_SIGMA_M_PER_S), 0.007_812_5);
     assert_eq!(fed.take(&[standing; 2], &[]), held(false));
     fed.take(&at(0.63, 0.24), &[]);
     assert!(fed.is_on(Event::Immobilised));
