@@ -508,25 +508,9 @@ pub(crate) fn read_meaning(section: &Section<'_>, column: String) -> Result<Colu
         });
     }
     let offset = section.optional_number("offset_m", (-1e3, 1e3))?;
-    if offset.is_some() && meaning != Meaning::Sinkage {
-        return Err(Error::Contradiction {
-            at: section.place_of("offset_m"),
-            message: format!(
-                "`offset_m` belongs to `sinkage`, not to `{}`",
-                meaning.name()
-            ),
-        });
-    }
+    check_owner(section, "offset_m", (Meaning::Sinkage, meaning))?;
     let frame = section.optional_choice("frame", &Frame::NAMES)?;
-    if frame.is_some() && meaning != Meaning::DisplacementForward {
-        return Err(Error::Contradiction {
-            at: section.place_of("frame"),
-            message: format!(
-                "`frame` belongs to `displacement_forward`, for the way to the left as well, not to `{}`",
-                meaning.name()
-            ),
-        });
-    }
+    check_owner(section, "frame", (Meaning::DisplacementForward, meaning))?;
     Ok(Column {
         column,
         meaning,
@@ -534,6 +518,21 @@ pub(crate) fn read_meaning(section: &Section<'_>, column: String) -> Result<Colu
         factor: unit * scale.unwrap_or(1.0),
         offset: offset.unwrap_or(0.0),
         frame: frame.unwrap_or_default(),
+    })
+}
+
+/// Refuses a key that belongs to columns of another meaning (`owner`) than this one's.
+fn check_owner(section: &Section<'_>, key: &str, (owner, own): (Meaning, Meaning)) -> Result<()> {
+    if owner == own || !section.has(key) {
+        return Ok(());
+    }
+    Err(Error::Contradiction {
+        at: section.place_of(key),
+        message: format!(
+            "`{key}` belongs to `{}`, not to `{}`",
+            owner.name(),
+            own.name()
+        ),
     })
 }
 
