@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""mutants/run.py CRATE [--share K/N] [--only REGEX]: every mutant of a crate against the crate's fast tests (README.md).
+"""mutants/run.py CRATE [--share K/N] [--only REGEX] [--slow S] [--again FILE]: every mutant of a crate against its fast tests.
 
-Prints each mutant that no test notices and that argued.tsv does not argue; fails if there is one.
+README.md has how. Prints each mutant that no test notices and that argued.tsv does not argue; fails if there is one.
 """
 
 import argparse
@@ -16,16 +16,16 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-# tests that take longer than this alone are left out, s of processor time
-SLOW_S = 1.0
-# and after so much of it a mutant counts as not caught, s
-BUDGET_S = 4.0
-
 arguments = argparse.ArgumentParser()
 arguments.add_argument("crate")
 arguments.add_argument("--share", default="0/1", help="the mutants whose number leaves K when divided by N")
 arguments.add_argument("--only", default="", help="those of files, as src/FILE:LINE:COLUMN, that match")
+arguments.add_argument("--slow", type=float, default=1.0, help="tests that take longer alone are left out, s of processor time")
+arguments.add_argument("--again", type=Path, help="those that the output of an earlier run lists")
 arguments = arguments.parse_args()
+SLOW_S = arguments.slow
+# after so much processor time a mutant counts as not caught, s
+BUDGET_S = 4.0 * SLOW_S
 crate = arguments.crate
 remainder, shares = (int(part, 0) for part in arguments.share.split("/"))
 
@@ -37,6 +37,8 @@ environment = dict(
     os.environ,
     CARGO_TARGET_DIR=str(target / "build"),
     RUSTFLAGS="--cap-lints allow",
+    # the estimators' tests take a third of the time that they take as the workspace builds them
+    CARGO_PROFILE_DEV_OPT_LEVEL="2",
     PROPTEST_RNG_SEED="2012",
     CARGO_MANIFEST_DIR=str(tree / "crates" / crate),
     GROUSER_DATA=os.environ.get("GROUSER_DATA", str(ROOT / "data")),
@@ -132,7 +134,7 @@ def fast_tests():
     if not ok:
         sys.exit(said)
     programs = [m["executable"] for m in messages if m.get("executable") and m["profile"]["test"]]
-    key = hashlib.sha256(b"".join(Path(program).read_bytes() for program in programs)).hexdigest()
+    key = hashlib.sha256(b"".join(Path(program).read_bytes() for program in programs)).hexdigest() + f" {SLOW_S}"
     cache = target / crate / "tests.json"
     if cache.exists() and (kept := json.loads(cache.read_text()))["key"] == key:
         return kept["tests"]
@@ -150,6 +152,12 @@ def fast_tests():
     return tests
 
 
+def line_of(mutant):
+    """What the output has of a mutant that is not caught."""
+    _, place, function, mutation = mutant
+    return f"not caught: crates/{crate}/src/{place} {function}: {mutation}"
+
+
 mutants, excluded = write_mutants()
 tests = fast_tests()
 print(f"{len(mutants)} mutants that compile, {excluded} that do not; {len(tests)} tests, {sum(t[2] for t in tests):.1f} s", flush=True)
@@ -158,6 +166,9 @@ for index, (_, _, _, reached) in enumerate(tests):
     for number in reached:
         reaching[number].append(index)
 chosen = [m for m in mutants if int(m[0]) % shares == remainder % shares and re.search(arguments.only, "src/" + m[1])]
+if arguments.again:
+    listed = set(arguments.again.read_text().splitlines())
+    chosen = [m for m in chosen if line_of(m) in listed]
 # each line argues for so many mutants of a function: lines move, functions do not
 argued = collections.Counter()
 for line in (ROOT / "mutants" / "argued.tsv").read_text().splitlines()[1:]:
@@ -188,6 +199,6 @@ for number, place, function, mutation in chosen:
         argued[file, function, mutation] -= 1
         continue
     open_ones += 1
-    print(f"not caught: crates/{crate}/src/{place} {function}: {mutation}", flush=True)
+    print(line_of((number, place, function, mutation)), flush=True)
 print(f"{len(chosen)} mutants run, {missed} not caught, {missed - open_ones} of them argued")
 sys.exit(bool(open_ones))
