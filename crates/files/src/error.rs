@@ -200,6 +200,10 @@ impl Error {
             } => Some(format!("did you mean \"{meant}\"?")),
             Self::Placeholder { .. } => Some("replace it by the measured number".into()),
             Self::Format { .. } => Some("use a newer version of this program".into()),
+            // a table or a log where its description is expected
+            Self::Syntax { at, .. } | Self::NotText { at } if !at.file.ends_with(".toml") => {
+                Some("a TOML file is expected here (.toml)".into())
+            }
             _ => None,
         }
     }

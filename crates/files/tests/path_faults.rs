@@ -102,6 +102,20 @@ fn names_that_are_not_utf_8_and_files_that_are_not_there() {
 }
 
 #[test]
+fn a_table_or_a_log_in_the_place_of_a_toml_file() {
+    let folder = Folder::new("table");
+    let hint_of = |name: &str, bytes: &[u8]| {
+        let file = folder.0.join(name);
+        fs::write(&file, bytes).unwrap();
+        robot::read(&file).unwrap_err().hint()
+    };
+    let expected = Some("a TOML file is expected here (.toml)".to_owned());
+    assert_eq!(hint_of("drive.csv", b"time_s,x_m\n0,1\n"), expected);
+    assert_eq!(hint_of("drive.mcap", b"\x89MCAP0\r\n\xff"), expected);
+    assert_eq!(hint_of("robot.toml", b"time_s,x_m\n0,1\n"), None);
+}
+
+#[test]
 fn a_file_beyond_its_limit_is_not_read_whole() {
     let folder = Folder::new("large");
     let file = folder.0.join("large.toml");
