@@ -49,6 +49,8 @@ const SUDDEN_SLIP_NOISE: f64 = 0.05;
 const FULL_NOISE_RIM_M_PER_S: f64 = 0.05;
 /// Slip lies within ±1, but for rims that run apart.
 pub(super) const MAX_SLIP: f64 = 1.0;
+/// Slip hardly changes by more than this at once.
+const MAX_PASSED_SLIP: f64 = 0.5;
 
 /// What has passed since a reading was taken.
 #[derive(Clone, Copy, Debug)]
@@ -409,6 +411,12 @@ impl Model {
     /// Adds the noise of a slip that may have changed since a time of the past.
     pub(super) fn change_since(&mut self, since: &Since) {
         self.add_noise(since, 1.0);
+    }
+
+    /// Lets the slip change as within `seconds`, where the robot does not move on.
+    pub(super) fn pass_time(&mut self, seconds: f64) {
+        let noise = self.slip_noise * self.slip_noise * seconds;
+        self.covariance[SLIP][SLIP] += noise.min(MAX_PASSED_SLIP * MAX_PASSED_SLIP);
     }
 
     /// Adds this multiple of the noise of the slip since a time of the past: ∫ over that time, of the slip and of the way.
