@@ -28,3 +28,27 @@ pub(super) fn is_covariance<const N: usize>(matrix: &[[f64; N]; N]) -> bool {
     }
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::is_covariance;
+
+    #[test]
+    fn variances_that_can_be() {
+        // the product of a triangle of roots and its transpose: 2; −1 3; 4 5 6
+        let square = [[4.0, -2.0, 8.0], [-2.0, 10.0, 11.0], [8.0, 11.0, 77.0]];
+        assert!(is_covariance(&square));
+        // without the last root, with less than nothing of it, and with hardly any
+        for (left, can_be) in [(0.0, false), (-1.0, false), (1e-8, false), (1e-6, true)] {
+            let mut less = square;
+            less[2][2] = 41.0 + left;
+            assert_eq!(is_covariance(&less), can_be, "{left}");
+        }
+        assert!(!is_covariance(&[[-1.0, 0.0], [0.0, 1.0]]));
+        assert!(!is_covariance(&[[1.0, 2.0], [2.0, 1.0]]));
+        assert!(!is_covariance(&[[f64::NAN]]));
+        // what is known for certain
+        assert!(is_covariance(&[[0.0, 0.0], [0.0, 3.0]]));
+        assert!(is_covariance(&[[3.0, 0.0], [0.0, 0.0]]));
+    }
+}

@@ -236,3 +236,6 @@ impl Group {
         self.weights[0] = probability;
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -592,3 +592,6 @@ impl MultipleModel {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

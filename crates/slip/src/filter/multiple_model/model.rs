@@ -566,3 +566,6 @@ pub(super) fn inlier_probability(nis: f64) -> f64 {
     let bad = OUTLIER_SHARE / square * Real::exp(-0.5 * nis / square);
     good / (good + bad).max(1e-300)
 }
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -149,3 +149,6 @@ impl PositionNoise {
         [along, across]
     }
 }
+
+#[cfg(test)]
+mod tests;

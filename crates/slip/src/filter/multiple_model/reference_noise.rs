@@ -173,3 +173,6 @@ impl Noise {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
