@@ -54,3 +54,63 @@ impl RadiusCheck {
         (known.sigma() <= MAX_ERROR_SIGMA).then_some(known)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// s = 0.05 + 0.02 T + 0.01 T |T| at symmetric torques, which leave its first part independent of the others.
+    const TORQUES_N_M: [f64; 5] = [-2.0, -1.0, 0.0, 1.0, 2.0];
+    const EXCESS: f64 = 0.05;
+
+    fn after(variance: f64) -> RadiusCheck {
+        let mut check = RadiusCheck::default();
+        for torque in TORQUES_N_M {
+            // a mean of three
+            for off in [-0.5, 0.75, -0.25] {
+                check.push(torque + off);
+            }
+            let value = EXCESS + 0.02 * torque + 0.01 * torque * torque.abs();
+            check.update(Some(Measured { value, variance }));
+        }
+        check
+    }
+
+    #[test]
+    fn the_slip_at_no_torque_is_the_excess_of_the_radius() {
+        const VARIANCE: f64 = 1e-5;
+        const REFERENCE: f64 = 2e-4;
+        // one of six slips is independent; 0.03 about the law
+        let expected = 6.0 * (VARIANCE + 0.0009) / 5.0;
+        let mut check = after(VARIANCE);
+        for reference in [0.0, REFERENCE] {
+            let found = check.excess(reference).unwrap();
+            assert!((found.value - EXCESS).abs() < 1e-9);
+            assert!((found.variance - expected - reference).abs() < 1e-9);
+        }
+        // not known to 0.04
+        assert!(check.excess(1.58e-3 - expected).is_some());
+        assert_eq!(check.excess(1.62e-3 - expected), None);
+        assert_eq!(RadiusCheck::default().excess(0.0), None);
+        // without a torque, without a slip, and with one that is too large; the torques until then are gone
+        let found = check.excess(0.0);
+        let slip = |value: f64| {
+            Some(Measured {
+                value,
+                variance: VARIANCE,
+            })
+        };
+        check.update(slip(0.2));
+        check.push(2.0);
+        check.update(None);
+        check.push(2.0);
+        check.update(slip(0.26));
+        check.push(-2.0);
+        check.update(slip(-0.26));
+        check.update(slip(0.2));
+        assert_eq!(check.excess(0.0), found);
+        check.push(2.0);
+        check.update(slip(0.25));
+        assert!(check.excess(0.0).unwrap().value > EXCESS);
+    }
+}

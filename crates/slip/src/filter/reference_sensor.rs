@@ -166,3 +166,6 @@ fn step_between(from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
     let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
     [cos * dx + sin * dy, cos * dy - sin * dx, turn]
 }
+
+#[cfg(test)]
+mod tests;

@@ -146,3 +146,6 @@ fn rank(measurement: &Measurement) -> (u8, usize) {
         Measurement::Speed { .. } => (10, 0),
     }
 }
+
+#[cfg(test)]
+mod tests;

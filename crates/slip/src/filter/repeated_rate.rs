@@ -8,8 +8,9 @@ const STUCK_TIME_S: f64 = 0.3;
 /// A rate that changes with this share of its readings does not repeat itself as often by chance: 0.2¹⁰ is 1e-7. Rates without
 /// noise, coarse ones and those that are held from row to row change more seldom.
 const MIN_CHANGES: f64 = 0.8;
-/// The share is known after as many readings, and each of them has this weight, 1, in its fading mean: a memory of as many.
-const ENOUGH_READINGS: u32 = 50;
+/// Weight of a reading in the share, a fading mean, which reaches the least one after 80 readings that change; and how many that
+/// repeat themselves count at most, a memory of as many.
+const MAX_REPEATS: u32 = 50;
 const READING_WEIGHT: f64 = 0.02;
 
 /// How often the rate of one wheel changes.
@@ -21,20 +22,18 @@ pub(super) struct RepeatedRate {
     repeats: u32,
     /// Share of readings that differ from the one before, up to the last change.
     changes: f64,
-    readings: u32,
 }
 
 impl RepeatedRate {
     /// Adds a reading, rad/s. A rate of 0 is that of a wheel that stands.
     pub(super) fn push(&mut self, time_ns: i64, rate: f64) {
-        self.readings = self.readings.saturating_add(1);
         self.newest_ns = time_ns;
         if self.last.replace(rate.to_bits()) == Some(rate.to_bits()) && rate != 0.0 {
             self.repeats = self.repeats.saturating_add(1);
             return;
         }
         let kept = 1.0 - READING_WEIGHT;
-        for _ in 0..self.repeats.min(ENOUGH_READINGS) {
+        for _ in 0..self.repeats.min(MAX_REPEATS) {
             self.changes *= kept;
         }
         self.changes = kept * self.changes + READING_WEIGHT;
@@ -55,7 +54,7 @@ impl RepeatedRate {
     }
 
     fn usually_changes(&self) -> bool {
-        self.readings >= ENOUGH_READINGS && self.changes >= MIN_CHANGES
+        self.changes >= MIN_CHANGES
     }
 }
 
@@ -91,7 +90,39 @@ mod tests {
     fn wheels_that_stand_and_rates_without_noise_are_not_stuck() {
         assert!(!after(noisy(200).chain([0.0; 100])).has_stopped());
         assert!(!after([3.0; 300]).has_stopped());
+        assert!(!after([3.0; 300]).changes());
         let coarse = (0..300).map(|i| f64::from(i / 3)).chain([100.0; 100]);
         assert!(!after(coarse).has_stopped());
+    }
+
+    #[test]
+    fn the_share_of_changes_fades_by_a_fiftieth_a_reading() {
+        let share = |changes: i32| 1.0 - 0.98_f64.powi(changes);
+        for (repeats, counted) in [(0, 0), (7, 7), (50, 50), (70, 50)] {
+            let found = after(noisy(100).chain(vec![3.5; 1 + repeats]).chain([3.6]));
+            // a change, as many that repeat it, and another change
+            let expected = share(101) * 0.98_f64.powi(counted + 1) + 0.02;
+            assert!((found.changes - expected).abs() < 1e-12, "{repeats}");
+        }
+        // 0.98⁸⁰ is 0.199
+        assert!(!after(noisy(79)).changes() && after(noisy(80)).changes());
+        let once = after(noisy(100).chain([3.5; 2]));
+        assert!(once.changes() && !after(noisy(100).chain([3.5; 3])).changes());
+    }
+
+    #[test]
+    fn a_rate_is_stuck_after_ten_repeats_that_last() {
+        for (period_ms, repeats, is_stuck) in [
+            (20, 14, false),
+            (20, 15, true),
+            (50, 9, false),
+            (50, 10, true),
+        ] {
+            let mut rate = RepeatedRate::default();
+            for (i, value) in (0..).zip(noisy(100).chain(vec![3.5; 1 + repeats])) {
+                rate.push(1_000_000 * period_ms * i, value);
+            }
+            assert_eq!(rate.has_stopped(), is_stuck, "{period_ms} {repeats}");
+        }
     }
 }

@@ -154,3 +154,6 @@ impl RollingHistory {
         is_over.then_some(skid)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -193,3 +193,6 @@ impl SensorClocks {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

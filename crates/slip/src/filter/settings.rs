@@ -258,3 +258,52 @@ type Row = Field<FilterSettings>;
 const TIME: (f64, f64) = (1e-4, 1e4);
 /// Limits of a standard deviation, in its unit.
 const SIGMA: (f64, f64) = (1e-9, 1e3);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_skid_is_its_share_of_the_rim_and_back() {
+        const SIGMA: f64 = 0.03;
+        for mean in [-0.9, -0.3, 0.0, 0.4] {
+            let prior = SlipPrior { mean, sigma: SIGMA };
+            // x = 1 − v/u: of a slip s = 1 − v/u driving, s = u/v − 1 braking
+            let by_rim = |s: f64| if s < 0.0 { 1.0 - 1.0 / (1.0 + s) } else { s };
+            let found = prior.by_rim();
+            let by = 1e-6;
+            let slope = (by_rim(mean + by) - by_rim(mean - by)) / (2.0 * by);
+            assert!((found.mean - by_rim(mean)).abs() < 1e-12);
+            assert!((found.sigma - SIGMA * slope).abs() < 1e-6, "{mean}");
+            let back = found.by_faster();
+            assert!((back.mean - mean).abs() < 1e-12 && (back.sigma - SIGMA).abs() < 1e-12);
+        }
+        // no more than 20 times the rim
+        let prior = SlipPrior {
+            mean: -1.0,
+            sigma: SIGMA,
+        };
+        assert!((prior.by_rim().mean + 19.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn wheels_on_any_ground_slip_more_unlike_and_for_longer() {
+        let (usual, any) = (FilterSettings::default(), FilterSettings::any_ground());
+        let same = FilterSettings {
+            wheel_slip_sigma: usual.wheel_slip_sigma,
+            wheel_slip_memory: usual.wheel_slip_memory,
+            ..any
+        };
+        assert_eq!(same, usual);
+        assert!(any.wheel_slip_sigma > usual.wheel_slip_sigma);
+        assert!(any.wheel_slip_memory > usual.wheel_slip_memory);
+        let free_slip = SlipPrior {
+            mean: -0.2,
+            sigma: 0.05,
+        };
+        let settings = FilterSettings { free_slip, ..any };
+        assert_eq!(settings.own_slip_prior(true), free_slip.by_rim());
+        let own = settings.own_slip_prior(false);
+        assert_eq!((own.mean, own.sigma), (0.0, any.wheel_slip_sigma));
+    }
+}

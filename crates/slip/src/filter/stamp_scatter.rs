@@ -54,3 +54,61 @@ impl StampScatter {
         self.before = [None; 2];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::StampScatter;
+
+    const TICK_M: f64 = 0.01;
+
+    /// −(v₃ − v₂)(v₂ − v₁) less that of ticks, and what it is for a variance of 1 s².
+    fn parts(speeds: [f64; 3], lengths: [f64; 3], tick: f64) -> (f64, f64) {
+        let [first, middle, last] = speeds;
+        let [l_1, l_2, l_3] = lengths;
+        // an error of 1 m at the ends of the middle window: in its own speed and in those beside it
+        let unit = ((1.0 / l_1 + 1.0 / l_2) + (1.0 / l_2 + 1.0 / l_3)) / l_2;
+        let product = (last - middle) * (middle - first);
+        (-product - tick * tick / 6.0 * unit, middle * middle * unit)
+    }
+
+    #[test]
+    fn the_variance_of_stamps_is_that_of_three_windows() {
+        let speeds = [0.25, -0.5, 0.3, 0.4];
+        let lengths = [0.05, 0.0625, 0.04, 0.08];
+        let mut scatter = StampScatter::default();
+        assert_eq!(scatter.variance(), 0.0);
+        for i in 0..4 {
+            scatter.push(speeds[i], lengths[i], TICK_M);
+        }
+        let of = |i: usize| {
+            let take = |all: [f64; 4]| [all[i], all[i + 1], all[i + 2]];
+            parts(take(speeds), take(lengths), TICK_M)
+        };
+        // each counts a hundredth
+        let ((product, unit), (next, next_unit)) = (of(0), of(1));
+        let product = 0.01 * product * 0.99 + 0.01 * next;
+        let unit = 0.01 * unit * 0.99 + 0.01 * next_unit;
+        assert!((scatter.product - product).abs() < 1e-12);
+        assert!((scatter.of_unit - unit).abs() < 1e-9);
+        assert!((scatter.variance() - product / unit).abs() < 1e-15);
+        // what does not continue the last
+        let before = scatter.product;
+        scatter.interrupt();
+        scatter.push(0.9, 0.05, TICK_M);
+        scatter.push(0.1, 0.05, TICK_M);
+        assert_eq!(scatter.product, before);
+    }
+
+    #[test]
+    fn jumps_count_up_to_four_times_the_speed_and_steady_growth_is_none() {
+        for (first, last) in [(9.0, 9.0), (9.0, -9.0), (-9.0, 9.0), (-9.0, -9.0)] {
+            let mut scatter = StampScatter::default();
+            for speed in [first, -0.5, last] {
+                scatter.push(speed, 0.05, 0.0);
+            }
+            let sign = if first == last { 1.0 } else { -1.0 };
+            assert!((scatter.product - sign * 0.01 * 2.0 * 2.0).abs() < 1e-12);
+            assert_eq!(scatter.variance() > 0.0, sign > 0.0);
+        }
+    }
+}

@@ -105,4 +105,64 @@ mod tests {
         assert_eq!(under_way(&mut start, 0.019), 0);
         assert_eq!(under_way(&mut start, -0.31), 33);
     }
+
+    #[test]
+    fn a_start_begins_at_the_low_speed_and_ends_at_its_travel() {
+        const DT_S: f64 = 0.5;
+        const RIM_M_PER_S: f64 = 0.0625;
+        let mut start = StartShear::new(1.0);
+        start.end = 3.0 * RIM_M_PER_S * DT_S;
+        for is_under_way in [true, true, false, false] {
+            start.travel_on(RIM_M_PER_S, DT_S, RIM_M_PER_S);
+            assert_eq!(start.is_under_way, is_under_way);
+        }
+        // without a low speed a rim that stops has not turned round
+        let mut start = StartShear::new(1.0);
+        for rim_speed in [RIM_M_PER_S, 0.0, RIM_M_PER_S] {
+            start.travel_on(rim_speed, DT_S, 0.0);
+        }
+        assert_eq!(start.travel, 2.0 * RIM_M_PER_S * DT_S);
+    }
+
+    #[test]
+    fn slip_changes_fast_within_a_start() {
+        const DT_S: f64 = 0.01;
+        let mut state = Kalman::new(COMMON_SLIP + 1);
+        state.reset(COMMON_SLIP, 0.1, 0.03);
+        let mut start = StartShear::new(0.15);
+        let mut after = |rims: Option<f64>| {
+            start.predict(&mut state, DT_S, rims, 0.02);
+            state.covariance(COMMON_SLIP, COMMON_SLIP)
+        };
+        let noise = 0.7 * 0.7 * DT_S;
+        for (rims, variance) in [
+            (None, 0.03),
+            (Some(0.01), 0.03),
+            (Some(0.07), 0.03 + noise),
+            // it goes on where the rims are not known, up to a standard deviation of 0.2
+            (None, 0.03 + 2.0 * noise),
+            (None, 0.2 * 0.2),
+        ] {
+            let found = after(rims);
+            assert!((found - variance).abs() < 1e-12, "{found} {variance}");
+        }
+    }
+
+    #[test]
+    fn only_a_free_wheel_measures_the_slip_of_a_start() {
+        use crate::robot::Wheel;
+        let (a, b) = (
+            Wheel::powered("a").radius(0.1),
+            Wheel::powered("b").radius(0.3),
+        );
+        let free = Wheel::free("c").radius(0.5);
+        let of = |wheels: &[&Wheel]| {
+            let wheels = wheels.iter().map(|wheel| (*wheel).clone()).collect();
+            StartShear::of(&Robot::new("cart".into(), wheels).unwrap())
+        };
+        assert!(of(&[&a, &b]).is_none() && of(&[&free]).is_none());
+        // 0.7 radii of the larger one
+        let end = of(&[&b, &a, &free]).unwrap().end;
+        assert!((end - 0.21).abs() < 1e-12);
+    }
 }

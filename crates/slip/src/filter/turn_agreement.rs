@@ -81,4 +81,62 @@ mod tests {
         // one side slips, and the gyro shows what is left of its bias
         assert!(!after(-0.03, 2.6) && !after(-0.1, 2.6));
     }
+
+    #[test]
+    fn products_and_gaps_are_means_over_their_memories() {
+        let mut turn = TurnAgreement {
+            gyro: 0.5,
+            wheels: 0.25,
+            both: -0.125,
+            gap: 0.0,
+        };
+        turn.update(0.4, -0.3, 0.1);
+        // a fifth of 0.5 s
+        let near = |found: f64, expected: f64| (found - expected).abs() < 1e-12;
+        assert!(near(turn.gyro, 0.8 * 0.5 + 0.2 * 0.16));
+        assert!(near(turn.wheels, 0.8 * 0.25 + 0.2 * 0.09));
+        assert!(near(turn.both, -0.8 * 0.125 - 0.2 * 0.12));
+        // no more than all of it
+        turn.update(0.4, -0.3, 0.75);
+        assert!(near(turn.gyro, 0.16) && near(turn.wheels, 0.09) && near(turn.both, -0.12));
+        assert_eq!(turn.update_straight(-0.06, 0.5), None);
+        assert!(near(turn.gap, -0.015));
+        let gap = turn.update_straight(-0.06, 0.5).unwrap();
+        assert!(near(gap, -0.015 - 0.25 * 0.045));
+        turn.gap = 0.02;
+        assert_eq!(turn.update_straight(0.02, 0.5), None);
+        assert_eq!(turn.update_straight(7.0, 3.0), Some(7.0));
+    }
+
+    #[test]
+    fn a_contradiction_is_beyond_each_of_its_limits() {
+        // above 0.05 rad/s each; the gyro above a fifth of the wheels; a correlation below −0.3. Or above five times the wheels, with
+        // a correlation above 0.8
+        let (least, more) = (0.05 * 0.05, 0.0026);
+        let opposite = |gyro: f64, wheels: f64| -0.31 * f64::sqrt(gyro * wheels);
+        for (gyro, wheels, both, contradicts) in [
+            (more, more, opposite(more, more), true),
+            (more, more, -0.29 * more, false),
+            (least, more, opposite(least, more), false),
+            (more, least, opposite(more, least), false),
+            (0.2, 4.0, opposite(0.2, 4.0), true),
+            (0.16, 4.0, opposite(0.16, 4.0), false),
+            (0.15, 4.0, opposite(0.15, 4.0), false),
+            (7.0, 0.25, 0.81 * f64::sqrt(7.0 * 0.25), true),
+            (7.0, 0.25, 0.79 * f64::sqrt(7.0 * 0.25), false),
+            (6.25, 0.25, 1.25, false),
+            (4.0, least, 0.1, false),
+            // exactly at a correlation
+            (4.0, 4.0, -0.3 * 4.0, false),
+            (64.0, 1.0, 0.8 * 8.0, false),
+        ] {
+            let turn = TurnAgreement {
+                gyro,
+                wheels,
+                both,
+                gap: 0.0,
+            };
+            assert_eq!(turn.contradicts(), contradicts, "{turn:?}");
+        }
+    }
 }
