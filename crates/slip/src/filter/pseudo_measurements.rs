@@ -98,3 +98,6 @@ impl Core {
         DRIFT_OVER_SLIP_SPEED * self.cross_slope * slip_speed
     }
 }
+
+#[cfg(test)]
+mod tests;

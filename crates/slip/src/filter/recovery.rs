@@ -166,3 +166,6 @@ impl Core {
         }
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests;

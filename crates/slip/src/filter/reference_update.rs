@@ -163,3 +163,6 @@ fn measured((jacobian, residual, variance): &Component) -> ScalarMeasurement<'_>
         variance: *variance,
     }
 }
+
+#[cfg(test)]
+mod tests;

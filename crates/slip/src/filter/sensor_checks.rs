@@ -42,3 +42,6 @@ impl Core {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
