@@ -339,37 +339,4 @@ pub(super) fn median(of_wheels: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::robot::Wheel;
-
-    /// A robot that steers all its wheels to one side drifts across its wheels, not across its body.
-    #[test]
-    fn the_sideways_speed_is_that_of_the_wheels_as_they_stand() {
-        let places = [(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)];
-        let wheels = places.map(|(x, y)| Wheel::powered(format!("{x} {y}")).at(x, y).radius(0.1));
-        let robot = Robot::new("crab".into(), wheels.into()).unwrap();
-        let mut bank = WheelBank::new(&robot, &FilterSettings::default());
-        let is = |bank: &WheelBank, expected: [f64; 3]| {
-            let row = bank.lateral.unwrap();
-            row.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12)
-        };
-        assert!(is(&bank, [0.0, 1.0, 0.0]));
-        // as long as one of them was never turned
-        for wheel in 0..4 {
-            bank.steer(wheel, 0.0).unwrap();
-            assert!(is(&bank, [0.0, 1.0, 0.0]));
-        }
-        for wheel in 0..4 {
-            bank.steer(wheel, 0.5).unwrap();
-        }
-        assert!(is(&bank, [-f64::sin(0.5), f64::cos(0.5), 0.0]));
-        // on an arc about a point beside the robot the mean of all wheels does not move sideways
-        for (wheel, (x, y)) in places.into_iter().enumerate() {
-            bank.steer(wheel, f64::atan2(x, 2.0 - y)).unwrap();
-        }
-        let [across, along, turn] = bank.lateral.unwrap();
-        let speed = across * 2.0 + turn;
-        assert!(speed.abs() < 1e-12 && along > 0.8, "{:?}", bank.lateral);
-    }
-}
+mod tests;

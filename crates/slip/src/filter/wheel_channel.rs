@@ -338,3 +338,6 @@ impl WheelChannel {
         self.estimate = WheelEstimate::NOTHING;
     }
 }
+
+#[cfg(test)]
+mod tests;

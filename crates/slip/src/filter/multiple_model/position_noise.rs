@@ -137,9 +137,9 @@ impl PositionNoise {
         if one > ALONG_FACTOR * self.across {
             along.reading = along.reading.max(Real::sqrt(one / SECOND_DIFFERENCE));
         }
-        // the wander by all three, and at most that by two of them: a noise that is not normal is none
+        // the wander by all three, and at most that by the first and the last: a noise that is not normal is none
         let by_all = (9.0 * (two - one) - (four - one)) / 12.0;
-        let wander = by_all.min((four - one) / 6.0).min((two - one) / 2.0);
+        let wander = by_all.min((four - one) / 6.0);
         let own = ((one - 2.0 * wander) / SECOND_DIFFERENCE).max(0.0);
         // by chance independent errors seem to wander up to that
         if wander > own && period_s <= MAX_WANDER_PERIOD_S {

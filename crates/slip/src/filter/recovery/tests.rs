@@ -24,6 +24,10 @@ pub(in super::super) fn core(has_free: bool) -> Core {
     if has_free {
         wheels.push(wheel(Wheel::free("free"), -0.5, 0.1));
     }
+    core_of(wheels)
+}
+
+pub(in super::super) fn core_of(wheels: Vec<Wheel>) -> Core {
     let settings = FilterSettings {
         slip: SlipPrior {
             mean: 0.1,

@@ -341,7 +341,7 @@ fn headings_and_speeds_may_be_outliers() {
         assert_near(&model, expected.mean, &expected.covariance);
         assert!((likelihood - is).abs() < ROUNDING);
         // a share of the rims' speed: 1 − s, or 1/(1 + s)
-        for (slip, share, slope) in [(0.2, 0.8, -1.0), (-0.2, 1.25, -1.5625)] {
+        for (slip, share, slope) in SHARES {
             let mut before = before;
             before.mean[SLIP] = slip;
             let mut model = before;
@@ -368,7 +368,7 @@ fn headings_and_speeds_may_be_outliers() {
 
 #[test]
 fn a_speed_by_rim_and_slip_has_their_covariance() {
-    for (slip, share, slope) in [(0.2, 0.8, -1.0), (-0.2, 1.25, -1.5625)] {
+    for (slip, share, slope) in SHARES {
         let mut model = correlated(0.1, 0.1);
         model.mean[SLIP] = slip;
         let rim = Rim {
@@ -463,22 +463,28 @@ fn a_rise_of_the_rims_is_the_smaller_of_both() {
     }
 }
 
+/// A slip, the robot's share of the rims' way, and its derivative: driving, and braking.
+const SHARES: [(f64, f64, f64); 2] = [(0.2, 0.8, -1.0), (-0.2, 1.25, -1.5625)];
+
 #[test]
 fn slip_that_may_have_changed_since_moves_the_place() {
-    let before = correlated(0.6, 0.1);
-    let since = Since {
-        time_s: 0.5,
-        way: [0.3, -0.4],
-    };
-    let mut model = before;
-    model.change_since(&since);
-    let expected = matrix(|i, j| before.covariance[i][j] + noise_since(&since, i, j));
-    assert_near(&model, before.mean, &expected);
+    for (slip, _, slope) in SHARES {
+        let mut before = correlated(0.6, 0.1);
+        before.mean[SLIP] = slip;
+        let since = Since {
+            time_s: 0.5,
+            way: [0.3, -0.4],
+        };
+        let mut model = before;
+        model.change_since(&since);
+        let expected = matrix(|i, j| before.covariance[i][j] + noise_since(&since, slope, i, j));
+        assert_near(&model, before.mean, &expected);
+    }
 }
 
-/// Covariances of a random walk (0.6/√s) and of the way by its mean, driving.
-fn noise_since(since: &Since, i: usize, j: usize) -> f64 {
-    let of = |k: usize| -since.way.get(k).copied().unwrap_or(0.0);
+/// Covariances of a random walk (0.6/√s) and of the way by its mean.
+fn noise_since(since: &Since, slope: f64, i: usize, j: usize) -> f64 {
+    let of = |k: usize| slope * since.way.get(k).copied().unwrap_or(0.0);
     let variance = 0.36 * since.time_s;
     match (i, j) {
         (SLIP, SLIP) => variance,
@@ -490,17 +496,20 @@ fn noise_since(since: &Since, i: usize, j: usize) -> f64 {
 /// A late position updates the state of its time, which then goes on to now.
 #[test]
 fn a_late_position_is_one_of_its_own_time() {
-    let now = correlated(0.6, 0.1);
     let course = |factor: f64| Course {
         sin: -0.8,
         cos: 0.6,
         variances: [0.2, 0.5].map(|variance| factor * variance),
     };
-    for (time_s, place, is_sure) in [
-        (0.0, [2.4, -3.9], false),
-        (0.05, [2.4, -3.9], false),
-        (0.05, [1.27, -2.2], true),
+    let far = [2.4, -3.9];
+    for ((slip, share, slope), time_s, place, is_sure) in [
+        (SHARES[0], 0.0, far, false),
+        (SHARES[0], 0.05, far, false),
+        (SHARES[1], 0.05, far, false),
+        (SHARES[0], 0.05, [1.27, -2.2], true),
     ] {
+        let mut now = correlated(0.6, 0.1);
+        now.mean[SLIP] = slip;
         // along the way, so that both axes are independent
         let since = Since {
             time_s,
@@ -509,13 +518,12 @@ fn a_late_position_is_one_of_its_own_time() {
         let mut back = matrix(|i, j| f64::from(u8::from(i == j)));
         let mut on = back;
         for axis in [X, Y] {
-            back[axis][SLIP] = since.way[axis];
-            on[axis][SLIP] = -since.way[axis];
+            back[axis][SLIP] = -since.way[axis] * slope;
+            on[axis][SLIP] = since.way[axis] * slope;
         }
-        let less = matrix(|i, j| now.covariance[i][j] - noise_since(&since, i, j));
+        let less = matrix(|i, j| now.covariance[i][j] - noise_since(&since, slope, i, j));
         let mut then = now;
         then.covariance = congruent(&back, &less);
-        let share = 0.8;
         for axis in [X, Y] {
             then.mean[axis] -= since.way[axis] * share;
         }
@@ -527,22 +535,22 @@ fn a_late_position_is_one_of_its_own_time() {
                 let (next, one) = updated(&model, h, off, variance);
                 (model, likelihood) = (next, likelihood * one);
             }
-            let shares = 1.0 - model.mean[SLIP];
+            let shares = share + slope * (model.mean[SLIP] - slip);
             for axis in [X, Y] {
                 model.mean[axis] += since.way[axis] * shares;
             }
             let later = congruent(&on, &model.covariance);
-            model.covariance = matrix(|i, j| later[i][j] + noise_since(&since, i, j));
+            model.covariance = matrix(|i, j| later[i][j] + noise_since(&since, slope, i, j));
             (model, likelihood)
         };
         let ((good, as_good), (bad, as_bad)) = (at(1.0), at(900.0));
         let likelihood = 0.98 * as_good + 0.02 * as_bad;
-        let share = 0.98 * as_good / likelihood;
-        assert_eq!(share > NO_OUTLIER, is_sure, "{share}");
+        let good_share = 0.98 * as_good / likelihood;
+        assert_eq!(good_share > NO_OUTLIER, is_sure, "{good_share}");
         let shares = if is_sure {
             [1.0, 0.0]
         } else {
-            [share, 1.0 - share]
+            [good_share, 1.0 - good_share]
         };
         let (mean, covariance) = mixture(&[good, bad], &shares);
         let mut found = now;
@@ -552,7 +560,7 @@ fn a_late_position_is_one_of_its_own_time() {
     }
     // a slip that is known better than the noise since cannot hold it
     let (mut known, since) = (
-        now,
+        correlated(0.6, 0.1),
         Since {
             time_s: 40.0,
             way: [0.3, -0.4],

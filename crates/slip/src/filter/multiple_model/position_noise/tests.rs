@@ -38,6 +38,9 @@ fn second_differences_are_along_the_course_and_across() {
     }
     assert!(noise.second_difference(4, COURSE).is_some());
     assert_eq!(noise.squares, 1);
+    // half of the sizes are 0.6, half of them 1.6: the means begin with the larger one's variance
+    let first = (1.6 / MEDIAN_OF_NORMAL).powi(2);
+    assert!((noise.across - first - (0.36 - first) / 11.0).abs() < ROUNDING);
     noise.interrupt();
     assert_eq!(noise.second_difference(1, COURSE), None);
 }
@@ -137,11 +140,11 @@ fn errors_that_depend_on_the_course_and_wander_are_told_apart() {
         near(along, deviation(own), deviation(q - own));
         near(across, 0.1, 0.0);
     }
-    // by two of them where that is less: (four − one)/6 and (two − one)/2
+    // by two of them where that is less
     for along in [[0.06, 0.1, 0.12], [0.06, 0.075, 0.3]] {
         let [one, two, four] = along;
         let all = (9.0 * (two - one) - (four - one)) / 12.0;
-        let wander = f64::min(all, f64::min((four - one) / 6.0, (two - one) / 2.0));
+        let wander = f64::min(all, (four - one) / 6.0);
         let own = f64::max((one - 2.0 * wander) / 6.0, 0.0);
         let [found, _] = of(variance, along, PERIOD_S);
         if wander > own {

@@ -39,13 +39,17 @@ fn the_median_of_sizes_is_followed_in_small_steps() {
             "{lasting} {expected}"
         );
     }
+    // one as large is not larger
+    scale.push(scale.lasting.unwrap(), 0.0);
+    expected *= 0.995;
+    assert!((scale.lasting.unwrap() - expected).abs() < ROUNDING);
     // one that is no evidence
     let (lasting, kept) = (scale.lasting, scale.sizes);
     scale.push(0.5, 2.75);
     assert_eq!(scale.lasting, lasting);
     assert_eq!(scale.sizes.iter().filter(|size| **size == 2.75).count(), 1);
-    assert_eq!(scale.sizes[4], 2.75);
-    assert_eq!(scale.sizes[5..], kept[5..]);
+    assert_eq!(scale.sizes[5], 2.75);
+    assert_eq!(scale.sizes[6..], kept[6..]);
     // one at the limit is
     scale.push(2.0, 2.0);
     assert!((scale.lasting.unwrap() - lasting.unwrap() * 0.995).abs() < ROUNDING);
