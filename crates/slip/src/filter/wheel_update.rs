@@ -349,3 +349,6 @@ impl Core {
         (odd, f64::from(u8::from(counts)))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,618 @@
+use super::*;
+use crate::filter::kalman::Kalman;
+use crate::filter::motion_model::size;
+use crate::filter::recovery::tests::{MS, NOW_NS, RADIUS_M, core, core_of, near, roll};
+use crate::filter::repeated_rate::RepeatedRate;
+use crate::robot::Wheel;
+
+const WINDOW_S: f64 = 0.1;
+const RIM_VARIANCE: f64 = 4e-4;
+
+/// A robot whose numbers are all known, and correlated.
+fn known(has_free: bool) -> Core {
+    let mut core = core(has_free);
+    fill(&mut core);
+    core
+}
+
+fn fill(core: &mut Core) {
+    let count = core.wheels.channels.len();
+    for i in 0..size(count) {
+        let (mean, variance) = (core.state.mean(i), core.state.covariance(i, i));
+        core.state.reset(i, mean, variance.max(1e-6));
+    }
+    for (i, value, variance) in [
+        (FORWARD, 0.4, 0.002),
+        (LEFT, 0.03, 0.001),
+        (YAW, 0.2, 0.003),
+        (COMMON_SLIP, 0.15, 0.004),
+    ] {
+        core.state.reset(i, value, variance);
+    }
+    core.state.set_covariance(FORWARD, COMMON_SLIP, -0.001);
+    core.state.set_covariance(FORWARD, YAW, 0.0005);
+    core.state.set_covariance(LEFT, COMMON_SLIP, 0.0007);
+    for wheel in 0..count {
+        core.state.reset(own_slip(wheel), 0.05, 0.006);
+        core.state.reset(radius(wheel), 0.01, 1e-4);
+        core.state.set_covariance(own_slip(wheel), FORWARD, 0.0008);
+    }
+    core.speed_known_ns = Some(NOW_NS);
+    core.path.record(NOW_NS);
+}
+
+fn span(rim: f64) -> Span {
+    Span {
+        rim: Measured {
+            value: rim,
+            variance: RIM_VARIANCE,
+        },
+        from_ns: NOW_NS - 100 * MS,
+        to_ns: NOW_NS,
+    }
+}
+
+fn assert_same(found: &Kalman, expected: &Kalman, wheels: usize) {
+    for i in 0..size(wheels) {
+        near(found.mean(i), expected.mean(i));
+        for j in 0..=i {
+            near(found.covariance(i, j), expected.covariance(i, j));
+        }
+    }
+}
+
+/// What a window of a rim should do: u (1 + ρ) = v + s m + the difference of the remainders over the window.
+struct Window {
+    wheel: usize,
+    rim: f64,
+    braking: bool,
+    /// Speed of the wheel's centre by the state, over the ground, and its derivative.
+    forward: f64,
+    longer: f64,
+    /// Process noise density of the robot's speed within the window.
+    density: f64,
+    /// Tick of a counter, m.
+    tick: f64,
+    /// Which remainder ends it, and the variance of that.
+    odd: bool,
+    remainder_variance: f64,
+    considered: &'static [usize],
+}
+
+impl Window {
+    fn of(core: &Core, wheel: usize, rim: f64, braking: bool) -> Self {
+        let row = core.wheels.channels[wheel].row;
+        let motion = [FORWARD, LEFT, YAW].map(|i| core.state.mean(i));
+        Self {
+            wheel,
+            rim,
+            braking,
+            forward: row
+                .iter()
+                .zip(motion)
+                .map(|(part, speed)| part * speed)
+                .sum(),
+            longer: 1.0,
+            density: core.process_noise_density(),
+            tick: 0.0,
+            odd: false,
+            remainder_variance: 0.0,
+            considered: &[],
+        }
+    }
+
+    /// The state after it.
+    fn update(&self, core: &Core) -> Kalman {
+        let mut state = core.state.clone();
+        let channel = &core.wheels.channels[self.wheel];
+        if channel.remainder.is_none() {
+            state.reset(
+                remainder(self.wheel, !self.odd),
+                0.0,
+                self.remainder_variance,
+            );
+        }
+        state.reset(
+            remainder(self.wheel, self.odd),
+            0.0,
+            self.remainder_variance,
+        );
+        let (common, own) = (state.mean(COMMON_SLIP), state.mean(own_slip(self.wheel)));
+        let shared = if channel.free { 0.0 } else { 1.0 };
+        let slip = shared * common + own;
+        let rim = self.rim * (1.0 + state.mean(radius(self.wheel)));
+        let (faster, earlier, by_speed) = if self.braking {
+            (self.forward, self.forward, 1.0 + slip.min(0.0))
+        } else {
+            (rim, channel.smoothed_rim(), 1.0)
+        };
+        let mut h = vec![0.0; size(core.wheels.channels.len())];
+        for (i, part) in [FORWARD, LEFT, YAW].into_iter().zip(channel.row) {
+            h[i] = by_speed * self.longer * part;
+        }
+        h[COMMON_SLIP] = shared * earlier;
+        h[own_slip(self.wheel)] = earlier;
+        h[radius(self.wheel)] = -self.rim;
+        h[remainder(self.wheel, self.odd)] = -1.0 / WINDOW_S;
+        h[remainder(self.wheel, !self.odd)] = 1.0 / WINDOW_S;
+        let jacobian: Vec<_> = h.into_iter().enumerate().collect();
+        let slips = [(COMMON_SLIP, shared), (own_slip(self.wheel), 1.0)];
+        let of_slip = (faster * faster - earlier * earlier).max(0.0) * state.variance_of(&slips);
+        let counted = self.tick * self.tick / 6.0 / (WINDOW_S * WINDOW_S);
+        let changed = self.density * self.density * WINDOW_S / 3.0;
+        for i in self.considered {
+            state.set_considered(*i, true);
+        }
+        state.update(&ScalarMeasurement {
+            jacobian: &jacobian,
+            residual: rim
+                - self.forward
+                - slip * faster
+                - state.mean(remainder(self.wheel, !self.odd)) / WINDOW_S,
+            variance: (RIM_VARIANCE - counted).max(0.0) + changed + of_slip + 5e-4 * 5e-4,
+        });
+        for i in self.considered {
+            state.set_considered(*i, false);
+        }
+        state
+    }
+}
+
+/// The wheel's rim ran at this speed in the two windows before.
+fn ran(core: &mut Core, wheel: usize, before: f64, last: f64) {
+    core.wheels.channels[wheel].smooth(before);
+    core.wheels.channels[wheel].smooth(last);
+}
+
+#[test]
+fn a_window_updates_speed_and_slips_driving_and_braking() {
+    // (forward, common and own slip, rim speed): driving, and braking by the slip or beyond doubt
+    for (forward, common, own, rim, braking) in [
+        (0.4, 0.15, 0.05, 0.42, false),
+        (-0.4, 0.15, 0.05, -0.6, false),
+        // a slip below 0 that both speeds do not contradict, and one that they do
+        (0.5, -0.15, 0.05, 0.37, true),
+        (-0.5, -0.15, 0.05, -0.52, true),
+        (0.4, -0.15, 0.05, 0.66, false),
+        // a slip above 0, and a robot that is faster beyond doubt
+        (0.7, 0.05, 0.02, 0.37, true),
+        (0.7, 0.05, 0.02, 0.57, false),
+    ] {
+        let mut core = known(true);
+        core.state.set_mean(FORWARD, forward);
+        core.state.set_mean(COMMON_SLIP, common);
+        core.state.set_mean(own_slip(1), own);
+        ran(&mut core, 1, 0.3, 0.2);
+        core.settings.gate = 100.0;
+        let window = Window::of(&core, 1, rim, braking);
+        let expected = window.update(&core);
+        core.update_rim(1, span(rim));
+        assert_same(&core.state, &expected, 3);
+        assert_eq!(core.wheels.channels[1].remainder, Some(false));
+        if common < 0.0 || braking {
+            continue;
+        }
+        // the remainder of its end comes in the next window, the other way round
+        core.state.reset(remainder(1, false), 0.004, 1e-5);
+        core.state
+            .set_covariance(remainder(1, false), FORWARD, 1e-5);
+        let mut next = Window::of(&core, 1, rim, braking);
+        next.odd = true;
+        let expected = next.update(&core);
+        core.update_rim(1, span(rim));
+        assert_same(&core.state, &expected, 3);
+        assert_eq!(core.wheels.channels[1].remainder, Some(true));
+    }
+}
+
+#[test]
+fn a_free_wheel_measures_the_speed_beside_its_skid() {
+    for (accepted_ns, considered) in [(None, &[own_slip(2)][..]), (Some(NOW_NS), &[])] {
+        let mut core = known(true);
+        core.state.set_mean(own_slip(2), 0.0);
+        core.reference.accepted_ns = accepted_ns;
+        ran(&mut core, 2, 0.3, 0.2);
+        let mut window = Window::of(&core, 2, 0.39, false);
+        window.considered = match considered {
+            [] => &[],
+            _ => const { &[own_slip(2)] },
+        };
+        let mut expected = window.update(&core);
+        core.update_rim(2, span(0.39));
+        // it hardly runs ahead of the robot: 3 sigma of 0.01
+        expected.clamp_mean(own_slip(2), -2.0, 0.03);
+        assert_same(&core.state, &expected, 3);
+    }
+    // and may skid by any share
+    for (skid, rim, expected) in [(0.02, 0.7, 0.03), (-1.9, 0.02, -2.0)] {
+        let mut core = known(true);
+        core.settings.low_speed = 1e-3;
+        core.reference.accepted_ns = Some(NOW_NS);
+        core.settings.gate = 100.0;
+        core.state.reset(FORWARD, rim * (1.0 - skid) + 0.02, 1e-6);
+        core.state.reset(own_slip(2), skid, 4.0);
+        ran(&mut core, 2, rim, rim);
+        ran(&mut core, 2, rim, rim);
+        let off = if expected > 0.0 { 0.1 } else { -0.2 };
+        core.update_rim(2, span(rim + off));
+        if expected > 0.0 {
+            near(core.state.mean(own_slip(2)), expected);
+        } else {
+            assert!(core.state.mean(own_slip(2)) >= expected);
+        }
+    }
+}
+
+#[test]
+fn ticks_carriers_and_process_noise_are_in_a_window() {
+    let mut wheels = vec![
+        Wheel::powered("left")
+            .at(0.3, 0.4)
+            .radius(RADIUS_M)
+            .ticks_per_turn(200),
+        Wheel::powered("right").at(0.3, -0.3).radius(RADIUS_M),
+    ];
+    wheels.push(Wheel::free("free").at(-0.5, 0.1).radius(RADIUS_M));
+    let mut core = core_of(wheels);
+    fill(&mut core);
+    ran(&mut core, 0, 0.3, 0.2);
+    let count = Measurement::WheelCount { wheel: 0, raw: 1 };
+    core.wheels.channels[0].track.take(NOW_NS, &count).unwrap();
+    // the wheel's centre moves forwards by 0.1 m/s beside the robot, and up by a third of its speed
+    let level = 0.4 - 0.4 * 0.2 + 0.1;
+    let carrier = [0.0, 0.1, level / 3.0];
+    core.wheels.channels[0]
+        .carrier
+        .update(NOW_NS, carrier)
+        .unwrap();
+    let mut window = Window::of(&core, 0, 0.55, false);
+    window.longer = f64::sqrt(1.0 + 1.0 / 9.0);
+    window.forward = level * window.longer;
+    window.tick = RADIUS_M * core::f64::consts::TAU / 200.0;
+    window.remainder_variance = window.tick * window.tick / 12.0;
+    let expected = window.update(&core);
+    core.update_rim(0, span(0.55));
+    assert_same(&core.state, &expected, 3);
+    near(core.share_of_change(0), 1.0);
+    // where the motion over the ground is known, a robot that is never fast changes little; its motion is the reference's
+    let mut led = known(false);
+    led.is_led = true;
+    roll(&mut led, 0, NOW_NS, &[0.06, 0.06]);
+    near(led.share_of_change(0), 0.4);
+    roll(&mut led, 1, NOW_NS, &[0.2, 0.2]);
+    near(led.share_of_change(1), 1.0);
+    let mut window = Window::of(&led, 0, 0.42, false);
+    window.density *= 0.4;
+    window.considered = &[YAW, GYRO_BIAS, FORWARD, LEFT, COMMON_SLIP];
+    let expected = window.update(&led);
+    led.update_rim(0, span(0.42));
+    assert_same(&led.state, &expected, 2);
+}
+
+#[test]
+fn what_a_window_does_not_show_is_considered() {
+    type Change = fn(&mut Core);
+    let with_gyro: Change = |core| {
+        let (settings, wheels) = (core.settings, &core.wheels);
+        let mut state = core.state.clone();
+        let reading = (NOW_NS, state.mean(YAW) + state.mean(GYRO_BIAS));
+        core.gyro
+            .update(
+                reading,
+                &settings,
+                (wheels, false),
+                &mut state,
+                &mut core.path,
+            )
+            .unwrap();
+    };
+    // wheels 0.7 m apart: a bend from 0.03 rad/s on
+    let straight: Change = |core| {
+        roll(core, 0, NOW_NS, &[0.5; 2]);
+        roll(core, 1, NOW_NS, &[0.52; 2]);
+    };
+    let bend: Change = |core| {
+        roll(core, 0, NOW_NS, &[0.522; 2]);
+        roll(core, 1, NOW_NS, &[0.5; 2]);
+    };
+    let slope: Change = |core| core.cross_slope = 0.2;
+    for (changes, considered) in [
+        (&[bend, with_gyro][..], &[YAW, GYRO_BIAS][..]),
+        (&[bend], &[]),
+        (&[straight, with_gyro], &[]),
+        (&[slope], &[LEFT]),
+    ] {
+        let mut core = known(true);
+        for change in changes {
+            change(&mut core);
+        }
+        ran(&mut core, 0, 0.3, 0.2);
+        let mut window = Window::of(&core, 0, 0.42, false);
+        window.considered = considered;
+        let expected = window.update(&core);
+        core.update_rim(0, span(0.42));
+        assert_same(&core.state, &expected, 3);
+        // and with no other sensor's reading
+        let mut turned = core.state.clone();
+        let before = turned.mean(YAW);
+        turned.update(&ScalarMeasurement {
+            jacobian: &[(YAW, 1.0), (LEFT, 1.0)],
+            residual: 0.1,
+            variance: 1e-3,
+        });
+        assert!((turned.mean(YAW) - before).abs() > 1e-3);
+    }
+    // a free wheel in a bend, and on a slope, shows the robot's motion
+    let mut core = known(true);
+    bend(&mut core);
+    with_gyro(&mut core);
+    slope(&mut core);
+    core.state.set_mean(own_slip(2), 0.0);
+    ran(&mut core, 2, 0.3, 0.2);
+    let mut window = Window::of(&core, 2, 0.39, false);
+    window.considered = const { &[own_slip(2)] };
+    let expected = window.update(&core);
+    core.update_rim(2, span(0.39));
+    assert_same(&core.state, &expected, 3);
+}
+
+/// A window of the first wheel by its innovation in sigma.
+fn window(sigma: f64, is_off: bool) -> WheelWindow {
+    WheelWindow {
+        index: 0,
+        to_ns: NOW_NS,
+        rim: 0.5,
+        forward: 0.4,
+        faster: 0.5,
+        innovation: 0.02 * sigma,
+        variance: 0.0004,
+        is_off,
+        has_slip: true,
+    }
+}
+
+#[test]
+fn an_innovation_changes_the_noise_of_a_slip() {
+    let weight = 1.0 - 0.8 * 0.8;
+    for (sigma, r) in [(0.5, 0.5), (-3.0, -3.0), (5.0, 4.0), (-9.0, -4.0)] {
+        let mut core = known(true);
+        core.wheels.channels[0].mean_innovation = 0.25;
+        core.wheels.channels[0].was_off = true;
+        core.wheels.channels[0].noise_scale = 2.0;
+        let common = core.state.covariance(COMMON_SLIP, COMMON_SLIP);
+        assert!(core.accepts_powered_window(&window(sigma, false)));
+        let wheel = &core.wheels.channels[0];
+        near(wheel.mean_innovation, 0.25 + weight * (r - 0.25));
+        near(wheel.noise_scale, 2.0 * f64::exp(0.005 * (r * r - 1.0)));
+        assert!(!wheel.was_off);
+        near(core.state.covariance(COMMON_SLIP, COMMON_SLIP), common);
+        // all of them: the common slip may have changed by this share of the rim
+        for wheel in &mut core.wheels.channels[..2] {
+            wheel.mean_innovation = 2.0 * r.signum();
+        }
+        core.accepts_powered_window(&window(sigma, false));
+        let step = 0.02 * sigma / 0.5;
+        let changes = core.wheels.slips_change_together();
+        let expected = common + if changes { step * step } else { 0.0 };
+        near(core.state.covariance(COMMON_SLIP, COMMON_SLIP), expected);
+        assert!(changes || r.abs() < 1.0);
+    }
+    for (before, sigma, limit) in [(0.1, 0.0, 0.1), (99.9, 4.0, 100.0)] {
+        let mut core = known(true);
+        core.wheels.channels[0].noise_scale = before;
+        core.accepts_powered_window(&window(sigma, false));
+        near(core.wheels.channels[0].noise_scale, limit);
+    }
+}
+
+#[test]
+fn a_wheel_that_breaks_away_gets_another_slip() {
+    for (sigma, own) in [
+        (6.0, 0.05 + 0.24),
+        (-6.0, 0.05 - 0.24),
+        (60.0, 2.0),
+        (-60.0, -2.0),
+    ] {
+        let mut core = known(true);
+        let before = core.clone();
+        // the first one may be play
+        assert!(!core.accepts_powered_window(&window(sigma, true)));
+        assert!(core.wheels.channels[0].was_off);
+        assert_same(&core.state, &before.state, 3);
+        assert_eq!(core.wheels.channels[0].mean_innovation, 0.0);
+        assert!(!core.accepts_powered_window(&window(sigma, true)));
+        near(core.state.mean(own_slip(0)), own);
+        near(core.state.sigma(own_slip(0)), 2.0 * 0.08);
+        assert!((core.nis - sigma * sigma).abs() < 1e-9);
+        near(core.state.covariance(own_slip(0), FORWARD), 0.0);
+        near(core.state.mean(FORWARD), before.state.mean(FORWARD));
+    }
+}
+
+#[test]
+fn windows_beyond_the_gate_and_encoders_that_are_wrong_are_refused() {
+    let refused = |core: &mut Core, rim: f64| {
+        let before = core.state.mean(FORWARD);
+        core.update_rim(0, span(rim));
+        core.state.mean(FORWARD) == before
+    };
+    // beyond the gate by both variances
+    let mut core = known(true);
+    ran(&mut core, 0, 0.3, 0.2);
+    let forward = 0.4 - 0.4 * 0.2;
+    let gate = |rim: f64| {
+        // 0.2 of the rim is slip
+        let mut core = known(true);
+        ran(&mut core, 0, 0.3, 0.2);
+        core.settings.gate = 1e9;
+        core.update_rim(0, span(rim));
+        f64::sqrt(core.nis) * (0.8 * 1.01 * rim - forward).signum()
+    };
+    let (sigma_high, sigma_low) = (gate(0.9), gate(0.35));
+    assert!(sigma_high > 1.0 && sigma_low < 0.0);
+    for (factor, is_refused) in [(0.99, true), (1.01, false)] {
+        let mut core = core.clone();
+        core.settings.gate = factor * sigma_high;
+        assert_eq!(refused(&mut core, 0.9), is_refused);
+        assert_eq!(core.wheels.channels[0].was_off, is_refused);
+    }
+    // against the travel by more than the low speed, and beyond the error of the state: 3 · 0.0447 m/s
+    for (forward, rim, against) in [
+        (0.4, -0.03, true),
+        (-0.4, 0.03, true),
+        (0.4, 0.03, false),
+        (0.4, -0.0199, false),
+        (0.16, -0.03, true),
+        (0.15, -0.03, false),
+    ] {
+        let mut core = known(true);
+        core.settings.gate = 1e9;
+        core.state.set_mean(FORWARD, forward);
+        core.state.set_mean(YAW, 0.0);
+        ran(&mut core, 0, rim, rim);
+        assert_eq!(refused(&mut core, rim), against, "{forward} {rim}");
+        let since = core.wheels.channels[0].against_since_ns;
+        assert_eq!(since, against.then_some(NOW_NS));
+        if against {
+            let later = Span {
+                to_ns: NOW_NS + 100 * MS,
+                ..span(rim)
+            };
+            core.update_rim(0, later);
+            assert_eq!(core.wheels.channels[0].against_since_ns, since);
+            assert!(!refused(&mut core, -rim));
+            assert_eq!(core.wheels.channels[0].against_since_ns, None);
+        }
+    }
+    // a rim that stands for a quarter of a second while the robot moves
+    for (still_ms, gate, is_refused) in [(250, 1.0, true), (249, 1.0, false), (250, 1e9, false)] {
+        let mut core = known(true);
+        core.settings.gate = gate;
+        core.settings.low_speed = 9.0;
+        roll(&mut core, 0, NOW_NS, &[0.0; 2]);
+        core.wheels.channels[0].still_since_ns = Some(NOW_NS - still_ms * MS);
+        core.wheels.channels[0].mean_innovation = 0.5;
+        core.state.set_mean(COMMON_SLIP, -0.4);
+        assert_eq!(refused(&mut core, 0.0), is_refused, "{still_ms} {gate}");
+        // without a slip there is no mean of it
+        assert_eq!(core.wheels.channels[0].mean_innovation, 0.0);
+    }
+}
+
+#[test]
+fn sparse_readings_are_as_old_as_a_twentieth_of_a_second() {
+    let mut core = known(true);
+    assert!(!core.is_sparse(NOW_NS));
+    roll(&mut core, 0, NOW_NS, &[0.5]);
+    roll(&mut core, 1, NOW_NS - 30 * MS, &[0.5]);
+    // by the newest one, of powered wheels
+    for (ms, is_sparse) in [
+        (0, false),
+        (49, false),
+        (50, true),
+        (400, true),
+        (401, false),
+    ] {
+        assert_eq!(core.is_sparse(NOW_NS + ms * MS), is_sparse, "{ms}");
+    }
+    roll(&mut core, 2, NOW_NS + 60 * MS, &[0.5]);
+    assert!(core.is_sparse(NOW_NS + 60 * MS));
+}
+
+#[test]
+fn a_reading_goes_to_each_part_of_its_wheel() {
+    let rate = |wheel: usize, speed: f64| Measurement::WheelRate {
+        wheel,
+        rate: speed / RADIUS_M,
+    };
+    // beside a free wheel a window that ends updates the state at once
+    let mut core = known(true);
+    let mut expected = core.clone();
+    for ms in [0, 100] {
+        core.update_wheel(NOW_NS - 100 * MS + ms * MS, 0, &rate(0, 0.42))
+            .unwrap();
+    }
+    expected.wheels.channels[0].track = core.wheels.channels[0].track.clone();
+    let exact = Span {
+        rim: Measured {
+            value: 0.42,
+            variance: 0.0,
+        },
+        ..span(0.42)
+    };
+    expected.update_rim(0, exact);
+    assert_same(&core.state, &expected.state, 3);
+    assert_eq!(core.wheels.channels[0].read_before_ns, NOW_NS - 100 * MS);
+    assert!(!core.wheels.channels[0].has_ended);
+    let mut repeated = RepeatedRate::default();
+    for ms in [0, 100] {
+        repeated.push(NOW_NS - 100 * MS + ms * MS, 0.42 / RADIUS_M);
+    }
+    assert_eq!(
+        format!("{:?}", core.wheels.channels[0].repeated),
+        format!("{repeated:?}")
+    );
+    let unknown = Fault::UnknownWheel {
+        index: 3,
+        wheels: 3,
+    };
+    assert_eq!(core.update_wheel(NOW_NS, 3, &rate(3, 0.1)), Err(unknown));
+    // without one the windows of all wheels wait for the last of the row
+    let mut core = known(false);
+    for (ms, wheel, waits) in [
+        (-100, 0, [false, false]),
+        (-100, 1, [false, false]),
+        (0, 0, [true, false]),
+        (0, 1, [false, false]),
+    ] {
+        let before = core.wheels.channels[0].remainder;
+        core.update_wheel(NOW_NS + ms * MS, wheel, &rate(wheel, 0.42))
+            .unwrap();
+        let ended = [0, 1].map(|wheel| core.wheels.channels[wheel].has_ended);
+        assert_eq!(ended, waits);
+        let settles = ms == 0 && wheel == 1;
+        assert_eq!(core.wheels.channels[0].remainder != before, settles);
+    }
+    assert!(core.wheels.channels[1].remainder.is_some());
+    // a force that was measured with them, too
+    let mut core = known(false);
+    for ms in [-100, 0] {
+        for wheel in 0..2 {
+            let now_ns = NOW_NS + ms * MS;
+            let track = &mut core.wheels.channels[wheel];
+            track.has_ended = false;
+            core.update_wheel(now_ns, wheel, &rate(wheel, 0.42))
+                .unwrap();
+        }
+    }
+    assert!(core.wheels.channels.iter().all(|wheel| !wheel.has_ended));
+    // nothing is settled without a motion over the ground, or before a time
+    let mut core = known(true);
+    core.wheels.channels[0].has_ended = true;
+    core.settle_rims();
+    assert!(core.wheels.channels[0].has_ended);
+    let mut core = known(false);
+    core.now_ns = None;
+    core.wheels.channels[0].has_ended = true;
+    core.settle_rims();
+    assert!(core.wheels.channels[0].has_ended);
+    // pulses are those of counters
+    let counting = Wheel::powered("a").radius(RADIUS_M).ticks_per_turn(100);
+    let mut core = core_of(vec![counting.clone(), Wheel::free("b")]);
+    for (ms, raw) in [(0, 0), (10, 7)] {
+        let count = Measurement::WheelCount { wheel: 0, raw };
+        core.update_wheel(NOW_NS + ms * MS, 0, &count).unwrap();
+    }
+    let mut pulses =
+        crate::filter::pulse_check::PulseCheck::new(counting.travel_per_tick().unwrap(), 100.0);
+    for (ms, ticks) in [(0, 0.0), (10, 7.0)] {
+        pulses.update(
+            NOW_NS + ms * MS,
+            ticks * counting.travel_per_tick().unwrap(),
+        );
+    }
+    assert_eq!(
+        format!("{:?}", core.wheels.channels[0].pulses),
+        format!("{pulses:?}")
+    );
+}
