@@ -2,6 +2,7 @@ use super::*;
 use crate::filter::settings::FilterSettings;
 use crate::robot::{Robot, Wheel};
 use crate::sample::Measurement;
+use crate::speed::Measured;
 
 pub(in super::super) const NOW_NS: i64 = 10_000_000_000;
 pub(in super::super) const MS: i64 = 1_000_000;
@@ -221,10 +222,25 @@ fn a_dispute_is_of_a_refused_reference_that_is_more_plausible() {
         assert_eq!(core.is_disputed(NOW_NS), expected, "{own} {rims} {free}");
     }
     // as surprising on either side of the prior
-    let mut core = set_up(0.25, 1.0, 0.75);
+    let mut core = set_up(0.25, 1.0, 0.0);
     core.settings.slip.mean = 0.5;
-    suspect(&mut core);
-    assert!(!core.is_disputed(NOW_NS));
+    for wheel in &mut core.wheels.channels[..2] {
+        wheel.rim = wheel
+            .rim
+            .map(|(rim, to_ns)| (Measured { value: 1.0, ..rim }, to_ns));
+    }
+    core.reference.monitor = failed();
+    for (speed, expected) in [(0.75, false), (0.74, true)] {
+        core.reference.speed = Some((speed, NOW_NS));
+        assert_eq!(core.is_disputed(NOW_NS), expected);
+    }
+    // 0.06 m/s are 0.15 of 0.4 m/s
+    for (own, expected) in [(0.34, false), (0.339, true)] {
+        let mut core = set_up(own, 0.5, 0.0);
+        core.reference.monitor = failed();
+        core.reference.speed = Some((0.4, NOW_NS));
+        assert_eq!(core.is_disputed(NOW_NS), expected);
+    }
     let mut silent = set_up(0.1, 0.5, 0.45);
     suspect(&mut silent);
     for wheel in 0..2 {

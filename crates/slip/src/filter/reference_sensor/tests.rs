@@ -55,6 +55,7 @@ fn a_speed_is_that_of_the_last_window_before_its_delay() {
     }
     for (forward, left, is_legal) in [
         (-2.0, 2.0, true),
+        (2.0, -2.0, true),
         (2.1, 0.0, false),
         (0.0, -2.1, false),
         (f64::NAN, 0.0, false),

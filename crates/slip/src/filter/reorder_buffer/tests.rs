@@ -148,6 +148,20 @@ fn a_ring_of_three_keeps_the_order_wherever_it_begins() {
     assert!(!buffer.is_full());
     buffer.clear();
     assert_eq!(buffer.release(true), None);
+    // what cannot be told apart, as it came
+    for rate in [2.0, 1.0] {
+        buffer.offer(Sample {
+            measurement: Measurement::YawRate { rate },
+            ..at(7)
+        });
+    }
+    for expected in [2.0, 1.0] {
+        let sample = buffer.release(true).unwrap();
+        let Measurement::YawRate { rate } = sample.measurement else {
+            unreachable!()
+        };
+        assert_eq!(rate, expected);
+    }
     // room for one at least
     let mut least = ReorderBuffer::new(0, HORIZON_NS);
     assert_eq!(least.offer(at(7)), Offered::Waits);

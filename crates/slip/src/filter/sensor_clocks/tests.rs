@@ -133,6 +133,8 @@ fn a_gap_lacks_what_its_period_has() {
     // by which the period has become 5 % of a quarter of a second longer: 0.5125 s. 0.97 s are 1.9 of them and lack one
     let period = |clocks: &mut Clocks| clocks.sensors.sensor(&GYRO).unwrap().0.period;
     assert!((period(&mut clocks) - 0.5125).abs() < 1e-12);
+    clocks.check(1750, GYRO).unwrap();
+    assert!((period(&mut clocks) - 0.5125).abs() < 1e-12);
     clocks.check(1750 + 970, GYRO).unwrap();
     assert_eq!(clocks.sensors.dropped, 1);
     // 0.535 s by now
