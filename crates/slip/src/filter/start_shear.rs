@@ -70,7 +70,7 @@ impl StartShear {
 
     /// The rims turn at `rim_speed` (m/s) for `dt` (s). Below `low_speed` (m/s) they have no slip.
     fn travel_on(&mut self, rim_speed: f64, dt: f64, low_speed: f64) {
-        let rests = rim_speed.abs() < low_speed;
+        let rests = rim_speed == 0.0 || rim_speed.abs() < low_speed;
         if rests || rim_speed * self.rim_speed < 0.0 {
             self.travel = 0.0;
         }
@@ -116,12 +116,13 @@ mod tests {
             start.travel_on(RIM_M_PER_S, DT_S, RIM_M_PER_S);
             assert_eq!(start.is_under_way, is_under_way);
         }
-        // without a low speed a rim that stops has not turned round
+        // without a low speed a rim that stops rests, too
         let mut start = StartShear::new(1.0);
-        for rim_speed in [RIM_M_PER_S, 0.0, RIM_M_PER_S] {
+        for rim_speed in [RIM_M_PER_S, 0.0, -RIM_M_PER_S] {
             start.travel_on(rim_speed, DT_S, 0.0);
+            assert_eq!(start.is_under_way, rim_speed != 0.0);
         }
-        assert_eq!(start.travel, 2.0 * RIM_M_PER_S * DT_S);
+        assert_eq!(start.travel, RIM_M_PER_S * DT_S);
     }
 
     #[test]

@@ -203,7 +203,14 @@ fn the_error_of_a_turn_by_wheels_is_that_of_their_slips() {
         core.wheels.turn_sigma(0.0, &core.settings),
         f64::sqrt(sum([0.08; 4])) / square,
     );
-    // up to three sigma of 0.08
+    // wheels near one another
+    let mut close = core_of(at(&[(0.5, 0.02), (0.5, -0.02)]));
+    for (wheel, rim) in [0.5, 0.3].into_iter().enumerate() {
+        roll(&mut close, wheel, NOW_NS, &[rim; 3]);
+    }
+    let expected = 0.02 * f64::hypot(0.5, 0.3) * 0.08 / (2.0 * 0.02 * 0.02);
+    near(close.wheels.turn_sigma(0.0, &close.settings), expected);
+    // up to three sigma
     core.settings.wheel_slip_sigma = 0.0625;
     for (slip, alike) in [
         (0.1875, true),
@@ -245,6 +252,35 @@ fn a_steered_turn_is_that_about_the_wheels_axes() {
     let square: f64 = arms.iter().map(|arm| (arm - mean).powi(2)).sum();
     let variance = (0.01_f64.powi(2) + (0.05 * SPEED_M_PER_S).powi(2)) / square;
     near(turn.variance, variance);
+    // that do not agree: least squares over the speed to 1 mm/s and no speed across each wheel, by Cramer's rule
+    core.wheels.steer(1, 0.1).unwrap();
+    let mut normal = [[1e6, 0.0, 0.0], [0.0; 3], [0.0; 3]];
+    let sigma_2 = 0.01_f64.powi(2) + (0.05 * SPEED_M_PER_S).powi(2);
+    for wheel in core.wheels.iter() {
+        let row = wheel.steering.across();
+        for (i, line) in normal.iter_mut().enumerate() {
+            for (slot, part) in line.iter_mut().zip(row) {
+                *slot += row[i] * part / sigma_2;
+            }
+        }
+    }
+    let determinant = |m: [[f64; 3]; 3]| {
+        let minor = |a: usize, b: usize| m[1][a] * m[2][b] - m[1][b] * m[2][a];
+        m[0][0] * minor(1, 2) - m[0][1] * minor(0, 2) + m[0][2] * minor(0, 1)
+    };
+    let mut of_turn = normal;
+    for (line, right) in of_turn.iter_mut().zip([1e6 * SPEED_M_PER_S, 0.0, 0.0]) {
+        line[2] = right;
+    }
+    let found = core
+        .wheels
+        .steered_turn(SPEED_M_PER_S, &core.settings)
+        .unwrap();
+    let expected = determinant(of_turn) / determinant(normal);
+    assert!(
+        (found.value - expected).abs() < 1e-9,
+        "{found:?} {expected}"
+    );
     // wheels beside one another
     let mut core = core_of(at(&[(0.5, 0.2), (0.5, -0.2)]));
     for wheel in 0..2 {
@@ -332,6 +368,8 @@ fn slips_change_together_where_most_are_off_to_one_side() {
         ([0.7, 0.7, 0.7, 0.7], false),
         ([0.71, 0.71, 0.71, 0.71], true),
         ([0.0, 0.0, 0.0, 4.0], false),
+        // two of four beyond 0.35 on the side of a median of 1
+        ([-5.0, 0.35, 1.65, 2.0], false),
     ] {
         for (wheel, mean) in core.wheels.channels.iter_mut().zip(means) {
             wheel.mean_innovation = mean;
@@ -357,6 +395,14 @@ fn slips_change_together_where_most_are_off_to_one_side() {
         }
         core.wheels.channels[4].mean_innovation = of_free;
         assert_eq!(core.wheels.slips_oppose(4), oppose, "{of_free} {means:?}");
+    }
+    let mut two = self::core(true);
+    for (of_free, means) in [(0.0, [0.3, 1.5]), (-1.5, [0.5, -0.5])] {
+        for (wheel, mean) in two.wheels.channels.iter_mut().zip(means) {
+            wheel.mean_innovation = mean;
+        }
+        two.wheels.channels[2].mean_innovation = of_free;
+        assert!(!two.wheels.slips_change_together() && !two.wheels.slips_oppose(2));
     }
     let mut alone = core_of(vec![free]);
     alone.wheels.channels[0].mean_innovation = 9.0;
