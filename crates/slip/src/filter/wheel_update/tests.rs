@@ -7,7 +7,6 @@ use crate::robot::Wheel;
 
 const WINDOW_S: f64 = 0.1;
 const RIM_VARIANCE: f64 = 4e-4;
-const OWN_OF_FREE: &[usize] = &[own_slip(2)];
 
 type Change = fn(&mut Core);
 
@@ -79,7 +78,7 @@ struct Window {
     /// Which remainder ends it, and the variance of that.
     odd: bool,
     remainder_variance: f64,
-    considered: &'static [usize],
+    considered: Vec<usize>,
 }
 
 impl Window {
@@ -100,7 +99,7 @@ impl Window {
             tick: 0.0,
             odd: false,
             remainder_variance: 0.0,
-            considered: &[],
+            considered: Vec::new(),
         }
     }
 
@@ -143,7 +142,7 @@ impl Window {
         let of_slip = (faster * faster - earlier * earlier).max(0.0) * state.variance_of(&slips);
         let counted = self.tick * self.tick / 6.0 / (WINDOW_S * WINDOW_S);
         let changed = self.density * self.density * WINDOW_S / 3.0;
-        for i in self.considered {
+        for i in &self.considered {
             state.set_considered(*i, true);
         }
         state.update(&ScalarMeasurement {
@@ -154,7 +153,7 @@ impl Window {
                 - state.mean(remainder(self.wheel, !self.odd)) / WINDOW_S,
             variance: (RIM_VARIANCE - counted).max(0.0) + changed + of_slip + 5e-4 * 5e-4,
         });
-        for i in self.considered {
+        for i in &self.considered {
             state.set_considered(*i, false);
         }
         state
@@ -218,7 +217,7 @@ fn a_free_wheel_measures_the_speed_beside_its_skid() {
         let mut window = Window::of(&core, 2, 0.39, false);
         // its skid is estimated beside another reference
         if accepted_ns.is_none() {
-            window.considered = OWN_OF_FREE;
+            window.considered = vec![own_slip(2)];
         }
         let mut expected = window.update(&core);
         core.update_rim(2, span(0.39));
@@ -278,7 +277,7 @@ fn ticks_carriers_and_process_noise_are_in_a_window() {
     near(led.share_of_change(1), 1.0);
     let mut window = Window::of(&led, 0, 0.42, false);
     window.density *= 0.4;
-    window.considered = &[YAW, GYRO_BIAS, FORWARD, LEFT, COMMON_SLIP];
+    window.considered = vec![YAW, GYRO_BIAS, FORWARD, LEFT, COMMON_SLIP];
     let expected = window.update(&led);
     led.update_rim(0, span(0.42));
     assert_same(&led.state, &expected, 2);
@@ -322,7 +321,7 @@ fn what_a_window_does_not_show_is_considered() {
         }
         ran(&mut core, 0, 0.3, 0.2);
         let mut window = Window::of(&core, 0, 0.42, false);
-        window.considered = considered;
+        window.considered = considered.to_vec();
         let expected = window.update(&core);
         core.update_rim(0, span(0.42));
         assert_same(&core.state, &expected, 3);
@@ -344,7 +343,7 @@ fn what_a_window_does_not_show_is_considered() {
     core.state.set_mean(own_slip(2), 0.0);
     ran(&mut core, 2, 0.3, 0.2);
     let mut window = Window::of(&core, 2, 0.39, false);
-    window.considered = OWN_OF_FREE;
+    window.considered = vec![own_slip(2)];
     let expected = window.update(&core);
     core.update_rim(2, span(0.39));
     assert_same(&core.state, &expected, 3);
