@@ -306,7 +306,7 @@ fn evidence_fades_and_periods_are_learnt() {
         (0.5, 0.6, 0.2 * 0.5 + 0.8 * 1.2, f64::exp(-0.5 / 13.0)),
         (7.0, -0.6, 0.2 * 2.0 + 0.8 * 1.2, f64::exp(-7.0 / 13.0)),
         (0.0, 0.6, 1.2, 1.0),
-        // rims that stand say nothing of slip
+        // rims that stand do not show slip
         (0.5, 0.02, 0.2 * 0.5 + 0.8 * 1.2, 1.0),
     ] {
         let mut models = under_way(None);

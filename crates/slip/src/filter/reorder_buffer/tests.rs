@@ -148,7 +148,7 @@ fn a_ring_of_three_keeps_the_order_wherever_it_begins() {
     assert!(!buffer.is_full());
     buffer.clear();
     assert_eq!(buffer.release(true), None);
-    // what cannot be told apart, as it came
+    // what is of one kind, as it came
     for rate in [2.0, 1.0] {
         buffer.offer(Sample {
             measurement: Measurement::YawRate { rate },

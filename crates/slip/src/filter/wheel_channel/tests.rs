@@ -28,7 +28,7 @@ fn wheel() -> Wheel {
     Wheel::powered("wheel").at(0.5, 0.4).radius(RADIUS_M)
 }
 
-/// Reads an angle (rad) after so many steps; gives the window that ends: rim speed and first step.
+/// Reads an angle (rad) after this many steps; returns the window that ends: rim speed and first step.
 fn read(channel: &mut WheelChannel, step: i64, angle: f64) -> Option<(f64, i64)> {
     let now_ns = step * STEP_NS;
     let angle = Measurement::WheelAngle { wheel: 0, angle };

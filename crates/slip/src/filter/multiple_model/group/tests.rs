@@ -39,7 +39,7 @@ fn models_are_weighed_by_their_likelihoods() {
     let sum = 1.0 + 1e-6;
     let expected = [0.1 / total, 0.14 / total, 1e-6].map(|weight| weight / sum);
     assert!(near(&group.weights, &expected), "{:?}", group.weights);
-    // rims that stand say nothing of the group
+    // rims that stand do not judge the group
     let (before, weights) = (group.log_evidence, group.weights);
     group.weigh_and_score(true, likelihood);
     assert!(group.log_evidence == before && group.weights != weights);

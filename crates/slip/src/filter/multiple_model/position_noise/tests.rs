@@ -156,7 +156,7 @@ fn errors_that_depend_on_the_course_and_wander_are_told_apart() {
     // errors that are filtered have a fifth of it for themselves
     let [along, _] = of(variance, of_all(0.0, q, 0.0), PERIOD_S);
     near(along, 0.2 * deviation(q), deviation(q));
-    // as often as four times a second
+    // at four readings a second
     let [along, _] = of(variance, of_all(own, q, 0.0), 0.25);
     assert!(along.wander > 0.0);
     let [along, _] = of(variance, of_all(own, q, 0.0), 0.26);
