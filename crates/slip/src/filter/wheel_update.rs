@@ -339,7 +339,7 @@ impl Core {
     /// variance, else 0.
     fn begin_remainder(&mut self, index: usize) -> (bool, f64) {
         let wheel = &self.wheels.channels[index];
-        let counts = wheel.track.counts() && wheel.tick > 0.0;
+        let counts = wheel.track.counts();
         let variance = wheel.remainder_variance();
         let odd = wheel.remainder.is_some_and(|last| !last);
         if wheel.remainder.is_none() {

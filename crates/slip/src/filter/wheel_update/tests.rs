@@ -34,6 +34,7 @@ fn fill(core: &mut Core) {
     core.state.set_covariance(FORWARD, COMMON_SLIP, -0.001);
     core.state.set_covariance(FORWARD, YAW, 0.0005);
     core.state.set_covariance(LEFT, COMMON_SLIP, 0.0007);
+    core.state.set_covariance(GYRO_BIAS, FORWARD, 0.0002);
     for wheel in 0..count {
         core.state.reset(own_slip(wheel), 0.05, 0.006);
         core.state.reset(radius(wheel), 0.01, 1e-4);
@@ -171,6 +172,7 @@ fn a_window_updates_speed_and_slips_driving_and_braking() {
     // (forward, common and own slip, rim speed): driving, and braking by the slip or beyond doubt
     for (forward, common, own, rim, braking) in [
         (0.4, 0.15, 0.05, 0.42, false),
+        (0.4, 0.0, 0.0, 0.42, false),
         (-0.4, 0.15, 0.05, -0.6, false),
         // a slip below 0 that both speeds do not contradict, and one that they do
         (0.5, -0.15, 0.05, 0.37, true),
@@ -191,7 +193,7 @@ fn a_window_updates_speed_and_slips_driving_and_braking() {
         core.update_rim(1, span(rim));
         assert_same(&core.state, &expected, 3);
         assert_eq!(core.wheels.channels[1].remainder, Some(false));
-        if common < 0.0 || braking {
+        if common <= 0.0 || braking {
             continue;
         }
         // the remainder of its end comes in the next window, the other way round
@@ -225,9 +227,15 @@ fn a_free_wheel_measures_the_speed_beside_its_skid() {
         expected.clamp_mean(own_slip(2), -2.0, 0.03);
         assert_same(&core.state, &expected, 3);
     }
-    // a skid that is not known, beyond its limits
-    for (skid, rim, expected) in [(0.02, 0.8, 0.03), (-1.95, 0.1, -2.0)] {
+    // a skid that is not known, beyond its limits; and beyond 3 sigma of a wide prior, where that is more
+    for (prior_mean, prior_sigma, skid, rim, expected) in [
+        (0.0, 0.01, 0.02, 0.8, 0.03),
+        (0.0, 0.01, -1.95, 0.1, -2.0),
+        (0.1, 0.9, -2.55, 0.1, 0.1 - 3.0 * 0.9),
+    ] {
         let mut core = known(true);
+        core.settings.free_slip.mean = prior_mean;
+        core.settings.free_slip.sigma = prior_sigma;
         core.reference.accepted_ns = Some(NOW_NS);
         core.settings.gate = 100.0;
         core.state.reset(own_slip(2), skid, 4.0);
@@ -454,7 +462,7 @@ fn windows_beyond_the_gate_and_encoders_that_are_wrong_are_refused() {
         (0.4, -0.03, true),
         (-0.4, 0.03, true),
         (0.4, 0.03, false),
-        (0.4, -0.0199, false),
+        (0.4, -0.02, false),
         (0.16, -0.03, true),
         (0.15, -0.03, false),
     ] {
@@ -493,11 +501,35 @@ fn windows_beyond_the_gate_and_encoders_that_are_wrong_are_refused() {
 }
 
 #[test]
+fn a_slip_needs_more_than_the_low_speed() {
+    for (rim, has_slip) in [(0.5, false), (0.501, true)] {
+        let mut core = known(true);
+        core.state.set_mean(radius(0), 0.0);
+        core.settings.low_speed = 0.5;
+        core.settings.gate = 1e9;
+        ran(&mut core, 0, 0.3, 0.2);
+        core.wheels.channels[0].mean_innovation = 0.5;
+        core.update_rim(0, span(rim));
+        assert_eq!(core.wheels.channels[0].mean_innovation != 0.0, has_slip);
+    }
+}
+
+#[test]
 fn sparse_readings_are_as_old_as_a_twentieth_of_a_second() {
     let mut core = known(true);
     assert!(!core.is_sparse(NOW_NS));
     roll(&mut core, 0, NOW_NS, &[0.5]);
     roll(&mut core, 1, NOW_NS - 30 * MS, &[0.5]);
+    // the motion over the ground waits for the next of them
+    for (ms, waits) in [(0, false), (60, true)] {
+        let mut core = known(false);
+        for wheel in 0..2 {
+            roll(&mut core, wheel, NOW_NS - ms * MS, &[0.5; 2]);
+        }
+        let before = format!("{:?}", core.ground);
+        core.settle_rims();
+        assert_eq!(format!("{:?}", core.ground) == before, waits);
+    }
     // by the newest one, of powered wheels
     for (ms, is_sparse) in [
         (0, false),
