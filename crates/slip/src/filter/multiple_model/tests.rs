@@ -271,7 +271,7 @@ fn the_noise_of_positions_is_that_about_the_way() {
     for i in 0..12 {
         models.advance(&wheels(true, None));
         // ±0.02 m about the way of 0.06 m ago, on the axes of the reference's frame at rest
-        let late = 0.05 + 0.2 * f64::from(i * i);
+        let late = 0.05 + 2.0 * f64::from(i * i);
         let since = [late, 0.6 * late, 0.0, late];
         let share = 1.0 - models.mean[SLIP];
         let error = if i % 2 == 0 { 0.02 } else { -0.02 };
