@@ -72,3 +72,64 @@ impl Accelerometer {
         self.noise_scale = (self.noise_scale * learnt).clamp(low, high);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reading_counts_within_the_dropout_time_where_it_beats_the_speed_walk() {
+        const READ_NS: i64 = 3_000_000;
+        const LAST_NS: i64 = 128_000_000;
+        let settings = FilterSettings {
+            accelerometer_noise: 0.25,
+            speed_walk: 0.5,
+            dropout: seconds_between(READ_NS, LAST_NS),
+            ..FilterSettings::default()
+        };
+        let current = |noise_scale, time_ns| {
+            let force = SpecificForce {
+                time_ns: READ_NS,
+                force: [0.2, -0.3],
+            };
+            let last = Some(force);
+            let reading = Accelerometer { last, noise_scale }.current(time_ns, &settings);
+            reading.map(|reading| reading.force)
+        };
+        // 0.25 √4 is the speed walk
+        for (noise_scale, time_ns, counts) in [
+            (3.9, LAST_NS, true),
+            (3.9, LAST_NS + 1, false),
+            (4.0, LAST_NS, false),
+            (4.1, READ_NS, false),
+        ] {
+            let expected = counts.then_some([0.2, -0.3]);
+            assert_eq!(
+                current(noise_scale, time_ns),
+                expected,
+                "{noise_scale} {time_ns}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_noise_scale_grows_by_the_square_of_the_clamped_innovation() {
+        const VARIANCE: f64 = 0.04;
+        // 3 σ, and 50 σ that count as 4 σ
+        for (innovation, scale, expected) in [
+            (0.6, 5.0, 5.0 * f64::exp(8.0 * NOISE_SCALE_GAIN)),
+            (-10.0, 5.0, 5.0 * f64::exp(15.0 * NOISE_SCALE_GAIN)),
+            (0.1, 5.0, 5.0 * f64::exp(-0.75 * NOISE_SCALE_GAIN)),
+            (0.0, NOISE_SCALE_LIMITS.0, NOISE_SCALE_LIMITS.0),
+            (0.6, NOISE_SCALE_LIMITS.1, NOISE_SCALE_LIMITS.1),
+        ] {
+            let mut accelerometer = Accelerometer {
+                last: None,
+                noise_scale: scale,
+            };
+            accelerometer.learn_noise(innovation, VARIANCE);
+            let off = accelerometer.noise_scale / expected - 1.0;
+            assert!(off.abs() < 1e-12, "{innovation}: {off}");
+        }
+    }
+}

@@ -127,3 +127,87 @@ impl ForceIntegral {
         (window > 0.0).then(|| self.gained - way / window)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: i64 = 1_000_000;
+    const MAX_RATE_HZ: f64 = 1000.0;
+    const DROPOUT_S: f64 = 0.2;
+    /// Not along an axis, rad.
+    const DIRECTION: f64 = 0.7;
+
+    fn along([forward, left]: [f64; 2]) -> f64 {
+        forward * f64::cos(DIRECTION) + left * f64::sin(DIRECTION)
+    }
+
+    /// The speed that a step of `dt` at `now_ns` adds, m/s.
+    fn gained(integral: &mut ForceIntegral, now_ns: i64, dt: f64) -> f64 {
+        let force = integral.step(now_ns, DIRECTION, (dt, DROPOUT_S));
+        force.map_or(f64::NAN, |force| force * dt)
+    }
+
+    #[test]
+    fn a_step_adds_the_trapezoid_of_the_readings_and_makes_up_for_the_force_that_was_held() {
+        let [a, b, c] = [[0.6, -0.8], [1.4, 0.5], [-0.3, 0.9]];
+        let mut integral = ForceIntegral::new(MAX_RATE_HZ);
+        let near = |value: f64, expected: f64| (value - expected).abs() < 1e-12;
+        assert!(integral.step(0, DIRECTION, (0.01, DROPOUT_S)).is_none());
+        integral.observe(0, a);
+        assert!(near(gained(&mut integral, 10 * MS, 0.01), 0.01 * along(a)));
+        integral.observe(20 * MS, b);
+        let first = 0.01 * (along(a) + along(b));
+        let second = first - 0.01 * along(a);
+        assert!(near(gained(&mut integral, 20 * MS, 0.01), second));
+        // the last reading is held
+        assert!(near(
+            gained(&mut integral, 25 * MS, 0.005),
+            0.005 * along(b)
+        ));
+        integral.observe(40 * MS, c);
+        let third = 0.01 * (along(b) + along(c)) - 0.005 * along(b);
+        assert!(near(gained(&mut integral, 40 * MS, 0.015), third));
+        // readings at one time, backwards or too far apart are not joined: the integral goes on from the last step
+        for (index, to_ns) in [40 * MS, 30 * MS, 130 * MS].into_iter().enumerate() {
+            integral.observe(to_ns, b);
+            assert!(near(gained(&mut integral, to_ns, 0.01), 0.0), "{index}");
+        }
+        let dropout_ns = 330 * MS;
+        assert_eq!(seconds_between(130 * MS, dropout_ns), DROPOUT_S);
+        assert!(near(gained(&mut integral, dropout_ns, 0.2), 0.2 * along(b)));
+        assert!((integral.step(dropout_ns + 1, DIRECTION, (0.01, DROPOUT_S))).is_none());
+    }
+
+    /// At a constant acceleration a the speed is a t, and its mean over a window that of the window's middle.
+    #[test]
+    fn the_speed_gained_since_a_window_is_that_since_its_middle() {
+        let force = [0.6, -1.7];
+        let mut integral = ForceIntegral::new(MAX_RATE_HZ);
+        for step in 0..=20 {
+            integral.observe(step * 10 * MS, force);
+            integral.step(step * 10 * MS, DIRECTION, (0.01, DROPOUT_S));
+        }
+        let since = integral.gained_since(40 * MS, 120 * MS).unwrap();
+        assert!((since - 0.12 * along(force)).abs() < 1e-12, "{since}");
+        assert_eq!(integral.gained_since(40 * MS, 40 * MS), None);
+        integral.restart_clock();
+        assert_eq!(integral.gained_since(40 * MS, 120 * MS), None);
+        assert!((integral.step(210 * MS, DIRECTION, (0.01, DROPOUT_S))).is_none());
+    }
+
+    #[test]
+    fn the_next_reading_is_awaited_about_a_period_after_the_last() {
+        let awaits = |period_ns: i64, since_ns: i64| {
+            let mut integral = ForceIntegral::new(MAX_RATE_HZ);
+            integral.observe(0, [0.3, 0.4]);
+            integral.observe(period_ns, [0.3, 0.4]);
+            integral.awaits(period_ns + since_ns)
+        };
+        let at = [17, 19, 29, 31].map(|since| awaits(20 * MS, since * MS));
+        assert_eq!(at, [false, true, true, false]);
+        // readings as seldom as this are not waited for
+        assert!(awaits(59 * MS, 59 * MS) && !awaits(61 * MS, 61 * MS));
+        assert!(!ForceIntegral::new(MAX_RATE_HZ).awaits(0));
+    }
+}

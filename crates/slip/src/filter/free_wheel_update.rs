@@ -38,8 +38,7 @@ impl Core {
         if !jumped && rolling.jumped_ns.take().is_some() {
             let off = self.state.mean(own_slip(index)) - self.settings.free_slip.by_rim().mean;
             let doubt = SKID_AFTER_JUMP_SHARE * off;
-            self.state
-                .inflate(own_slip(index), doubt * doubt, doubt * doubt);
+            self.state.raise_variance(own_slip(index), doubt * doubt);
         }
     }
 
@@ -104,7 +103,7 @@ impl Core {
             self.restart_from(w.rim);
             let doubt = 1.5 * MAX_SKID_SIGMA * MAX_SKID_SIGMA;
             if !confirmed {
-                self.state.inflate(own_slip(w.index), doubt, doubt);
+                self.state.raise_variance(own_slip(w.index), doubt);
             }
             return false;
         }
@@ -148,8 +147,7 @@ impl Core {
                     (self.state.mean(slip), self.state.covariance(slip, slip)),
                 );
             }
-            self.state
-                .inflate(own_slip(w.index), step * step, step * step);
+            self.state.raise_variance(own_slip(w.index), step * step);
             rolling.jumped_ns = rolling.was_calm.then_some(w.to_ns);
         }
     }
@@ -190,3 +188,6 @@ impl Core {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

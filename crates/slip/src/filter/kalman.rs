@@ -109,6 +109,12 @@ impl Kalman {
         }
     }
 
+    /// Raises the variance of number `i` to at least this.
+    pub(crate) fn raise_variance(&mut self, i: usize, least: f64) {
+        let slot = self.variance_mut(i);
+        *slot = slot.max(least);
+    }
+
     /// Keeps the variance of number `i` from growing past `limit`.
     pub(crate) fn limit_variance(&mut self, i: usize, limit: f64) {
         let slot = self.variance_mut(i);
