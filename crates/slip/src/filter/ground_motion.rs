@@ -225,3 +225,6 @@ impl Core {
             })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -519,3 +519,6 @@ fn travel_at(wheel: &WheelChannel, now_ns: i64) -> f64 {
     let rim = wheel.rim.map_or(0.0, |(rim, _)| rim.value);
     wheel.track.travel() + since.unwrap_or(0.0) * rim
 }
+
+#[cfg(test)]
+mod tests;
