@@ -305,3 +305,6 @@ impl Core {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

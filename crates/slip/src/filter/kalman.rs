@@ -280,3 +280,6 @@ fn add_multiple(to: &mut [f64], factor: f64, from: &[f64]) {
         *slot += factor * entry;
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests;

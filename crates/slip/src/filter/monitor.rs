@@ -49,3 +49,37 @@ impl Monitor {
         self.failed
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: i64 = 1_000_000;
+    const PATIENCE_S: f64 = 0.2;
+
+    #[test]
+    fn it_fails_after_its_patience_and_is_trusted_after_three_times_that() {
+        let mut monitor = Monitor::default();
+        assert!(monitor.is_clean() && !monitor.is_suspect() && !monitor.has_failed());
+        let mut record = |at_ms: i64, agreed| {
+            let trusted = monitor.record(at_ms * MS, agreed, PATIENCE_S);
+            assert_eq!(
+                (monitor.is_suspect(), monitor.has_failed()),
+                (!agreed, !trusted)
+            );
+            (trusted, monitor.is_clean())
+        };
+        // the first reading stands for no time, one after a gap for 0.1 s, and one of an earlier time for none
+        assert_eq!(record(1_000, false), (true, true));
+        assert_eq!(record(9_000, false), (true, false));
+        assert_eq!(record(8_000, false), (true, false));
+        // 0.1 s make up for 0.03 s
+        assert_eq!(record(8_090, true), (true, false));
+        assert_eq!(record(8_219, false), (true, false));
+        assert_eq!(record(8_249, false), (false, false));
+        for at_ms in (8_299..8_849).step_by(50) {
+            assert_eq!(record(at_ms, true), (false, false), "{at_ms}");
+        }
+        assert_eq!(record(8_850, true), (true, true));
+    }
+}

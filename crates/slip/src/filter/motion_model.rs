@@ -198,3 +198,6 @@ pub(super) fn hold(state: &mut Kalman, row: [f64; 3], value: f64, sigma: f64) {
         variance: sigma * sigma,
     });
 }
+
+#[cfg(test)]
+mod tests;

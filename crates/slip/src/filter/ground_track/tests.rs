@@ -11,6 +11,10 @@ const RIM: f64 = 0.5;
 const SLIP: [f64; 2] = [0.3, 0.05];
 const PRIOR: [f64; 2] = [0.1, 0.2];
 const HEADING: f64 = 0.6;
+/// 1.3 periods of 0.3 s.
+const LATE_NS: i64 = 390 * MS;
+/// The least step later.
+const READ_NS: i64 = NOW_NS + 5 * MS;
 const PLACE: [f64; 2] = [2.0, -1.0];
 
 fn settings() -> FilterSettings {
@@ -181,8 +185,6 @@ fn the_mean_motion_of_a_window_is_its_rims_way_less_slip_and_across_by_the_drift
 #[test]
 fn a_reference_is_late_silent_or_readmitted_by_its_times() {
     let mut ground = started();
-    // 1.3 periods of 0.3 s
-    const LATE_NS: i64 = 390 * MS;
     assert_eq!(ground.silent_after(), 0.0);
     assert!(!ground.is_late(NOW_NS + LATE_NS));
     ground.received_ns = Some(NOW_NS);
@@ -277,7 +279,6 @@ fn a_step_is_the_rims_mean_way_beside_the_turn() {
     });
     let robot = Robot::new("crab".into(), wheels.into()).unwrap();
     let mut bank = WheelBank::new(&robot, &settings);
-    const READ_NS: i64 = NOW_NS + 5 * MS;
     for (wheel, rim) in [(0, 0.6), (1, 0.8)] {
         let channel = &mut bank.channels[wheel];
         for time_ns in [NOW_NS, READ_NS] {
