@@ -191,9 +191,13 @@ mod tests {
         let since = integral.gained_since(40 * MS, 120 * MS).unwrap();
         assert!((since - 0.12 * along(force)).abs() < 1e-12, "{since}");
         assert_eq!(integral.gained_since(40 * MS, 40 * MS), None);
+        // what was read and not stepped over is forgotten with the clock
+        integral.observe(220 * MS, force);
         integral.restart_clock();
         assert_eq!(integral.gained_since(40 * MS, 120 * MS), None);
-        assert!((integral.step(210 * MS, DIRECTION, (0.01, DROPOUT_S))).is_none());
+        assert!((integral.step(230 * MS, DIRECTION, (0.01, DROPOUT_S))).is_none());
+        integral.observe(240 * MS, force);
+        assert_eq!(gained(&mut integral, 240 * MS, 0.01), 0.0);
     }
 
     #[test]

@@ -205,3 +205,6 @@ impl Core {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -119,3 +119,95 @@ pub(super) const fn rotation_of(measurement: &Measurement) -> Option<usize> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: i64 = 1_000_000;
+
+    fn count(wheel: usize, time_ms: i64) -> Sample {
+        let time_ns = time_ms * MS;
+        let measurement = Measurement::WheelCount { wheel, raw: 7 };
+        Sample {
+            time_ns,
+            measurement,
+        }
+    }
+
+    fn gyro(time_ms: i64) -> Sample {
+        Sample {
+            measurement: Measurement::YawRate { rate: 0.1 },
+            ..count(0, time_ms)
+        }
+    }
+
+    #[test]
+    fn room_is_for_two_samples_of_each_wheel_and_four_others_within_the_horizon() {
+        for (wheels, max_rate, horizon, room) in [
+            (3, 100.0, 0.5, 256),
+            (3, 100.0, 0.1, 100),
+            (5, 500.0, 0.02, 140),
+            (1, 50.0, 0.02, 32),
+        ] {
+            let settings = FilterSettings {
+                horizon,
+                max_rate,
+                ..FilterSettings::default()
+            };
+            let mut input = Input::new(wheels, &settings);
+            let mut offered = 0;
+            while !input.is_full() {
+                assert!(input.offer(gyro(0)));
+                offered += 1;
+            }
+            assert_eq!(offered, room, "{wheels} {max_rate} {horizon}");
+            // the horizon has passed a sample where the newest is as much later
+            let horizon_ms = nanoseconds(horizon) / MS;
+            input.clear();
+            assert!(input.offer(gyro(0)) && input.offer(gyro(horizon_ms - 1)));
+            assert!(input.release(false).is_none());
+            assert!(input.offer(gyro(horizon_ms)) && input.release(false).is_some());
+        }
+    }
+
+    #[test]
+    fn a_wheel_is_silent_until_the_newest_time_where_none_of_its_readings_waits() {
+        let mut input = Input::new(2, &FilterSettings::default());
+        assert_eq!(input.heard_until(0, 3 * MS), 3 * MS);
+        assert!(input.offer(gyro(8)) && input.offer(count(1, 9)) && input.offer(count(1, 10)));
+        assert!(input.offer(gyro(12)));
+        let heard = |input: &Input| [0, 1].map(|wheel| input.heard_until(wheel, 3 * MS) / MS);
+        assert_eq!(
+            (heard(&input), input.heard_until(0, 20 * MS)),
+            ([12, 3], 20 * MS)
+        );
+        // both of its readings have to be used
+        for expected in [3, 3, 12] {
+            assert!(input.release(true).is_some());
+            assert_eq!(heard(&input), [12, expected]);
+        }
+        assert!(input.offer(count(0, 14)));
+        assert_eq!(heard(&input)[0], 3);
+        input.clear();
+        assert_eq!(heard(&input), [3, 3]);
+    }
+
+    #[test]
+    fn a_reading_behind_those_that_were_used_is_late_where_it_is_a_reference_s() {
+        let mut input = Input::new(1, &FilterSettings::default());
+        let speed = |time_ms| Sample {
+            measurement: Measurement::Speed {
+                forward: 0.2,
+                left: None,
+            },
+            ..gyro(time_ms)
+        };
+        assert!(!input.is_late(&speed(1)));
+        assert!(input.offer(gyro(10)) && input.release(true).is_some());
+        assert!(input.is_late(&speed(9)) && !input.is_late(&speed(10)) && !input.is_late(&gyro(9)));
+        // one that cannot be put in order does not wait
+        assert!(!input.offer(count(0, 9)));
+        assert_eq!(input.heard_until(0, 0), 10 * MS);
+    }
+}

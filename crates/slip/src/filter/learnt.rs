@@ -149,3 +149,6 @@ impl Learnt {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -206,3 +206,6 @@ fn roll_one_way(wheels: &WheelBank) -> bool {
         .iter()
         .all(|wheel| Real::sin(heading(wheel) - first).abs() < PARALLEL_SINE)
 }
+
+#[cfg(test)]
+mod tests;

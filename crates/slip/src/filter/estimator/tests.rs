@@ -53,16 +53,16 @@ fn the_inertial_path_reaches_back_by_latency_horizon_and_clock_step() {
     let settings = FilterSettings {
         reference_latency: 0.3,
         horizon: 0.05,
-        max_rate: 100.0,
+        max_rate: 1000.0,
         ..FilterSettings::default()
     };
     let (mut core, _) = core(settings);
-    let span_ns = nanoseconds(0.3 + 0.05 + CLOCK_STEP_S);
+    let span_ns = nanoseconds(0.3 + 0.05 + CLOCK_STEP_S) - 40 * MS;
     let now_ns = 5_000 * MS;
-    for time_ns in (0..=now_ns).step_by(10 * 1_000_000) {
+    for time_ns in (0..=now_ns).step_by(100_000) {
         // turned at 0.5 rad/s until the last step
         core.path.yaw_rate = 0.5;
-        core.path.advance(0.01, [0.0; 2]);
+        core.path.advance(1e-4, [0.0; 2]);
         core.path.record(time_ns);
     }
     core.path.yaw_rate = 0.2;

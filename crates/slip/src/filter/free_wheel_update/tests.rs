@@ -6,10 +6,10 @@ use crate::robot::{Robot, Wheel};
 use crate::sample::Measurement;
 use crate::speed::Measured;
 
-const MS: i64 = 1_000_000;
-const NOW_NS: i64 = 5_000 * MS;
-const POWERED: usize = 0;
-const FREE: usize = 1;
+pub(in crate::filter) const MS: i64 = 1_000_000;
+pub(in crate::filter) const NOW_NS: i64 = 5_000 * MS;
+pub(in crate::filter) const POWERED: usize = 0;
+pub(in crate::filter) const FREE: usize = 1;
 const PRIOR: SlipPrior = SlipPrior {
     mean: -0.2,
     sigma: 0.01,
@@ -17,7 +17,7 @@ const PRIOR: SlipPrior = SlipPrior {
 const LOW_SPEED: f64 = 0.02;
 
 /// A robot of one powered and one free wheel, whose reference measured its speed just now; both wheels turn.
-fn core() -> Core {
+pub(in crate::filter) fn core() -> Core {
     let wheels = vec![
         Wheel::powered("drive").at(0.3, 0.1).radius(0.1),
         Wheel::free("fifth").at(-0.3, 0.2).radius(0.1),
@@ -40,7 +40,7 @@ fn core() -> Core {
 }
 
 /// The rim of a wheel turns at `rim`, m/s, or stands.
-fn turn(core: &mut Core, wheel: usize, rim: f64) {
+pub(in crate::filter) fn turn(core: &mut Core, wheel: usize, rim: f64) {
     let channel = &mut core.wheels.channels[wheel];
     let rim = Measured {
         value: rim,
@@ -70,7 +70,7 @@ const OFF: WheelWindow = WheelWindow {
 /// A skid of this standard deviation is known.
 const KNOWN: f64 = 0.99 * MAX_SKID_SIGMA;
 
-fn near(value: f64, expected: f64) -> bool {
+pub(in crate::filter) fn near(value: f64, expected: f64) -> bool {
     (value - expected).abs() <= 1e-12 * expected.abs()
 }
 
@@ -149,6 +149,18 @@ fn a_stop_is_expected_within_two_sigma_of_the_speed_by_the_accelerometer() {
         assert!(!stop_expected(sign * limit * (1.0 + 1e-9), 0.0));
         assert!(stop_expected(sign * limit * 2.0, 0.5));
     }
+    // at the limit to the bit, where nothing has passed since the speed was known
+    let mut core = core();
+    let rolling = &mut core.wheels.channels[FREE].rolling;
+    rolling.turns(KnownSpeed {
+        time_ns: NOW_NS,
+        speed: 2.0 * f64::sqrt(BEFORE.variance) + LOW_SPEED,
+        accel_integral: 0.0,
+        ..BEFORE
+    });
+    turn(&mut core, FREE, 0.0);
+    core.watch_stop(&WINDOW);
+    assert!(core.wheels.channels[FREE].rolling.stop_expected);
 }
 
 #[test]
@@ -420,7 +432,10 @@ fn a_skid_that_is_known_makes_the_speed_known_and_a_later_stop_expected() {
         core.speed_known_ns = Some(before_ns);
         turn(&mut core, FREE, rim);
         let window = WheelWindow { is_off, ..WINDOW };
-        core.accepts_free_window(&window);
+        core.wheels.channels[FREE].mean_innovation = 1.2;
+        let is_used = core.accepts_free_window(&window);
+        // one that is not used ends the mean of the innovations
+        assert_eq!(core.wheels.channels[FREE].mean_innovation == 0.0, !is_used);
         let stop_expected = core.wheels.channels[FREE].rolling.stop_expected;
         (core.speed_known_ns == Some(NOW_NS), stop_expected)
     };

@@ -1,0 +1,205 @@
+use grouser_terra::Angle;
+
+use super::*;
+use crate::filter::settings::FilterSettings;
+use crate::robot::{Robot, Wheel};
+use crate::sample::Measurement;
+
+const MS: i64 = 1_000_000;
+const NOW_NS: i64 = 3_000 * MS;
+const DT_S: f64 = 0.01;
+const VARIANCE: f64 = 1e-4;
+const WINDOW_S: f64 = 0.04;
+
+/// Wheels that stand at a place and turn at a rim speed: x and y, m, heading, rad, and m/s. The last one was read `silent_ns` ago.
+fn bank<const N: usize>(wheels: [([f64; 3], f64); N], silent_ns: i64) -> WheelBank {
+    let described = wheels
+        .iter()
+        .enumerate()
+        .map(|(index, ([x, y, heading], _))| {
+            let wheel = Wheel::powered(format!("{index}")).at(*x, *y).radius(0.1);
+            wheel.heading(Angle::from_rad(*heading))
+        });
+    let robot = Robot::new("wheels".into(), described.collect()).unwrap();
+    let mut bank = WheelBank::new(&robot, &FilterSettings::default());
+    for (wheel, (_, rim)) in wheels.into_iter().enumerate() {
+        let read_ns = NOW_NS - if wheel + 1 == N { silent_ns } else { 0 };
+        let channel = &mut bank.channels[wheel];
+        let rate = rim / 0.1;
+        channel
+            .track
+            .take(read_ns, &Measurement::WheelRate { wheel, rate })
+            .unwrap();
+        let rim = Measured {
+            value: rim,
+            variance: VARIANCE,
+        };
+        // windows that ended one after the other
+        channel.rim = Some((rim, NOW_NS - 2 * MS * i64::try_from(wheel).unwrap()));
+        channel.rim_window = WINDOW_S;
+    }
+    bank
+}
+
+fn step(ways: &[f64], yaw_rate: f64, rim_share: f64) -> RimStep {
+    RimStep {
+        now_ns: NOW_NS,
+        dt: DT_S,
+        ways: core::array::from_fn(|i| ways.get(i).copied().unwrap_or(0.0)),
+        yaw_rate,
+        rim_share,
+        direction: -1.2,
+    }
+}
+
+fn flat(rims: &Rims) -> [f64; 7] {
+    [
+        rims.way,
+        rims.direction,
+        rims.speed,
+        rims.variance,
+        rims.lag,
+        rims.gained,
+        rims.max_slip,
+    ]
+}
+
+fn assert_near(rims: Option<Rims>, expected: [f64; 7]) {
+    let is = flat(&rims.unwrap());
+    for (a, b) in is.into_iter().zip(expected) {
+        assert!((a - b).abs() < 1e-12, "{is:?} {expected:?}");
+    }
+}
+
+/// Three wheels ahead at heading 0.3: arms x sin − y cos of the turn, which is taken off each rim and way.
+#[test]
+fn parallel_rims_have_the_mean_of_those_near_their_median() {
+    const HEADING: f64 = 0.3;
+    let places = [[0.5, 0.4], [0.1, -0.4], [-0.5, 0.3]];
+    let arm = |[x, y]: [f64; 2]| x * f64::sin(HEADING) - y * f64::cos(HEADING);
+    // a turn of the robot of 0.08 rad/s is one of 0.1 rad/s by rims that slip by 0.2
+    let turn = 0.08 / 0.8;
+    let levels = [0.5, 0.52, 0.61];
+    let wheels: [_; 3] = core::array::from_fn(|i| {
+        let [x, y] = places[i];
+        ([x, y, HEADING], levels[i] + turn * arm(places[i]))
+    });
+    let ways: [f64; 3] =
+        core::array::from_fn(|i| 0.004 + 0.001 * i as f64 + turn * DT_S * arm(places[i]));
+    let gained = |wheel: &WheelChannel| Some(0.03 * wheel.row[2].signum() + 0.1);
+    let rims = mean_rims(&step(&ways, 0.08, 0.8), &bank(wheels, 0), gained);
+    // all three are within 20 % of 0.52 m/s; windows end 2 ms apart
+    let gains = places.map(|place| 0.03 * arm(place).signum() + 0.1);
+    let variance = VARIANCE / 3.0 + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
+    let mean = |values: [f64; 3]| values.iter().sum::<f64>() / 3.0;
+    let expected = [
+        0.005,
+        HEADING,
+        mean(levels),
+        variance,
+        0.022,
+        mean(gains),
+        1.0,
+    ];
+    assert_near(rims, expected);
+    // one that is 21 % off is left out
+    let mut off = wheels;
+    off[2].1 += 0.52 * 1.21 - levels[2];
+    let rims = mean_rims(&step(&ways, 0.08, 0.8), &bank(off, 0), gained);
+    let variance = VARIANCE / 2.0 + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
+    let gain = 0.5 * (gains[0] + gains[1]);
+    assert_near(rims, [0.0045, HEADING, 0.51, variance, 0.021, gain, 1.0]);
+    // beside one that is silent beyond the dropout time two are no majority: both count
+    let rims = mean_rims(&step(&ways, 0.08, 0.8), &bank(off, 500 * MS), gained);
+    assert_near(rims, [0.0045, HEADING, 0.51, variance, 0.021, gain, 1.0]);
+    // a robot that hardly moves beside its rims turns them by ten times its turn at most
+    let rims = mean_rims(&step(&ways, 0.0, 0.01), &bank(wheels, 0), gained).unwrap();
+    let slowly = mean_rims(&step(&ways, 0.01, 0.01), &bank(wheels, 0), gained).unwrap();
+    let arms = mean(places.map(arm));
+    assert!((rims.speed - slowly.speed - 0.1 * arms).abs() < 1e-12);
+}
+
+#[test]
+fn rims_that_stand_count_by_their_sigma_and_those_that_run_apart_all() {
+    let ahead = |rims: [f64; 4]| {
+        let places = [(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)];
+        let mut rims = rims.into_iter();
+        bank(places.map(|(x, y)| ([x, y, 0.0], rims.next().unwrap())), 0)
+    };
+    let speed = |rims: [f64; 4]| {
+        let rims = mean_rims(&step(&[0.001; 4], 0.0, 1.0), &ahead(rims), |_| None).unwrap();
+        (rims.speed, rims.max_slip)
+    };
+    let near = |is: (f64, f64), expected: (f64, f64)| {
+        (is.0 - expected.0).abs() < 1e-12 && (is.1 - expected.1).abs() < 1e-12
+    };
+    // 3 σ are 0.03 m/s; the median is 0.001 m/s
+    assert!(near(speed([0.0, 0.0, 0.002, 0.029]), (0.007_75, 1.0)));
+    assert!(near(speed([0.0, 0.0, 0.002, 0.04]), (0.002 / 3.0, 1.0)));
+    // 0.3 m/s one way and 0.5 m/s the other: none is near the middle, and the slowest runs against the mean
+    assert!(near(speed([-0.3, -0.3, 0.5, 0.5]), (0.1, 4.0)));
+    assert!(near(speed([0.3, 0.3, -0.5, -0.5]), (-0.1, 4.0)));
+    assert!(near(speed([-0.3, -0.3, 0.9, 0.9]), (0.3, 2.0)));
+    assert!(near(
+        speed([-0.49, -0.49, 0.5, 0.5]),
+        (0.005, 1.0 + MAX_AGAINST_SHARE)
+    ));
+}
+
+/// Rims of wheels that are not parallel, of a robot that moves at a velocity without turning: each shows its part of it.
+#[test]
+fn rims_that_are_not_parallel_show_the_direction() {
+    let velocity = [0.3, 0.12];
+    // omnidirectional wheels, which roll across as well
+    let headings = [0.0, 0.7, -0.7, 2.0];
+    let places = [[0.5, 0.4], [0.5, -0.4], [-0.5, 0.4], [-0.5, -0.4]];
+    let along = |heading: f64, [x, y]: [f64; 2]| x * f64::cos(heading) + y * f64::sin(heading);
+    let wheels = |velocity: [f64; 2]| -> [_; 4] {
+        core::array::from_fn(|i| {
+            let [x, y] = places[i];
+            ([x, y, headings[i]], along(headings[i], velocity))
+        })
+    };
+    let ways = headings.map(|heading| along(heading, velocity.map(|v| v * DT_S)));
+    let rims = mean_rims(&step(&ways, 0.0, 1.0), &bank(wheels(velocity), 0), |_| {
+        Some(0.2)
+    });
+    let speed = f64::hypot(velocity[0], velocity[1]);
+    let variance = VARIANCE / 4.0 + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
+    let direction = f64::atan2(velocity[1], velocity[0]);
+    let expected = [speed * DT_S, direction, speed, variance, 0.023, 0.2, 1.0];
+    assert_near(rims, expected);
+    // slower than rims turn, the direction is the one before
+    let slow = velocity.map(|v| v * 0.9 * TURNING_SPEED_M_PER_S / speed);
+    let rims = mean_rims(&step(&ways, 0.0, 1.0), &bank(wheels(slow), 0), |_| None).unwrap();
+    assert_eq!(rims.direction, -1.2);
+    let part = |[x, y]: [f64; 2]| x * f64::cos(-1.2) + y * f64::sin(-1.2);
+    assert!(
+        (rims.speed - part(slow)).abs() < 1e-12 && (rims.way - DT_S * part(velocity)).abs() < 1e-12
+    );
+}
+
+/// Two wheels of one heading, one of them steered aside: a wheel that slips turns the direction by little.
+#[test]
+fn steered_wheels_do_not_move_across_themselves() {
+    const ANGLE: f64 = 0.3;
+    let mut bank = bank([([0.5, 0.0, 0.0], 0.4), ([-0.5, 0.0, 0.0], 0.4)], 0);
+    for wheel in 0..2 {
+        bank.steer(wheel, if wheel == 0 { ANGLE } else { -ANGLE })
+            .unwrap();
+    }
+    // both roll on an arc about a point to the left; the middle moves ahead at v cos
+    let turn = 0.4 * f64::sin(ANGLE) / 0.5;
+    let step = RimStep {
+        direction: 0.0,
+        ..step(&[0.004; 2], turn, 1.0)
+    };
+    let rims = mean_rims(&step, &bank, |_| None).unwrap();
+    let speed = 0.4 * f64::cos(ANGLE);
+    assert!(rims.direction.abs() < 1e-9, "{}", rims.direction);
+    assert!(
+        (rims.speed - speed).abs() < 1e-6 && (rims.way - speed * DT_S).abs() < 1e-8,
+        "{} {speed}",
+        rims.speed
+    );
+}
