@@ -77,6 +77,8 @@ mod tests {
         assert_eq!(record(8_090, true), (true, false));
         assert_eq!(record(8_219, false), (true, false));
         assert_eq!(record(8_249, false), (false, false));
+        // more of it changes nothing
+        assert_eq!(record(8_249, false), (false, false));
         for at_ms in (8_299..8_849).step_by(50) {
             assert_eq!(record(at_ms, true), (false, false), "{at_ms}");
         }

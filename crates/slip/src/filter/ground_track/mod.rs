@@ -521,4 +521,4 @@ fn travel_at(wheel: &WheelChannel, now_ns: i64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

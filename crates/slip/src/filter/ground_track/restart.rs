@@ -99,3 +99,6 @@ pub(super) fn slip_between(robot: f64, rim: f64) -> Option<f64> {
         1.0 / share - 1.0
     })
 }
+
+#[cfg(test)]
+mod tests;

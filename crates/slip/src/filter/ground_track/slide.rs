@@ -58,3 +58,6 @@ impl GroundTrack {
         self.refused_ns = taken_ns;
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -75,3 +75,6 @@ impl GroundTrack {
         self.speed_noise.sigma(stated).max(stated)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,22 +2,22 @@ use super::*;
 use crate::robot::{Robot, Wheel};
 use grouser_terra::Angle;
 
-const MS: i64 = 1_000_000;
-const NOW_NS: i64 = 9_000 * MS;
+pub(super) const MS: i64 = 1_000_000;
+pub(super) const NOW_NS: i64 = 9_000 * MS;
 /// Direction of the rims beside the robot's heading, rad, and their speed, m/s.
-const DIRECTION: f64 = 0.4;
-const RIM: f64 = 0.5;
+pub(super) const DIRECTION: f64 = 0.4;
+pub(super) const RIM: f64 = 0.5;
 /// The slip of the models, and the prior that it fades into.
 const SLIP: [f64; 2] = [0.3, 0.05];
 const PRIOR: [f64; 2] = [0.1, 0.2];
-const HEADING: f64 = 0.6;
+pub(super) const HEADING: f64 = 0.6;
 /// 1.3 periods of 0.3 s.
 const LATE_NS: i64 = 390 * MS;
 /// The least step later.
 const READ_NS: i64 = NOW_NS + 5 * MS;
-const PLACE: [f64; 2] = [2.0, -1.0];
+pub(super) const PLACE: [f64; 2] = [2.0, -1.0];
 
-fn settings() -> FilterSettings {
+pub(super) fn settings() -> FilterSettings {
     FilterSettings::default()
 }
 
@@ -42,7 +42,7 @@ fn wheel_step(rim_way: f64) -> WheelStep {
 }
 
 /// Models that have started at a place with a slip.
-fn started() -> GroundTrack {
+pub(super) fn started() -> GroundTrack {
     let mut ground = *GroundTrack::boxed(&settings());
     ground.models.advance(&wheel_step(0.005));
     ground.models.set_slip_prior(SLIP);
@@ -57,7 +57,7 @@ fn started() -> GroundTrack {
     ground
 }
 
-fn near(value: f64, expected: f64) -> bool {
+pub(super) fn near(value: f64, expected: f64) -> bool {
     (value - expected).abs() < 1e-12
 }
 
@@ -364,4 +364,234 @@ fn a_step_is_the_rims_mean_way_beside_the_turn() {
     }
     assert!(near(ground.slow_rim_speed, 0.6 + dt / (dt + lag) * 0.1));
     assert!(near(ground.rim_lag, lag) && near(ground.rim_speed, speed) && ground.has_rims);
+}
+
+/// Uses a pose; returns what became of it.
+fn pose(ground: &mut GroundTrack, place: [f64; 2], taken_ns: i64) -> Outcome {
+    let [x, y] = place;
+    let measurement = Measurement::Pose { x, y, yaw: HEADING };
+    ground.update(taken_ns, &measurement, (taken_ns, true), &settings())
+}
+
+#[test]
+fn a_place_is_used_once_and_not_too_soon_after_the_last() {
+    // 0.1 s less half a step
+    const LEAST_NS: i64 = 97_500_000;
+    let other = [PLACE[0] + 0.001, PLACE[1]];
+    let mut ground = started();
+    ground.has_rims = false;
+    assert_eq!(pose(&mut ground, PLACE, NOW_NS), Outcome::Unused);
+    ground.has_rims = true;
+    assert_eq!(pose(&mut ground, PLACE, NOW_NS), Outcome::Accepted);
+    assert_eq!(
+        (ground.period_s, ground.used_ns),
+        (POSITION_PERIOD_S, Some(NOW_NS))
+    );
+    let after = |place, passed_ns: i64| {
+        let mut ground = ground.clone();
+        let outcome = pose(&mut ground, place, NOW_NS + passed_ns);
+        assert_eq!(
+            (ground.received_ns, ground.position),
+            (Some(NOW_NS + passed_ns), place)
+        );
+        outcome
+    };
+    assert_eq!(after(other, LEAST_NS - 1), Outcome::Unused);
+    assert_eq!(after(other, LEAST_NS), Outcome::Accepted);
+    // the same place to the bit is no reading of a robot that moves, one that differs in a part is
+    assert_eq!(after(PLACE, LEAST_NS), Outcome::Unused);
+    assert_eq!(
+        after([PLACE[0], PLACE[1] + 0.001], LEAST_NS),
+        Outcome::Accepted
+    );
+    // of one that hardly moves it is, and from then on also where it moves: poses without a new number
+    for (rim, repeats) in [
+        (TURNING_SPEED_M_PER_S.next_up(), false),
+        (TURNING_SPEED_M_PER_S, true),
+        (-0.5, false),
+    ] {
+        let mut ground = ground.clone();
+        ground.rim_speed = rim;
+        pose(&mut ground, PLACE, NOW_NS + LEAST_NS);
+        assert_eq!(ground.repeats_at_rest, repeats, "{rim}");
+        ground.rim_speed = RIM;
+        let outcome = pose(&mut ground, PLACE, NOW_NS + 2 * LEAST_NS);
+        assert_eq!(outcome == Outcome::Accepted, repeats, "{rim}");
+    }
+    let mut ground = ground.clone();
+    pose(&mut ground, other, NOW_NS + LEAST_NS);
+    assert!(!ground.repeats_at_rest);
+}
+
+#[test]
+fn the_period_is_a_fading_mean_and_an_outage_is_many_of_it() {
+    let mut first = started();
+    pose(&mut first, PLACE, NOW_NS);
+    first.period_s = 0.0;
+    let mut ground = first.clone();
+    pose(&mut ground, PLACE.map(|x| x + 0.001), NOW_NS + 200 * MS);
+    assert!(near(ground.period_s, 0.2));
+    pose(&mut ground, PLACE, NOW_NS + 500 * MS);
+    assert!(near(ground.period_s, 0.2 + 0.2 * (0.3 - 0.2)));
+    // after 2.5 periods and beyond dropout time and failure, 0.4 s, a place that was not predicted returns with a reservation
+    let after = |period_s: f64, passed_ns: i64, off: f64| {
+        let mut ground = first.clone();
+        ground.period_s = period_s;
+        pose(&mut ground, [PLACE[0] + off, PLACE[1]], NOW_NS + passed_ns);
+        (ground.readmitted_ns.is_some(), ground.period_s == period_s)
+    };
+    assert_eq!(after(0.1, 400 * MS, 9.0), (false, false));
+    assert_eq!(after(0.1, 401 * MS, 9.0), (true, true));
+    assert_eq!(after(0.2, 500 * MS, 9.0), (false, false));
+    assert_eq!(after(0.2, 501 * MS, 9.0), (true, true));
+    assert_eq!(after(0.0, 501 * MS, 9.0), (false, false));
+    // one that was predicted without, up to five seconds
+    assert_eq!(after(0.2, 5_000 * MS, 0.001), (false, true));
+    assert_eq!(after(0.2, 5_000 * MS + 1, 0.001), (true, true));
+    // the robot may have moved by the rims' way since
+    let variance = |ground: &GroundTrack| {
+        let agreement = |off: f64| {
+            ground
+                .models
+                .position_agreement([PLACE[0] + off, PLACE[1]], [0.0; 4], 0.01)
+        };
+        agreement(1.0)
+    };
+    let mut wide = first.clone();
+    wide.end_outage((6.0, NOW_NS), PLACE, [0.0; 4], &settings());
+    let mut models = first.clone();
+    models.models.inflate_position(6.0 * RIM);
+    assert_eq!(variance(&wide), variance(&models));
+    assert!(variance(&wide) > 2.0 * variance(&first));
+}
+
+#[test]
+fn refused_places_are_remembered_from_the_first_and_readmitted_after_the_failure_time() {
+    let mut ground = started();
+    pose(&mut ground, PLACE, NOW_NS);
+    ground.models.advance(&wheel_step(0.004));
+    let far = |index: i64| [PLACE[0] + 5.0 + 0.01 * index as f64, PLACE[1]];
+    for index in 1..4 {
+        let taken_ns = NOW_NS + 100 * MS * index;
+        assert_eq!(pose(&mut ground, far(index), taken_ns), Outcome::Refused);
+        let first = (far(1), 0.004, NOW_NS + 100 * MS);
+        assert_eq!(
+            (
+                ground.refused_position,
+                ground.refused_way,
+                ground.refused_ns
+            ),
+            first
+        );
+        assert_eq!(ground.accepted_ns, Some(NOW_NS));
+    }
+    // two of them at 0.25 s took no longer than 0.5 s
+    let patient = FilterSettings {
+        failure: 0.5,
+        ..settings()
+    };
+    for (refused, passed_ms, is_readmitted) in [(0, 250, false), (2, 250, false), (2, 251, true)] {
+        let mut ground = started();
+        pose(&mut ground, PLACE, NOW_NS);
+        for _ in 0..refused {
+            ground.refused.accepts(0.0);
+        }
+        let taken_ns = NOW_NS + passed_ms * MS;
+        let next = Measurement::Pose {
+            x: PLACE[0] + 0.001,
+            y: PLACE[1],
+            yaw: HEADING,
+        };
+        let outcome = ground.update(taken_ns, &next, (taken_ns, true), &patient);
+        assert_eq!(outcome, Outcome::Accepted);
+        assert_eq!(ground.readmitted_ns, is_readmitted.then_some(taken_ns));
+    }
+    // a slide goes on from its first place
+    let mut ground = started();
+    pose(&mut ground, PLACE, NOW_NS);
+    ground.rim_speed = 0.0;
+    ground.refused_ns = NOW_NS - 2_000 * MS;
+    pose(&mut ground, far(1), NOW_NS + 100 * MS);
+    assert_eq!(ground.refused_ns, NOW_NS - 2_000 * MS);
+}
+
+#[test]
+fn displacements_are_summed_at_their_mean_heading_and_without_their_outliers() {
+    let mut ground = started();
+    ground.summed = [0.3, -0.2, 0.5];
+    let displaced = |turn| Measurement::Displacement {
+        forward: 0.7,
+        left: 0.1,
+        turn,
+    };
+    let times = (NOW_NS, NOW_NS);
+    let turned = ([0.0, 0.0, 1.4, 0.0], [0.0, 0.0, 0.6, 0.0]);
+    for (turn, by) in [(Some(0.4), 0.4), (None, 1.4 - 0.6 - 0.5)] {
+        let mut ground = ground.clone();
+        let place = ground.place_by(&displaced(turn), times, turned, &settings());
+        let ([x, y], heading, sigma) = place.unwrap();
+        let middle = 0.5 + by / 2.0;
+        assert!(near(
+            x,
+            0.3 + 0.7 * f64::cos(middle) - 0.1 * f64::sin(middle)
+        ));
+        assert!(near(
+            y,
+            -0.2 + 0.7 * f64::sin(middle) + 0.1 * f64::cos(middle)
+        ));
+        assert!(near(heading.unwrap(), 0.5 + by) && near(sigma, SUMMED_HEADING_SIGMA_RAD));
+        assert_eq!(ground.summed, [x, y, heading.unwrap()]);
+    }
+    // the sum of one that is refused goes on from the models' place
+    let jump = Measurement::Displacement {
+        forward: 9.0,
+        left: 0.0,
+        turn: Some(0.1),
+    };
+    ground.used_ns = Some(NOW_NS - 100 * MS);
+    let outcome = ground.update(NOW_NS, &jump, (NOW_NS, true), &settings());
+    assert_eq!(outcome, Outcome::Refused);
+    let [x, y] = ground.models.place([0.0; 4]);
+    assert!(near(ground.summed[0], x) && near(ground.summed[1], y) && near(ground.summed[2], 0.6));
+    // a refused pose is no sum
+    let mut ground = started();
+    pose(&mut ground, PLACE, NOW_NS);
+    pose(&mut ground, [9.0, 9.0], NOW_NS + 100 * MS);
+    assert_eq!(ground.summed, [0.0; 3]);
+    // a speed is no place
+    let speed = Measurement::Speed {
+        forward: 0.1,
+        left: None,
+    };
+    assert!(
+        ground
+            .place_by(&speed, times, turned, &settings())
+            .is_none()
+    );
+}
+
+#[test]
+fn a_pose_has_a_heading_once_that_has_changed() {
+    let mut ground = started();
+    ground.heading_offset = 0.7;
+    let mut by = |yaw| {
+        let pose = Measurement::Pose {
+            x: 1.0,
+            y: 2.0,
+            yaw,
+        };
+        let place = ground.place_by(&pose, (0, 0), ([0.0; 4], [0.0; 4]), &settings());
+        (place.unwrap(), ground.has_heading)
+    };
+    // 0.05 rad to the bit is no change
+    for (yaw, has_heading) in [
+        (0.0, false),
+        (-0.05, false),
+        (0.04, false),
+        (0.06, true),
+        (0.0, true),
+    ] {
+        let expected = ([1.0, 2.0], Some(yaw + 0.7), MEASURED_HEADING_SIGMA_RAD);
+        assert_eq!(by(yaw), (expected, has_heading), "{yaw}");
+    }
 }

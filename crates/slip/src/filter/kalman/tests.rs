@@ -82,6 +82,7 @@ fn an_update_is_that_of_joseph_and_considers_without_estimating() {
     const VARIANCE: f64 = 0.7;
     const RESIDUAL: f64 = 0.9;
     let jacobian = [(3, 0.8), (0, -1.3), (4, 0.0), (2, 0.45)];
+    assert_eq!(filled(COUNT).covariance.len(), COUNT * (COUNT + 1) / 2);
     for considered in [None, Some(0), Some(1), Some(3)] {
         let mut state = filled(COUNT);
         if let Some(i) = considered {

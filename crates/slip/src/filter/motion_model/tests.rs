@@ -241,6 +241,17 @@ fn slips_decay_to_their_priors() {
         }
         assert_near(&state, &expected, "slips");
     }
+    // twice the prior's variance is no doubt, to the bit
+    let even = FilterSettings {
+        free_slip: SlipPrior {
+            mean: 0.1,
+            sigma: 0.5,
+        },
+        ..settings
+    };
+    let mut state = filled(size(1));
+    state.reset(own_slip(0), 0.4, 0.5);
+    assert!(!is_doubted(&state, &even, 0));
     // a skid that decays faster than its doubt keeps its own time
     let brief = FilterSettings {
         free_slip_memory: 4.0,
