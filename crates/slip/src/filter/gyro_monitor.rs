@@ -130,3 +130,6 @@ impl GyroMonitor {
         self.compared_ns = None;
     }
 }
+
+#[cfg(test)]
+mod tests;
