@@ -177,6 +177,7 @@ mod tests {
         assert_eq!(input.heard_until(0, 3 * MS), 3 * MS);
         assert!(input.offer(gyro(8)) && input.offer(count(1, 9)) && input.offer(count(1, 10)));
         assert!(input.offer(gyro(12)));
+        assert_eq!(input.newest_ns(), Some(12 * MS));
         let heard = |input: &Input| [0, 1].map(|wheel| input.heard_until(wheel, 3 * MS) / MS);
         assert_eq!(
             (heard(&input), input.heard_until(0, 20 * MS)),

@@ -84,6 +84,13 @@ mod tests {
             (x - 6.0).abs() < 1e-12 && (y - 8.0).abs() < 1e-12,
             "{x} {y}"
         );
+        let [x, y] = frame.place([101.0, -60.0]).unwrap();
+        assert!((x - 5.2).abs() < 1e-12 && (y - 8.6).abs() < 1e-12);
+        // the shortest course, and the longest beside the models' way
+        for (place, models) in [([0.2, 0.0], [0.2, 0.0]), ([0.0, 3.0], [1.0, 0.0])] {
+            frame.begin([0.0, 0.0]);
+            assert!(frame.compare(place, models, 0.01).is_some() && frame.has_begun());
+        }
         // a place that is carried away is no course
         frame.begin([0.0, 0.0]);
         assert_eq!(frame.compare([10.0, 0.0], [1.0, 0.0], 0.01), None);

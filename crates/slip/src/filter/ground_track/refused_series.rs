@@ -38,3 +38,13 @@ impl RefusedSeries {
         self.0 = 0;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reading_is_accepted_that_is_an_outlier_as_probably_as_not() {
+        assert!(is_accepted(0.5) && !is_accepted(0.5 - f64::EPSILON));
+    }
+}

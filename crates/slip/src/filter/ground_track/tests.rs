@@ -21,7 +21,7 @@ pub(super) fn settings() -> FilterSettings {
     FilterSettings::default()
 }
 
-fn wheel_step(rim_way: f64) -> WheelStep {
+pub(super) fn wheel_step(rim_way: f64) -> WheelStep {
     WheelStep {
         dt: 0.01,
         rim_way,
@@ -313,6 +313,10 @@ fn a_step_is_the_rims_mean_way_beside_the_turn() {
     let mut ground = started();
     ground.stepped_ns = None;
     ground.slow_rim_speed = 0.6;
+    // held for 6 ms until the end of the step
+    let forces = [1.1, -0.4];
+    ground.force.observe(NOW_NS - MS, forces);
+    let force = 6.0 / 5.0 * (forces[0] * f64::cos(DIRECTION) + forces[1] * f64::sin(DIRECTION));
     ground.step(NOW_NS, &bank, inertial, &settings);
     ground.travels = core::array::from_fn(|i| {
         bank.channels.get(i).map_or(0.0, |w| w.track.travel())
@@ -333,14 +337,14 @@ fn a_step_is_the_rims_mean_way_beside_the_turn() {
         turn: 0.3 * dt,
         turn_error,
         curvature: Some(0.7 * f64::cos(DIRECTION)),
-        acceleration: None,
+        acceleration: Some((force, settings.accelerometer_noise)),
         rim: Rim {
             speed,
             // two wheels, their creep, and ten steps to a window
             variance: (0.5e-4 + 25e-8) * 10.0,
             lag,
             rise: RISE_FACTOR * (1.0 - dt / (dt + lag)) * 0.1,
-            gained: 0.0,
+            gained: lag * force,
         },
         max_slip: 1.0,
     });
@@ -418,9 +422,16 @@ fn a_place_is_used_once_and_not_too_soon_after_the_last() {
         let outcome = pose(&mut ground, PLACE, NOW_NS + 2 * LEAST_NS);
         assert_eq!(outcome == Outcome::Accepted, repeats, "{rim}");
     }
-    let mut ground = ground.clone();
-    pose(&mut ground, other, NOW_NS + LEAST_NS);
-    assert!(!ground.repeats_at_rest);
+    // another place does not repeat, nor at rest; a second repetition changes nothing
+    ground.rim_speed = 0.0;
+    for (step, place, repeats) in [(1, other, false), (2, other, true), (3, other, true)] {
+        pose(&mut ground, place, NOW_NS + LEAST_NS * step);
+        assert_eq!(ground.repeats_at_rest, repeats, "{step}");
+    }
+    // models that had started before the clock was set start again
+    ground.started_ns = None;
+    pose(&mut ground, PLACE, NOW_NS + 4 * LEAST_NS);
+    assert_eq!(ground.started_ns, Some(NOW_NS + 4 * LEAST_NS));
 }
 
 #[test]
@@ -593,5 +604,119 @@ fn a_pose_has_a_heading_once_that_has_changed() {
     ] {
         let expected = ([1.0, 2.0], Some(yaw + 0.7), MEASURED_HEADING_SIGMA_RAD);
         assert_eq!(by(yaw), (expected, has_heading), "{yaw}");
+    }
+}
+
+#[test]
+fn headings_are_used_beside_a_gyro_until_they_were_wrong_twice() {
+    for (has_gyro, restarts, is_used) in [(true, 1, true), (true, 2, false), (false, 2, true)] {
+        let mut ground = started();
+        ground.restarts = restarts;
+        let [x, y] = PLACE;
+        let measurement = Measurement::Pose { x, y, yaw: HEADING };
+        ground.update(NOW_NS, &measurement, (NOW_NS, has_gyro), &settings());
+        assert_eq!(
+            ground.agreed_headings,
+            u32::from(is_used),
+            "{has_gyro} {restarts}"
+        );
+    }
+}
+
+/// Headings of an uneven turn, each taken one step before it is used: beside the turn until it was taken they are exact.
+#[test]
+fn a_heading_is_compared_with_the_turn_until_it_was_taken() {
+    let mut ground = started();
+    for index in 0..90_i64 {
+        let taken_ns = NOW_NS + 100 * MS * index;
+        let taken = ground.models.totals();
+        ground.history.push(taken_ns, taken);
+        let turn = [0.05, -0.02, 0.11, 0.0][usize::try_from(index % 4).unwrap()];
+        ground.models.advance(&WheelStep {
+            turn,
+            ..wheel_step(0.0)
+        });
+        ground
+            .history
+            .push(taken_ns + 50 * MS, ground.models.totals());
+        ground.stepped_ns = Some(taken_ns + 50 * MS);
+        let [x, y] = PLACE.map(|x| x + 1e-3 * (index % 7) as f64);
+        let pose = Measurement::Pose {
+            x,
+            y,
+            yaw: HEADING + taken[2],
+        };
+        ground.update(taken_ns, &pose, (taken_ns + 50 * MS, true), &settings());
+    }
+    let sigma = ground.heading_noise.sigma(1.0);
+    assert!(sigma < 1e-3, "{sigma}");
+}
+
+#[test]
+fn headings_of_displacements_let_the_heading_wander() {
+    let mut ground = started();
+    let before = ground.models.heading_sigma();
+    let sigma = ground.heading_sigma((0.1, 0.03), Errors::Independent);
+    assert!(near(sigma, 0.03) && near(ground.models.heading_sigma(), before));
+    ground.heading_sigma((0.1, 0.03), Errors::Summed);
+    assert!(ground.models.heading_sigma() > before + 1e-6);
+}
+
+#[test]
+fn places_without_a_heading_are_turned_by_the_course() {
+    let position = |ground: &mut GroundTrack, [x, y]: [f64; 2], taken_ns: i64| {
+        let measurement = Measurement::Position { x, y };
+        let state = (ground.models.totals(), [0.0; 4]);
+        ground.place_by(&measurement, (taken_ns, taken_ns + MS), state, &settings())
+    };
+    for started_ns in [None, Some(NOW_NS - MS)] {
+        let mut ground = started();
+        (ground.started_ns, ground.used_ns) = (started_ns, Some(NOW_NS));
+        assert!(position(&mut ground, [10.0, 5.0], NOW_NS).is_none());
+        assert_eq!((ground.accepted_ns, ground.used_ns), (None, None));
+        // the models begin anew at their origin, and poses at the same places are not used
+        assert!(ground.places.has_begun() && ground.models.place([0.0; 4]) == [0.0; 2]);
+        let state = ([0.0; 4], [0.0; 4]);
+        let pose = Measurement::Pose {
+            x: 0.0,
+            y: 0.0,
+            yaw: 0.0,
+        };
+        assert!(ground.place_by(&pose, (0, 0), state, &settings()).is_none());
+        for _ in 0..200 {
+            let turn = 0.0;
+            ground.models.advance(&WheelStep {
+                turn,
+                ..wheel_step(0.005)
+            });
+        }
+        // a metre of rims along their direction is 0.9 m by the prior slip; the places went as far along y
+        let [x, y] = ground.models.place([0.0; 4]);
+        let way = f64::hypot(x, y);
+        let taken_ns = NOW_NS + 1_000 * MS;
+        let (place, yaw, _) = position(&mut ground, [10.0, 5.0 + way], taken_ns).unwrap();
+        assert!((place[0] - x).abs() < 1e-9 && (place[1] - y).abs() < 1e-9 && yaw.is_none());
+        assert_eq!(
+            (ground.started_ns, ground.used_ns),
+            (Some(taken_ns + MS), Some(taken_ns))
+        );
+        assert_eq!(ground.readmitted_ns, started_ns.map(|_| taken_ns + MS));
+        // from then on a place is one at once, but after an outage with an uncertain heading
+        for (heading_sigma, passed_ns, is_lost) in [
+            (0.31, 5_000 * MS + 1, true),
+            (0.31, 5_000 * MS, false),
+            (0.29, 5_000 * MS + 1, false),
+        ] {
+            let mut ground = ground.clone();
+            ground.models.start([0.0; 2], 0.0, 0.01, heading_sigma);
+            let place = position(&mut ground, [10.0, 6.0], taken_ns + passed_ns);
+            assert_eq!(
+                (place.is_none(), ground.used_ns.is_none()),
+                (is_lost, is_lost)
+            );
+        }
+        // and where the models begin anew
+        ground.models.restart();
+        assert!(position(&mut ground, [10.0, 6.0], taken_ns).is_none() && ground.used_ns.is_none());
     }
 }

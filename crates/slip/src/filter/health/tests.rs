@@ -58,6 +58,16 @@ fn health_names_the_first_thing_that_is_wrong() {
         health_of(POWERED, against(WRONG_NS - 1), &DRIVING),
         Health::Ok
     );
+    // a rate that repeats itself is wrong beside one that changes, of which there is none
+    let repeats = |core: &mut Core| {
+        for index in 0..150_i64 {
+            let rate = 1.0 + 0.01 * index.min(100) as f64;
+            let repeated = &mut core.wheels.channels[POWERED].repeated;
+            repeated.push(10 * MS * index, rate);
+        }
+        assert!(core.wheels.channels[POWERED].repeated.has_stopped());
+    };
+    assert_eq!(health_of(POWERED, repeats, &DRIVING), Health::Ok);
     // trust in a free wheel
     let failed = |core: &mut Core| {
         for wheel in &mut core.wheels.channels {
@@ -136,6 +146,21 @@ fn an_estimate_holds_the_state_along_the_wheel_and_its_doubts() {
     let turned = 0.04 * 0.8 / 0.1 * 0.2 / 0.5;
     let expected = f64::hypot(0.02, turned) / (1.25 * 1.25);
     assert!(near(free.sigma.unwrap(), expected));
+    // a wheel that rises by 0.6 of its way goes the longer way; one that stands wrongly has no slip
+    let mut steep = core.clone();
+    let up = 0.6 * forward.value;
+    let carrier = &mut steep.wheels.channels[POWERED].carrier;
+    carrier.update(NOW_NS, [0.0, 0.0, up]).unwrap();
+    let estimate = steep.wheel_estimate(POWERED, NOW_NS, &input);
+    let longer = estimate.forward_speed.unwrap();
+    assert!(near(longer.variance, (1.0 + 0.36) * variance), "{longer:?}");
+    steep.wheels.channels[POWERED].against_since_ns = Some(NOW_NS - WRONG_NS);
+    let estimate = steep.wheel_estimate(POWERED, NOW_NS, &input);
+    assert_eq!((estimate.slip, estimate.sigma), (None, None));
+    // no slip is driving
+    steep.state.set_mean(COMMON_SLIP, -0.04);
+    let estimate = steep.wheel_estimate(POWERED, NOW_NS, &input);
+    assert_eq!(estimate.motion, Some(Motion::Driving));
     // slips beyond 1 are none
     core.state.reset(COMMON_SLIP, 1.5, 0.0025);
     let estimate = core.wheel_estimate(POWERED, NOW_NS, &input);
@@ -155,6 +180,17 @@ fn an_estimate_holds_the_state_along_the_wheel_and_its_doubts() {
     core.state.reset(LEFT, 0.0, 9.0);
     let wheel = &core.wheels.channels[POWERED];
     assert_eq!(core.drift_doubt(wheel, 0.5), 1.0);
+    // across the wheels by both parts
+    core.state.reset(LEFT, 0.0, 4e-4);
+    core.state.reset(FORWARD, 0.0, 9e-4);
+    core.wheels.lateral = Some([-0.6, 0.8, 0.0]);
+    core.wheels.channels[POWERED].row = [0.96, -0.28, 0.0];
+    let across = 0.6 * 0.96 + 0.8 * 0.28;
+    let drift = across * f64::sqrt(0.36 * 9e-4 + 0.64 * 4e-4) / 0.5;
+    assert!(near(
+        core.drift_doubt(&core.wheels.channels[POWERED], 0.5),
+        drift
+    ));
     core.is_led = true;
     assert_eq!(core.drift_doubt(&core.wheels.channels[POWERED], 0.5), 0.0);
 }
@@ -236,4 +272,37 @@ fn a_side_slip_angle_is_known_to_half_a_radian_above_the_low_speed() {
     };
     assert!(at(0.5, 0.062_499) && !at(0.5, 0.0625));
     assert!(at(0.020_001, 1e-6) && !at(0.02, 1e-6));
+}
+
+#[test]
+fn a_turn_that_no_gyro_measures_is_a_doubt_of_wheels_beside_the_middle() {
+    let mut core = core();
+    core.state.reset(YAW, 0.1, 9e-4);
+    core.is_led = true;
+    let doubt = |core: &Core, rim: f64| core.yaw_doubt(&core.wheels.channels[FREE], rim, NOW_NS);
+    // one powered wheel shows no turn
+    core.wheels.channels[POWERED].row[2] = 0.0;
+    assert_eq!(doubt(&core, 0.5), 0.0);
+    // of two the motion over the ground corrects it
+    core.wheels.channels[FREE].free = false;
+    let arm = core.wheels.channels[FREE].row[2].abs();
+    assert!(near(doubt(&core, 0.5), 0.03 * arm / 0.5) && arm > 0.0);
+    assert!(near(
+        doubt(&core, 0.001),
+        0.03 * arm / core.settings.low_speed
+    ));
+    core.state.reset(YAW, 0.1, 900.0);
+    assert_eq!(doubt(&core, 0.5), 1.0);
+}
+
+#[test]
+fn a_robot_is_blocked_or_disputed_by_its_free_wheels() {
+    let mut core = core();
+    core.update_disputes(NOW_NS);
+    // the free wheel has not turned since the start
+    assert!(core.recovery.is_blocked && !core.recovery.is_disputed);
+    core.wheels.channels[FREE].rolling.runs(0.5);
+    core.output.checks[FREE].misses_pulses = true;
+    core.update_disputes(NOW_NS);
+    assert!(!core.recovery.is_blocked && core.recovery.is_disputed);
 }

@@ -110,7 +110,7 @@ fn parallel_rims_have_the_mean_of_those_near_their_median() {
     let gain = 0.5 * (gains[0] + gains[1]);
     assert_near(rims, [0.0045, HEADING, 0.51, variance, 0.021, gain, 1.0]);
     // beside one that is silent beyond the dropout time two are no majority: both count
-    let rims = mean_rims(&step(&ways, 0.08, 0.8), &bank(off, 500 * MS), gained);
+    let rims = mean_rims(&step(&ways, 0.08, 0.8), &bank(wheels, 500 * MS), gained);
     assert_near(rims, [0.0045, HEADING, 0.51, variance, 0.021, gain, 1.0]);
     // a robot that hardly moves beside its rims turns them by ten times its turn at most
     let rims = mean_rims(&step(&ways, 0.0, 0.01), &bank(wheels, 0), gained).unwrap();
@@ -179,27 +179,54 @@ fn rims_that_are_not_parallel_show_the_direction() {
     );
 }
 
-/// Two wheels of one heading, one of them steered aside: a wheel that slips turns the direction by little.
+/// Wheels of one heading that are steered to either side: one that slips turns the direction by little.
 #[test]
 fn steered_wheels_do_not_move_across_themselves() {
     const ANGLE: f64 = 0.3;
-    let mut bank = bank([([0.5, 0.0, 0.0], 0.4), ([-0.5, 0.0, 0.0], 0.4)], 0);
-    for wheel in 0..2 {
-        bank.steer(wheel, if wheel == 0 { ANGLE } else { -ANGLE })
-            .unwrap();
-    }
-    // both roll on an arc about a point to the left; the middle moves ahead at v cos
+    const HEADING: f64 = 1.0;
+    let (sin, cos) = f64::sin_cos(HEADING);
     let turn = 0.4 * f64::sin(ANGLE) / 0.5;
-    let step = RimStep {
-        direction: 0.0,
-        ..step(&[0.004; 2], turn, 1.0)
-    };
-    let rims = mean_rims(&step, &bank, |_| None).unwrap();
-    let speed = 0.4 * f64::cos(ANGLE);
-    assert!(rims.direction.abs() < 1e-9, "{}", rims.direction);
-    assert!(
-        (rims.speed - speed).abs() < 1e-6 && (rims.way - speed * DT_S).abs() < 1e-8,
-        "{} {speed}",
-        rims.speed
-    );
+    for rear in [0.4, 0.5] {
+        let wheels = [
+            ([0.5 * cos, 0.5 * sin, HEADING], 0.4),
+            ([-0.5 * cos, -0.5 * sin, HEADING], rear),
+        ];
+        let mut bank = bank(wheels, 0);
+        bank.steer(0, ANGLE).unwrap();
+        bank.steer(1, -ANGLE).unwrap();
+        // both roll on an arc about a point to the left; the middle moves ahead at v cos
+        let rims = mean_rims(&step(&[0.004; 2], turn, 1.0), &bank, |_| None).unwrap();
+        assert!(
+            (rims.direction - HEADING).abs() < 0.01,
+            "{}",
+            rims.direction
+        );
+        let speed = 0.4 * f64::cos(ANGLE);
+        assert!((rims.way - speed * DT_S).abs() < 1e-4 * speed);
+        assert!(rear > 0.4 || (rims.speed - speed).abs() < 1e-4);
+    }
+    // one way or the other way round is one way
+    for (other, is_one_way) in [
+        (HEADING, true),
+        (HEADING + core::f64::consts::PI, true),
+        (HEADING + 0.03, false),
+        (HEADING - 0.03, false),
+    ] {
+        let wheels = [([0.5, 0.0, HEADING], 0.4), ([-0.5, 0.0, other], 0.4)];
+        assert_eq!(roll_one_way(&bank(wheels, 0)), is_one_way, "{other}");
+    }
+}
+
+#[test]
+fn one_wheel_is_its_own_mean_and_two_are_no_majority() {
+    let alone = bank([([0.5, 0.0, 0.0], 0.4)], 0);
+    let rims = mean_rims(&step(&[0.004], 0.0, 1.0), &alone, |_| None).unwrap();
+    assert_eq!((rims.way, rims.speed), (0.004, 0.4));
+    // also where one is within its sigma of their median and the other is not
+    let mut two = bank([([0.5, 0.0, 0.0], 0.1), ([-0.5, 0.0, 0.0], 0.5)], 0);
+    if let Some((rim, _)) = &mut two.channels[0].rim {
+        rim.variance = 0.04;
+    }
+    let rims = mean_rims(&step(&[0.001, 0.005], 0.0, 1.0), &two, |_| None).unwrap();
+    assert!((rims.speed - 0.3).abs() < 1e-15 && (rims.way - 0.003).abs() < 1e-15);
 }

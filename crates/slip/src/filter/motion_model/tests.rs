@@ -178,10 +178,12 @@ fn a_prediction_stays_within_its_limits() {
             );
         }
     }
+    // 0.6 of a speed of 0.2 ± 1 m/s is 0.5 ± 0.8 m/s
+    state.set_mean(FORWARD, 0.2);
+    hold(&mut state, [0.6, 0.0, 0.0], 0.5, 0.8);
+    let gain = 0.6 / (0.36 + 0.64);
+    assert!((state.mean(FORWARD) - 0.2 - gain * (0.5 - 0.12)).abs() < 1e-15);
     // the place is considered: a measurement of it moves nothing
-    hold(&mut state, [0.6, 0.0, 0.0], 0.5, 1.0);
-    let gain = 0.6 / (0.36 + 1.0);
-    assert!((state.mean(FORWARD) - gain * 0.5).abs() < 1e-15);
     let place = [PLACE[0], PLACE[1], HEADING].map(|i| state.mean(i));
     for i in [PLACE[0], PLACE[1], HEADING] {
         state.update(&ScalarMeasurement {

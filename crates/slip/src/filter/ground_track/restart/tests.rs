@@ -94,6 +94,17 @@ fn models_restart_along_the_course_that_the_robot_drove() {
     DRIVEN.is(SIGMA_M, [by_course, MEASURED_HEADING_SIGMA_RAD, 0.2, 0.0]);
     let sigma = core::f64::consts::SQRT_2 * 0.02 / 0.8;
     DRIVEN.is(0.02, [by_course, sigma, 0.2, 0.0]);
+    let stands = Restart {
+        rim_speed: 0.0,
+        ..DRIVEN
+    };
+    stands.is(SIGMA_M, [by_course, MEASURED_HEADING_SIGMA_RAD, 0.2, 0.0]);
+    let braking = Restart {
+        course: 1.5,
+        rim_way: 1.2,
+        ..DRIVEN
+    };
+    braking.is(SIGMA_M, [by_course, MEASURED_HEADING_SIGMA_RAD, -0.2, 0.0]);
     // backwards the heading is against the course
     let angle = DRIVEN.angle - core::f64::consts::PI;
     let back = Restart {

@@ -1,5 +1,6 @@
-use super::super::tests::{DIRECTION, MS, NOW_NS, RIM, near, settings, started};
+use super::super::tests::{DIRECTION, MS, NOW_NS, RIM, near, settings, started, wheel_step};
 use super::*;
+use crate::filter::multiple_model::WheelStep;
 
 const LAG_S: f64 = 0.03;
 const SPEED: f64 = 0.36;
@@ -35,6 +36,13 @@ fn a_speed_is_used_beside_the_rims_of_its_time() {
         (29, None),
     ] {
         let mut ground = ground();
+        // some of the models have a speed of their own, beside an accelerometer
+        let acceleration = Some((0.3, 0.03));
+        let step = wheel_step(0.005);
+        ground.models.advance(&WheelStep {
+            acceleration,
+            ..step
+        });
         let mut models = ground.models.clone();
         let taken_ns = NOW_NS - ago_ms * MS;
         let outcome = ground.update_speed((taken_ns, SPEED), NOW_NS + MS, &settings());
@@ -78,21 +86,44 @@ fn a_speed_is_used_beside_the_rims_of_its_time() {
         );
         assert_eq!(ground.awaited_speed, Some((taken_ns + MS, SPEED)));
     }
-    // without a history the rims' present speed
+    // without a history or a lag the rims' present speed
+    for has_history in [false, true] {
+        let mut ground = ground();
+        if has_history {
+            ground.rim_lag = 0.0;
+        } else {
+            ground.history.clear();
+        }
+        let mut models = ground.models.clone();
+        ground.update_speed((NOW_NS - 100 * MS, SPEED), NOW_NS, &settings());
+        models.update_share(along, RIM, sigma);
+        let expected = GroundTrack {
+            models,
+            ..ground.clone()
+        };
+        let (is, expected) = (motion(&ground), motion(&expected));
+        assert!(
+            is.iter().zip(expected).all(|(a, b)| near(*a, b)),
+            "{is:?} {expected:?}"
+        );
+    }
+}
+
+/// Speeds that are the rims' less their slip have no noise, however uneven they are.
+#[test]
+fn the_noise_of_speeds_is_that_beside_the_rims_share() {
     let mut ground = ground();
     ground.history.clear();
-    let mut models = ground.models.clone();
-    ground.update_speed((NOW_NS - 100 * MS, SPEED), NOW_NS, &settings());
-    models.update_share(along, RIM, sigma);
-    let expected = GroundTrack {
-        models,
-        ..ground.clone()
-    };
-    let (is, expected) = (motion(&ground), motion(&expected));
-    assert!(
-        is.iter().zip(expected).all(|(a, b)| near(*a, b)),
-        "{is:?} {expected:?}"
-    );
+    for index in 0..90_i64 {
+        let rim = [0.5, 0.62, 0.41, 0.55][usize::try_from(index % 4).unwrap()];
+        ground.rim_speed = rim;
+        let share = ground.models.motion().unwrap().rim_share;
+        let taken_ns = NOW_NS - 100 * MS;
+        let forward = share * rim / f64::cos(DIRECTION);
+        ground.update_speed((taken_ns, forward), NOW_NS, &settings());
+    }
+    let sigma = ground.speed_noise.sigma(1.0);
+    assert!(sigma < 1e-3, "{sigma}");
 }
 
 #[test]
