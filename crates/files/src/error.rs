@@ -3,6 +3,7 @@
 use grouser_terra::OutOfRange;
 use std::fmt;
 use std::io;
+use std::path::Path;
 
 /// The result of reading a file.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -200,9 +201,11 @@ impl Error {
             } => Some(format!("did you mean \"{meant}\"?")),
             Self::Placeholder { .. } => Some("replace it by the measured number".into()),
             Self::Format { .. } => Some("use a newer version of this program".into()),
-            // a table or a log where its description is expected
-            Self::Syntax { at, .. } | Self::NotText { at } if !at.file.ends_with(".toml") => {
-                Some("a TOML file is expected here (.toml)".into())
+            // a table or a log in the place of its description
+            Self::Syntax { at, .. } | Self::NotText { at } => {
+                let extension = Path::new(&at.file).extension();
+                let is_toml = extension.is_some_and(|name| name.eq_ignore_ascii_case("toml"));
+                (!is_toml).then(|| "a TOML file is expected here (.toml)".into())
             }
             _ => None,
         }
