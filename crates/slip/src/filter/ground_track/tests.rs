@@ -583,27 +583,30 @@ fn displacements_are_summed_at_their_mean_heading_and_without_their_outliers() {
 
 #[test]
 fn a_pose_has_a_heading_once_that_has_changed() {
-    let mut ground = started();
-    ground.heading_offset = 0.7;
-    let mut by = |yaw| {
-        let pose = Measurement::Pose {
-            x: 1.0,
-            y: 2.0,
-            yaw,
-        };
-        let place = ground.place_by(&pose, (0, 0), ([0.0; 4], [0.0; 4]), &settings());
-        (place.unwrap(), ground.has_heading)
-    };
     // 0.05 rad to the bit is no change
-    for (yaw, has_heading) in [
-        (0.0, false),
-        (-0.05, false),
-        (0.04, false),
-        (0.06, true),
-        (0.0, true),
+    for poses in [
+        &[
+            (0.0, false),
+            (-0.05, false),
+            (0.04, false),
+            (0.06, true),
+            (0.0, true),
+        ][..],
+        &[(0.3, false), (0.34, false), (0.26, false), (0.24, true)],
     ] {
-        let expected = ([1.0, 2.0], Some(yaw + 0.7), MEASURED_HEADING_SIGMA_RAD);
-        assert_eq!(by(yaw), (expected, has_heading), "{yaw}");
+        let mut ground = started();
+        ground.heading_offset = 0.7;
+        for &(yaw, has_heading) in poses {
+            let (x, y) = (1.0, 2.0);
+            let pose = Measurement::Pose { x, y, yaw };
+            let place = ground.place_by(&pose, (0, 0), ([0.0; 4], [0.0; 4]), &settings());
+            let expected = ([x, y], Some(yaw + 0.7), MEASURED_HEADING_SIGMA_RAD);
+            assert_eq!(
+                (place, ground.has_heading),
+                (Some(expected), has_heading),
+                "{yaw}"
+            );
+        }
     }
 }
 

@@ -280,9 +280,10 @@ fn a_turn_that_no_gyro_measures_is_a_doubt_of_wheels_beside_the_middle() {
     core.state.reset(YAW, 0.1, 9e-4);
     core.is_led = true;
     let doubt = |core: &Core, rim: f64| core.yaw_doubt(&core.wheels.channels[FREE], rim, NOW_NS);
-    // one powered wheel shows no turn
-    core.wheels.channels[POWERED].row[2] = 0.0;
+    // one powered wheel shows no turn, however it slips
+    core.state.set_mean(own_slip(POWERED), 0.04);
     assert_eq!(doubt(&core, 0.5), 0.0);
+    core.state.set_mean(own_slip(POWERED), 0.0);
     // of two the motion over the ground corrects it
     core.wheels.channels[FREE].free = false;
     let arm = core.wheels.channels[FREE].row[2].abs();
@@ -293,6 +294,10 @@ fn a_turn_that_no_gyro_measures_is_a_doubt_of_wheels_beside_the_middle() {
     ));
     core.state.reset(YAW, 0.1, 900.0);
     assert_eq!(doubt(&core, 0.5), 1.0);
+    // without one, wheels that slip alike show it
+    core.is_led = false;
+    core.state.set_mean(own_slip(FREE), 0.0);
+    assert_eq!(doubt(&core, 0.5), 0.0);
 }
 
 #[test]

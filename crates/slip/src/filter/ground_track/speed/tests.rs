@@ -109,21 +109,25 @@ fn a_speed_is_used_beside_the_rims_of_its_time() {
     }
 }
 
-/// Speeds that are the rims' less their slip have no noise, however uneven they are.
+/// Speeds that are the rims' less their slip have no noise, however uneven they are, and others theirs, however fast they are.
 #[test]
 fn the_noise_of_speeds_is_that_beside_the_rims_share() {
-    let mut ground = ground();
-    ground.history.clear();
-    for index in 0..90_i64 {
-        let rim = [0.5, 0.62, 0.41, 0.55][usize::try_from(index % 4).unwrap()];
-        ground.rim_speed = rim;
-        let share = ground.models.motion().unwrap().rim_share;
-        let taken_ns = NOW_NS - 100 * MS;
-        let forward = share * rim / f64::cos(DIRECTION);
-        ground.update_speed((taken_ns, forward), NOW_NS, &settings());
-    }
-    let sigma = ground.speed_noise.sigma(1.0);
-    assert!(sigma < 1e-3, "{sigma}");
+    let sigma = |scale: f64, noise: f64| {
+        let mut ground = ground();
+        ground.history.clear();
+        for index in 0..90_i64 {
+            let rim = scale * [0.5, 0.62, 0.41, 0.55][usize::try_from(index % 4).unwrap()];
+            ground.rim_speed = rim;
+            let share = ground.models.motion().unwrap().rim_share;
+            let off = noise * [1.0, -1.0, 0.3, -0.7, 0.2][usize::try_from(index % 5).unwrap()];
+            let forward = (share * rim + off) / f64::cos(DIRECTION);
+            ground.update_speed((NOW_NS - 100 * MS, forward), NOW_NS, &settings());
+        }
+        ground.speed_noise.sigma(1.0)
+    };
+    assert!(sigma(1.0, 0.0) < 1e-3);
+    let [slow, fast] = [1.0, 2.0].map(|scale| sigma(scale, 0.02));
+    assert!((fast / slow - 1.0).abs() < 1e-6, "{slow} {fast}");
 }
 
 #[test]
