@@ -312,7 +312,8 @@ fn a_step_is_the_rims_mean_way_beside_the_turn() {
     };
     let mut ground = started();
     ground.stepped_ns = None;
-    ground.slow_rim_speed = 0.6;
+    // the rims show less of a rise than the force does
+    ground.slow_rim_speed = 0.698;
     // held for 6 ms until the end of the step
     let forces = [1.1, -0.4];
     ground.force.observe(NOW_NS - MS, forces);
@@ -343,7 +344,7 @@ fn a_step_is_the_rims_mean_way_beside_the_turn() {
             // two wheels, their creep, and ten steps to a window
             variance: (0.5e-4 + 25e-8) * 10.0,
             lag,
-            rise: RISE_FACTOR * (1.0 - dt / (dt + lag)) * 0.1,
+            rise: RISE_FACTOR * (1.0 - dt / (dt + lag)) * 0.002,
             gained: lag * force,
         },
         max_slip: 1.0,
@@ -366,7 +367,7 @@ fn a_step_is_the_rims_mean_way_beside_the_turn() {
     for (a, b) in flat(is).into_iter().zip(flat(expected)) {
         assert!((a - b).abs() < 1e-12, "{is:?} {expected:?}");
     }
-    assert!(near(ground.slow_rim_speed, 0.6 + dt / (dt + lag) * 0.1));
+    assert!(near(ground.slow_rim_speed, 0.698 + dt / (dt + lag) * 0.002));
     assert!(near(ground.rim_lag, lag) && near(ground.rim_speed, speed) && ground.has_rims);
 }
 
