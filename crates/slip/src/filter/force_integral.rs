@@ -200,6 +200,26 @@ mod tests {
         assert_eq!(gained(&mut integral, 240 * MS, 0.01), 0.0);
     }
 
+    /// Beside a noise that learns from the same readings: one of a period of 10 ms is a tenth of it per √s.
+    #[test]
+    fn the_noise_density_is_that_of_readings_over_their_period() {
+        let settings = FilterSettings::default();
+        for (period_ms, share) in [(10, Some(0.1)), (200, None)] {
+            let mut integral = ForceIntegral::new(MAX_RATE_HZ);
+            let mut noise = ReferenceNoise::new();
+            for index in 0..90_i64 {
+                let force = [0.3, -0.5, 0.1, 0.9, -0.2].map(|part: f64| part * (index % 7) as f64);
+                let force = [force[usize::try_from(index % 5).unwrap()], force[0]];
+                integral.observe(period_ms * MS * index, force);
+                noise.push(force);
+            }
+            let learnt = share.map(|share| share * noise.learnt().unwrap());
+            let expected = learnt.unwrap_or(settings.accelerometer_noise);
+            let is = integral.density(&settings);
+            assert!((is - expected).abs() < 1e-12, "{is} {expected}");
+        }
+    }
+
     #[test]
     fn the_next_reading_is_awaited_about_a_period_after_the_last() {
         let awaits = |period_ns: i64, since_ns: i64| {

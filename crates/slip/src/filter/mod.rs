@@ -361,3 +361,6 @@ impl SlipFilter {
         outcome
     }
 }
+
+#[cfg(test)]
+mod tests;

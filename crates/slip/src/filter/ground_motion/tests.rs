@@ -5,6 +5,7 @@ use crate::filter::input::Input;
 use crate::filter::settings::FilterSettings;
 use crate::robot::{Robot, Wheel};
 use crate::sample::Sample;
+use crate::state::{Degraded, Health};
 
 const MS: i64 = 1_000_000;
 const RADIUS_M: f64 = 0.1;
@@ -307,4 +308,19 @@ fn wheels_show_a_turn_by_how_unlike_their_rims_run() {
     let turn = core.turn_by_wheels().unwrap();
     let sigma = core.wheels.turn_sigma(0.375, &core.settings);
     assert!(near(turn.value, 0.375) && near(turn.variance, sigma * sigma));
+}
+
+#[test]
+fn a_reference_that_has_just_started_is_a_reservation() {
+    let readmitted = Health::Degraded(Degraded::ReferenceReadmitted);
+    let drive = Drive {
+        has_gyro: true,
+        ..SLIPPING
+    };
+    for (to_ms, expected) in [(1_500, readmitted), (3_000, Health::Ok)] {
+        let mut core = drive.driven(to_ms);
+        let input = Input::new(4, &core.settings);
+        core.update_health(core.now_ns.unwrap(), &input);
+        assert_eq!(core.output.estimates[0].health, expected, "{to_ms}");
+    }
 }
