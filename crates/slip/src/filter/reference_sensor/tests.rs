@@ -108,6 +108,7 @@ fn a_displacement_is_a_mean_speed_since_the_last() {
         (posed(0.0, -1.1e8, 0.0), false),
         (posed(0.0, 0.0, 1.1e6), false),
         (Measurement::Position { x: 1e8, y: -1e8 }, true),
+        (Measurement::Position { x: -1e8, y: 1e8 }, true),
         (Measurement::Position { x: 1.1e8, y: 0.0 }, false),
         (Measurement::Position { x: 0.0, y: 1.1e8 }, false),
         (Measurement::YawRate { rate: 1.0 }, true),
