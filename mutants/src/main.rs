@@ -313,11 +313,12 @@ fn main() {
         excluded: excluded.lines().map(str::to_owned).collect(),
     };
     for path in files(sources) {
-        if path.to_string_lossy().ends_with("tests.rs") {
+        let place = path.strip_prefix(sources).unwrap();
+        if place.to_string_lossy().ends_with("tests.rs") || place.iter().any(|part| part == "tests") {
             continue;
         }
         let mut file = syn::parse_file(&std::fs::read_to_string(&path).unwrap()).unwrap();
-        mutator.file = path.strip_prefix(sources).unwrap().display().to_string();
+        mutator.file = place.display().to_string();
         mutator.visit_file_mut(&mut file);
         if mutator.file == "lib.rs" {
             file.items.push(parse_quote!(
