@@ -314,7 +314,8 @@ fn main() {
     };
     for path in files(sources) {
         let place = path.strip_prefix(sources).unwrap();
-        if place.to_string_lossy().ends_with("tests.rs") || place.iter().any(|part| part == "tests") {
+        if place.to_string_lossy().ends_with("tests.rs") || place.iter().any(|part| part == "tests")
+        {
             continue;
         }
         let mut file = syn::parse_file(&std::fs::read_to_string(&path).unwrap()).unwrap();
