@@ -142,7 +142,7 @@ fn an_estimate_holds_the_state_along_the_wheel_and_its_doubts() {
     core.state.reset(own_slip(FREE), -0.25, 4e-4);
     let free = core.wheel_estimate(FREE, NOW_NS, &input);
     assert!(near(free.slip.unwrap().value(), -0.2));
-    // and that turn is one of its own, by arms of 0.1 m and 0.2 m at 0.8 m/s and 0.5 m/s
+    // and that turn is the pair's alone, by arms of 0.1 m and 0.2 m at 0.8 m/s and 0.5 m/s
     let turned = 0.04 * 0.8 / 0.1 * 0.2 / 0.5;
     let expected = f64::hypot(0.02, turned) / (1.25 * 1.25);
     assert!(near(free.sigma.unwrap(), expected));

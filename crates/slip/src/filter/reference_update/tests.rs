@@ -144,7 +144,7 @@ fn a_reading_within_the_gate_updates_the_state() {
         ),
         (1, 0)
     );
-    // one of the future is of its own time, the first displacement and one that cannot be are none
+    // one of the future is of the time that it states, the first displacement and one that cannot be are none
     found.update_reference(NOW_NS + MS, &reading).unwrap();
     assert_eq!(found.reference.accepted_ns, Some(NOW_NS + MS));
     let displaced = Measurement::Displacement {

@@ -207,7 +207,7 @@ fn late_samples_are_refused_but_those_of_a_reference() {
     assert_eq!(clocks.check(600, PLACE), Ok(Continues));
     assert_eq!(clocks.check(600, PLACE), not_later(600));
     assert_eq!(clocks.check(590, PLACE), not_later(590));
-    // back by more than 0.1 s of its own time is a clock that was set, if another follows
+    // back by more than 0.1 s is a clock that was set, if another follows
     for ms in [490, 500, 489] {
         assert_eq!(clocks.check(ms, PLACE), not_later(ms));
     }
