@@ -45,17 +45,17 @@ impl RimPattern {
 
 #[cfg(test)]
 mod tests {
-    use super::{Change, RimPattern};
+    use super::{Change, MAX_APART_SLIP, MIN_APART_SLIP, RimPattern};
 
     #[test]
     fn rims_that_part_slip_anew_and_turn_the_robot_after_half_a_second() {
         let mut pattern = RimPattern::default();
         let mut step = |speed, max_slip| {
-            let Change { parts, turns } = pattern.update(speed, max_slip, 0.2);
+            let Change { parts, turns } = pattern.update(speed, max_slip, 0.25);
             (parts, turns)
         };
         assert_eq!(step(0.3, 1.0), (false, false));
-        assert_eq!(step(0.3, 1.29), (false, false));
+        assert_eq!(step(0.3, MIN_APART_SLIP), (false, false));
         // rims that stand show nothing
         assert_eq!(step(0.01, 2.0), (false, false));
         assert_eq!(step(0.3, 1.0), (false, false));
@@ -64,7 +64,7 @@ mod tests {
         assert_eq!(step(-0.3, 4.89), (false, true));
         assert_eq!(step(-0.3, 2.0), (false, false));
         // a mean that vanishes among them has no slip
-        assert_eq!(step(-0.02, 5.0), (true, true));
+        assert_eq!(step(-0.02, MAX_APART_SLIP), (true, true));
         // the time apart begins anew
         assert_eq!(step(-0.3, 2.0), (true, false));
         assert_eq!(step(-0.3, 2.0), (false, false));

@@ -162,3 +162,33 @@ fn a_jump_becomes_a_hypothesis_in_the_place_of_the_least_probable() {
         &before.models[0].covariance,
     );
 }
+
+#[test]
+fn time_that_passes_changes_slips_weights_and_evidence() {
+    const PASSED_S: f64 = 0.25;
+    let rates = [[0.0, 0.5, 0.25], [1.0, 0.0, 0.75], [1.5, 0.5, 0.0]];
+    let mut group = spread_out(Group::interacting([0.1, 0.2, 0.3], None, rates));
+    group.log_evidence = 0.7;
+    let mut expected = group.clone();
+    for (model, noise) in expected.models.iter_mut().zip([0.1, 0.2, 0.3]) {
+        model.covariance[SLIP][SLIP] += noise * noise * PASSED_S;
+    }
+    expected.interact(&rates, PASSED_S);
+    group.pass_time(PASSED_S);
+    assert!(near(&group.weights, &expected.weights));
+    for (model, expected) in group.models.iter().zip(&expected.models) {
+        assert_near(model, expected.mean, &expected.covariance);
+    }
+    assert!((group.log_evidence - 0.7 * f64::exp(-PASSED_S / 13.0)).abs() < ROUNDING);
+    // a jump becomes as probable as in that time beside the time of the readings
+    let mut jumps = Group::jumps(0.1, 0.6, 0.2);
+    jumps.mix(0.5);
+    jumps.pass_time(PASSED_S);
+    jumps.pass_jump(&Since::NOW);
+    assert!((jumps.weights[0] - 0.2 * (0.5 + PASSED_S)).abs() < ROUNDING);
+    // slip is never renewed beyond a half
+    let mut lone = spread_out(Group::lone(0.4, None));
+    let before = lone.models[0].covariance[SLIP][SLIP];
+    lone.pass_time(10.0);
+    assert!((lone.models[0].covariance[SLIP][SLIP] - before - 0.25).abs() < ROUNDING);
+}
