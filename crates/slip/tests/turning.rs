@@ -308,12 +308,12 @@ fn the_slow_side_of_a_turn_on_the_spot_may_take_the_robot_back() {
 
 /// The slips of a robot that climbs, and then turns on the spot as it slides back: of the side that runs forwards, and of the other one.
 fn climb_and_turn(time: f64, left: bool) -> f64 {
-    const CLIMB: f64 = 0.55;
+    const CLIMB_SLIP: f64 = 0.55;
     // straight, to the left, straight, to the right, ten seconds each
     let cycle_s = time % 40.0;
     let forwards = (cycle_s < 20.0) != left;
     match (cycle_s % 20.0 < 10.0, forwards) {
-        (true, _) => CLIMB,
+        (true, _) => CLIMB_SLIP,
         (false, true) => 0.972,
         (false, false) => 0.15,
     }

@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn the_noise_scale_grows_by_the_square_of_the_clamped_innovation() {
-        const VARIANCE: f64 = 0.04;
+        const INNOVATION_VARIANCE_M2_PER_S2: f64 = 0.04;
         // 3 σ, and 50 σ that count as 4 σ
         for (innovation, scale, expected) in [
             (0.6, 5.0, 5.0 * f64::exp(8.0 * NOISE_SCALE_GAIN)),
@@ -127,7 +127,7 @@ mod tests {
                 last: None,
                 noise_scale: scale,
             };
-            accelerometer.learn_noise(innovation, VARIANCE);
+            accelerometer.learn_noise(innovation, INNOVATION_VARIANCE_M2_PER_S2);
             let off = accelerometer.noise_scale / expected - 1.0;
             assert!(off.abs() < 1e-12, "{innovation}: {off}");
         }

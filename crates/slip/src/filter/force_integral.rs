@@ -136,15 +136,15 @@ mod tests {
     const MAX_RATE_HZ: f64 = 1000.0;
     const DROPOUT_S: f64 = 0.2;
     /// Not along an axis, rad.
-    const DIRECTION: f64 = 0.7;
+    const DIRECTION_RAD: f64 = 0.7;
 
     fn along([forward, left]: [f64; 2]) -> f64 {
-        forward * f64::cos(DIRECTION) + left * f64::sin(DIRECTION)
+        forward * f64::cos(DIRECTION_RAD) + left * f64::sin(DIRECTION_RAD)
     }
 
     /// The speed that a step of `dt` at `now_ns` adds, m/s.
     fn gained(integral: &mut ForceIntegral, now_ns: i64, dt: f64) -> f64 {
-        let force = integral.step(now_ns, DIRECTION, (dt, DROPOUT_S));
+        let force = integral.step(now_ns, DIRECTION_RAD, (dt, DROPOUT_S));
         force.map_or(f64::NAN, |force| force * dt)
     }
 
@@ -153,7 +153,7 @@ mod tests {
         let [a, b, c] = [[0.6, -0.8], [1.4, 0.5], [-0.3, 0.9]];
         let mut integral = ForceIntegral::new(MAX_RATE_HZ);
         let near = |value: f64, expected: f64| (value - expected).abs() < 1e-12;
-        assert!(integral.step(0, DIRECTION, (0.01, DROPOUT_S)).is_none());
+        assert!(integral.step(0, DIRECTION_RAD, (0.01, DROPOUT_S)).is_none());
         integral.observe(0, a);
         assert!(near(gained(&mut integral, 10 * MS, 0.01), 0.01 * along(a)));
         integral.observe(20 * MS, b);
@@ -176,7 +176,7 @@ mod tests {
         let dropout_ns = 330 * MS;
         assert_eq!(seconds_between(130 * MS, dropout_ns), DROPOUT_S);
         assert!(near(gained(&mut integral, dropout_ns, 0.2), 0.2 * along(b)));
-        assert!((integral.step(dropout_ns + 1, DIRECTION, (0.01, DROPOUT_S))).is_none());
+        assert!((integral.step(dropout_ns + 1, DIRECTION_RAD, (0.01, DROPOUT_S))).is_none());
     }
 
     /// At a constant acceleration a the speed is a t, and its mean over a window that of the window's middle.
@@ -186,7 +186,7 @@ mod tests {
         let mut integral = ForceIntegral::new(MAX_RATE_HZ);
         for step in 0..=20 {
             integral.observe(step * 10 * MS, force);
-            integral.step(step * 10 * MS, DIRECTION, (0.01, DROPOUT_S));
+            integral.step(step * 10 * MS, DIRECTION_RAD, (0.01, DROPOUT_S));
         }
         let since = integral.gained_since(40 * MS, 120 * MS).unwrap();
         assert!((since - 0.12 * along(force)).abs() < 1e-12, "{since}");
@@ -195,7 +195,7 @@ mod tests {
         integral.observe(220 * MS, force);
         integral.restart_clock();
         assert_eq!(integral.gained_since(40 * MS, 120 * MS), None);
-        assert!((integral.step(230 * MS, DIRECTION, (0.01, DROPOUT_S))).is_none());
+        assert!((integral.step(230 * MS, DIRECTION_RAD, (0.01, DROPOUT_S))).is_none());
         integral.observe(240 * MS, force);
         assert_eq!(gained(&mut integral, 240 * MS, 0.01), 0.0);
     }

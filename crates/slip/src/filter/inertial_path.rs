@@ -83,32 +83,36 @@ mod tests {
     use super::*;
 
     const MS: i64 = 1_000_000;
-    const ROW: [f64; 3] = [0.8, -0.6, 0.4];
+    /// Parts of the robot's three speeds in that of a wheel, none of them 0 or 1.
+    const WHEEL_ROW: [f64; 3] = [0.8, -0.6, 0.4];
     /// Present speeds, m/s, and yaw rate, rad/s; accelerations, m/s²; and the gyro before and now, rad/s.
-    const NOW: [f64; 3] = [0.5, 0.2, 0.1];
-    const ACCELERATION: [f64; 2] = [0.7, -0.3];
-    const GYRO: [f64; 2] = [0.3, 0.45];
+    const PRESENT_MOTION: [f64; 3] = [0.5, 0.2, 0.1];
+    const ACCELERATION_M_PER_S2: [f64; 2] = [0.7, -0.3];
+    const GYRO_RAD_PER_S: [f64; 2] = [0.3, 0.45];
 
     #[test]
     fn a_past_motion_is_the_present_one_less_what_was_measured_since() {
         let mut state = Kalman::new(3);
-        for (i, mean) in [FORWARD, LEFT, YAW].into_iter().zip(NOW) {
+        for (i, mean) in [FORWARD, LEFT, YAW].into_iter().zip(PRESENT_MOTION) {
             state.set_mean(i, mean);
         }
         let mut path = InertialPath::new(1.0, 1000.0);
         for step in 0..=50 {
-            path.yaw_rate = GYRO[usize::from(step > 30)];
-            path.advance(0.01, ACCELERATION.map(|a| a * 0.01));
+            path.yaw_rate = GYRO_RAD_PER_S[usize::from(step > 30)];
+            path.advance(0.01, ACCELERATION_M_PER_S2.map(|a| a * 0.01));
             path.record(step * 10 * MS);
         }
         let near = |value: f64, expected: f64| (value - expected).abs() < 1e-12;
-        assert!(near(path.forward_integral(), 0.51 * ACCELERATION[0]));
-        // from 0.1 s to 0.2 s: 0.35 s before the end
-        let yaw_rate = NOW[2] + GYRO[0] - GYRO[1];
-        let [forward, left] = [0, 1].map(|i| NOW[i] - 0.35 * ACCELERATION[i]);
-        let expected = ROW[0] * forward + ROW[1] * left + ROW[2] * yaw_rate;
         assert!(near(
-            path.mean_along(&state, ROW, 100 * MS, 200 * MS),
+            path.forward_integral(),
+            0.51 * ACCELERATION_M_PER_S2[0]
+        ));
+        // from 0.1 s to 0.2 s: 0.35 s before the end
+        let yaw_rate = PRESENT_MOTION[2] + GYRO_RAD_PER_S[0] - GYRO_RAD_PER_S[1];
+        let [forward, left] = [0, 1].map(|i| PRESENT_MOTION[i] - 0.35 * ACCELERATION_M_PER_S2[i]);
+        let expected = WHEEL_ROW[0] * forward + WHEEL_ROW[1] * left + WHEEL_ROW[2] * yaw_rate;
+        assert!(near(
+            path.mean_along(&state, WHEEL_ROW, 100 * MS, 200 * MS),
             expected
         ));
         assert!(near(
@@ -116,16 +120,21 @@ mod tests {
             yaw_rate
         ));
         // over no time, before the first entry and after the clock was set: the present one
-        let present = ROW[0] * NOW[0] + ROW[1] * NOW[1] + ROW[2] * NOW[2];
+        let present = WHEEL_ROW[0] * PRESENT_MOTION[0]
+            + WHEEL_ROW[1] * PRESENT_MOTION[1]
+            + WHEEL_ROW[2] * PRESENT_MOTION[2];
         let now_ns = 500 * MS;
-        assert_eq!(path.mean_yaw_rate(&state, now_ns, now_ns), NOW[2]);
+        assert_eq!(
+            path.mean_yaw_rate(&state, now_ns, now_ns),
+            PRESENT_MOTION[2]
+        );
         assert!(near(
-            path.mean_along(&state, ROW, -200 * MS, -100 * MS),
+            path.mean_along(&state, WHEEL_ROW, -200 * MS, -100 * MS),
             present
         ));
         path.restart_clock();
         assert!(near(
-            path.mean_along(&state, ROW, 100 * MS, 200 * MS),
+            path.mean_along(&state, WHEEL_ROW, 100 * MS, 200 * MS),
             present
         ));
     }

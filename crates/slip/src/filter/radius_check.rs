@@ -61,7 +61,7 @@ mod tests {
 
     /// s = 0.05 + 0.02 T + 0.01 T |T| at symmetric torques, which leave its first part independent of the others.
     const TORQUES_N_M: [f64; 5] = [-2.0, -1.0, 0.0, 1.0, 2.0];
-    const EXCESS: f64 = 0.05;
+    const RADIUS_EXCESS_SHARE: f64 = 0.05;
 
     fn after(variance: f64) -> RadiusCheck {
         let mut check = RadiusCheck::default();
@@ -75,7 +75,7 @@ mod tests {
             for off in offs {
                 check.push(torque + off);
             }
-            let value = EXCESS + 0.02 * torque + 0.01 * torque * torque.abs();
+            let value = RADIUS_EXCESS_SHARE + 0.02 * torque + 0.01 * torque * torque.abs();
             check.update(Some(Measured { value, variance }));
         }
         check
@@ -83,14 +83,14 @@ mod tests {
 
     #[test]
     fn the_slip_at_no_torque_is_the_excess_of_the_radius() {
-        const VARIANCE: f64 = 1e-5;
-        const REFERENCE: f64 = 2e-4;
+        const SLIP_VARIANCE: f64 = 1e-5;
+        const SKID_VARIANCE: f64 = 2e-4;
         // one of six slips is independent; 0.03 about the law
-        let expected = 6.0 * (VARIANCE + 0.0009) / 5.0;
-        let mut check = after(VARIANCE);
-        for reference in [0.0, REFERENCE] {
+        let expected = 6.0 * (SLIP_VARIANCE + 0.0009) / 5.0;
+        let mut check = after(SLIP_VARIANCE);
+        for reference in [0.0, SKID_VARIANCE] {
             let found = check.excess(reference).unwrap();
-            assert!((found.value - EXCESS).abs() < 1e-9);
+            assert!((found.value - RADIUS_EXCESS_SHARE).abs() < 1e-9);
             assert!((found.variance - expected - reference).abs() < 1e-9);
         }
         // not known to 0.04
@@ -102,7 +102,7 @@ mod tests {
         let slip = |value: f64| {
             Some(Measured {
                 value,
-                variance: VARIANCE,
+                variance: SLIP_VARIANCE,
             })
         };
         check.update(slip(0.2));
@@ -116,6 +116,6 @@ mod tests {
         assert_eq!(check.excess(0.0), found);
         check.push(2.0);
         check.update(slip(0.25));
-        assert!(check.excess(0.0).unwrap().value > EXCESS);
+        assert!(check.excess(0.0).unwrap().value > RADIUS_EXCESS_SHARE);
     }
 }

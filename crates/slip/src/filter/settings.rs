@@ -265,23 +265,26 @@ mod tests {
 
     #[test]
     fn a_skid_is_its_share_of_the_rim_and_back() {
-        const SIGMA: f64 = 0.03;
+        const SKID_SIGMA: f64 = 0.03;
         for mean in [-0.9, -0.3, 0.0, 0.4] {
-            let prior = SlipPrior { mean, sigma: SIGMA };
+            let prior = SlipPrior {
+                mean,
+                sigma: SKID_SIGMA,
+            };
             // x = 1 − v/u: of a slip s = 1 − v/u driving, s = u/v − 1 braking
             let by_rim = |s: f64| if s < 0.0 { 1.0 - 1.0 / (1.0 + s) } else { s };
             let found = prior.by_rim();
             let by = 1e-6;
             let slope = (by_rim(mean + by) - by_rim(mean - by)) / (2.0 * by);
             assert!((found.mean - by_rim(mean)).abs() < 1e-12);
-            assert!((found.sigma - SIGMA * slope).abs() < 1e-6, "{mean}");
+            assert!((found.sigma - SKID_SIGMA * slope).abs() < 1e-6, "{mean}");
             let back = found.by_faster();
-            assert!((back.mean - mean).abs() < 1e-12 && (back.sigma - SIGMA).abs() < 1e-12);
+            assert!((back.mean - mean).abs() < 1e-12 && (back.sigma - SKID_SIGMA).abs() < 1e-12);
         }
         // no more than 20 times the rim
         let prior = SlipPrior {
             mean: -1.0,
-            sigma: SIGMA,
+            sigma: SKID_SIGMA,
         };
         assert!((prior.by_rim().mean + 19.0).abs() < 1e-9);
     }

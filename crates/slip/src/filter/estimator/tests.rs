@@ -159,10 +159,11 @@ fn estimates_change_by_all_but_forces_torques_and_commands() {
 
 #[test]
 fn a_clock_that_was_set_forgets_the_motion_and_keeps_what_was_learnt() {
-    const BIAS: f64 = 0.013;
+    /// A gyro's bias within the default standard deviation.
+    const LEARNT_BIAS_RAD_PER_S: f64 = 0.013;
     let (mut core, _) = driven();
     core.state.set_mean(FORWARD, -0.31);
-    core.state.set_mean(GYRO_BIAS, BIAS);
+    core.state.set_mean(GYRO_BIAS, LEARNT_BIAS_RAD_PER_S);
     core.accelerometer.last = Some(super::super::accelerometer::SpecificForce {
         time_ns: 0,
         force: [0.1; 2],
@@ -186,7 +187,7 @@ fn a_clock_that_was_set_forgets_the_motion_and_keeps_what_was_learnt() {
         core.state.mean(GYRO_BIAS),
         core.state.covariance(GYRO_BIAS, GYRO_BIAS),
     );
-    assert_eq!(bias, (BIAS, variance));
+    assert_eq!(bias, (LEARNT_BIAS_RAD_PER_S, variance));
     assert_eq!(core.state.mean(FORWARD), 0.0);
     let times = [
         core.now_ns,

@@ -68,7 +68,7 @@ const OFF: WheelWindow = WheelWindow {
 };
 
 /// A skid of this standard deviation is known.
-const KNOWN: f64 = 0.99 * MAX_SKID_SIGMA;
+const KNOWN_SKID_SIGMA: f64 = 0.99 * MAX_SKID_SIGMA;
 
 pub(in crate::filter) fn near(value: f64, expected: f64) -> bool {
     (value - expected).abs() <= 1e-12 * expected.abs()
@@ -80,10 +80,11 @@ fn variance(core: &Core, i: usize) -> f64 {
 
 #[test]
 fn a_skid_is_estimated_beside_another_reference_and_soon_after_a_jump() {
-    const SKID: f64 = 0.3;
+    /// Far beyond the prior of a skid.
+    const SKID_SLIP: f64 = 0.3;
     let after = |accepted: Option<i64>, jumped: Option<i64>| {
         let mut core = core();
-        core.state.reset(own_slip(FREE), SKID, 1e-6);
+        core.state.reset(own_slip(FREE), SKID_SLIP, 1e-6);
         core.reference.accepted_ns = accepted.map(|ago_ns| NOW_NS - ago_ns);
         core.wheels.channels[FREE].rolling.jumped_ns = jumped.map(|ago_ns| NOW_NS - ago_ns);
         core.consider_skid(FREE, NOW_NS);
@@ -96,11 +97,11 @@ fn a_skid_is_estimated_beside_another_reference_and_soon_after_a_jump() {
             residual: 1.0,
             variance: 1.0,
         });
-        let is_estimated = (core.state.mean(own_slip(FREE)) - SKID).abs() > 0.0;
+        let is_estimated = (core.state.mean(own_slip(FREE)) - SKID_SLIP).abs() > 0.0;
         (is_estimated, jumped.is_some(), sigma)
     };
     // a skid of −0.2 by the robot's speed is −0.25 by the rim's
-    let doubt = SKID_AFTER_JUMP_SHARE * (SKID + 0.25);
+    let doubt = SKID_AFTER_JUMP_SHARE * (SKID_SLIP + 0.25);
     for (accepted, jumped, expected) in [
         (None, None, (false, false, 1e-3)),
         (Some(500 * MS), None, (true, false, 1e-3)),
@@ -122,7 +123,7 @@ fn a_skid_is_estimated_beside_another_reference_and_soon_after_a_jump() {
 
 #[test]
 fn a_stop_is_expected_within_two_sigma_of_the_speed_by_the_accelerometer() {
-    const BIAS_VARIANCE: f64 = 0.04;
+    const BIAS_VARIANCE_M2_PER_S4: f64 = 0.04;
     const PASSED_S: f64 = 0.25;
     const BEFORE: KnownSpeed = KnownSpeed {
         time_ns: NOW_NS - 250 * MS,
@@ -132,7 +133,7 @@ fn a_stop_is_expected_within_two_sigma_of_the_speed_by_the_accelerometer() {
     };
     let stop_expected = |expected: f64, rim: f64| {
         let mut core = core();
-        core.state.reset(FORWARD_BIAS, 0.0, BIAS_VARIANCE);
+        core.state.reset(FORWARD_BIAS, 0.0, BIAS_VARIANCE_M2_PER_S4);
         core.path.advance(PASSED_S, [0.4, 0.0]);
         let speed = expected - (0.4 - BEFORE.accel_integral);
         let rolling = &mut core.wheels.channels[FREE].rolling;
@@ -142,7 +143,8 @@ fn a_stop_is_expected_within_two_sigma_of_the_speed_by_the_accelerometer() {
         core.wheels.channels[FREE].rolling.stop_expected
     };
     let density = core().process_noise_density();
-    let variance = 9e-4 + density * density * PASSED_S + BIAS_VARIANCE * PASSED_S * PASSED_S;
+    let variance =
+        9e-4 + density * density * PASSED_S + BIAS_VARIANCE_M2_PER_S4 * PASSED_S * PASSED_S;
     let limit = 2.0 * f64::sqrt(variance) + LOW_SPEED;
     for sign in [-1.0, 1.0] {
         assert!(stop_expected(sign * limit * (1.0 - 1e-9), 0.0));
@@ -440,14 +442,14 @@ fn a_skid_that_is_known_makes_the_speed_known_and_a_later_stop_expected() {
         (core.speed_known_ns == Some(NOW_NS), stop_expected)
     };
     for (sigma, is_lost, rim, is_off, expected) in [
-        (KNOWN, false, 0.5, false, (true, true)),
+        (KNOWN_SKID_SIGMA, false, 0.5, false, (true, true)),
         (MAX_SKID_SIGMA, false, 0.5, false, (false, true)),
-        (KNOWN, false, 0.5, true, (false, true)),
-        (KNOWN, true, 0.5, true, (false, true)),
-        (KNOWN, false, 0.0, false, (true, true)),
+        (KNOWN_SKID_SIGMA, false, 0.5, true, (false, true)),
+        (KNOWN_SKID_SIGMA, true, 0.5, true, (false, true)),
+        (KNOWN_SKID_SIGMA, false, 0.0, false, (true, true)),
         (MAX_SKID_SIGMA, false, 0.0, false, (false, false)),
-        (KNOWN, true, 0.0, false, (true, false)),
-        (KNOWN, false, 0.0, true, (false, false)),
+        (KNOWN_SKID_SIGMA, true, 0.0, false, (true, false)),
+        (KNOWN_SKID_SIGMA, false, 0.0, true, (false, false)),
     ] {
         let is = after(sigma, is_lost, rim, is_off);
         assert_eq!(is, expected, "{sigma} {is_lost} {rim} {is_off}");

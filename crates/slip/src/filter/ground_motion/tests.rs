@@ -10,15 +10,16 @@ use crate::state::{Degraded, Health};
 const MS: i64 = 1_000_000;
 const RADIUS_M: f64 = 0.1;
 /// The wheels' heading beside the robot's, rad.
-const DIRECTION: f64 = 0.4;
+const DIRECTION_RAD: f64 = 0.4;
 /// The robot's speed along the wheels and across, m/s, and yaw rate, rad/s.
-const SPEED: f64 = 0.3;
-const ACROSS: f64 = 0.03;
-const TURN: f64 = 0.2;
-const GYRO_OFFSET: f64 = 0.01;
+const SPEED_M_PER_S: f64 = 0.3;
+const ACROSS_M_PER_S: f64 = 0.03;
+const TURN_RAD_PER_S: f64 = 0.2;
+/// What the gyro measures beyond the turn.
+const GYRO_OFFSET_RAD_PER_S: f64 = 0.01;
 const POSE_PERIOD_MS: i64 = 100;
 
-/// A drive: rim speed of all wheels, m/s, and what else is measured.
+/// A drive: rim speed of all wheels, m/s, and the other sensors.
 #[derive(Clone, Copy)]
 struct Drive {
     rim: f64,
@@ -38,14 +39,15 @@ const SLIPPING: Drive = Drive {
 impl Drive {
     fn core(self) -> Core {
         let places = if self.in_line {
-            [-0.5, -0.2, 0.1, 0.6].map(|x| (x * f64::cos(DIRECTION), x * f64::sin(DIRECTION)))
+            [-0.5, -0.2, 0.1, 0.6]
+                .map(|x| (x * f64::cos(DIRECTION_RAD), x * f64::sin(DIRECTION_RAD)))
         } else {
             [(0.5, 0.4), (0.5, -0.4), (-0.5, 0.4), (-0.5, -0.4)]
         };
         let wheels = places.map(|(x, y)| {
             Wheel::powered(format!("{x} {y}"))
                 .at(x, y)
-                .heading(Angle::from_rad(DIRECTION))
+                .heading(Angle::from_rad(DIRECTION_RAD))
                 .radius(RADIUS_M)
         });
         let robot = Robot::new("crab".into(), wheels.into()).unwrap();
@@ -55,12 +57,12 @@ impl Drive {
     fn pose(time_ms: i64) -> Measurement {
         // along a circle: the way is its chord at the mean heading
         let time_s = time_ms as f64 * 1e-3;
-        let middle = DIRECTION + 0.5 * TURN * time_s;
-        let chord = f64::sin(0.5 * TURN * time_s) / (0.5 * TURN);
+        let middle = DIRECTION_RAD + 0.5 * TURN_RAD_PER_S * time_s;
+        let chord = f64::sin(0.5 * TURN_RAD_PER_S * time_s) / (0.5 * TURN_RAD_PER_S);
         Measurement::Pose {
-            x: chord * (SPEED * f64::cos(middle) - ACROSS * f64::sin(middle)),
-            y: chord * (SPEED * f64::sin(middle) + ACROSS * f64::cos(middle)),
-            yaw: TURN * time_s,
+            x: chord * (SPEED_M_PER_S * f64::cos(middle) - ACROSS_M_PER_S * f64::sin(middle)),
+            y: chord * (SPEED_M_PER_S * f64::sin(middle) + ACROSS_M_PER_S * f64::cos(middle)),
+            yaw: TURN_RAD_PER_S * time_s,
         }
     }
 
@@ -79,7 +81,7 @@ impl Drive {
             if self.has_gyro {
                 // one that repeats its value to the bit is stuck
                 let noise = 1e-6 * (time_ms % 30) as f64;
-                let rate = TURN + GYRO_OFFSET + noise;
+                let rate = TURN_RAD_PER_S + GYRO_OFFSET_RAD_PER_S + noise;
                 add(Measurement::YawRate { rate });
             }
             let rate = self.rim / RADIUS_M;
@@ -118,10 +120,10 @@ fn the_models_motion_and_its_covariance_are_turned_into_the_robot_s_frame() {
         let ground = core.ground.as_ref().unwrap();
         let (motion, direction, rim) = ground.motion(now_ns, &core.settings).unwrap();
         assert!((motion.slip < -0.1) == is_braking && motion.slip.abs() > 0.1);
-        assert!(near(direction, DIRECTION) && motion.drift.abs() > 0.01);
+        assert!(near(direction, DIRECTION_RAD) && motion.drift.abs() > 0.01);
         let axes = [
-            [f64::cos(DIRECTION), f64::sin(DIRECTION)],
-            [-f64::sin(DIRECTION), f64::cos(DIRECTION)],
+            [f64::cos(DIRECTION_RAD), f64::sin(DIRECTION_RAD)],
+            [-f64::sin(DIRECTION_RAD), f64::cos(DIRECTION_RAD)],
         ];
         let faster = if is_braking { motion.speed } else { rim };
         let spreads = [
@@ -153,7 +155,7 @@ fn the_models_motion_and_its_covariance_are_turned_into_the_robot_s_frame() {
 
 #[test]
 fn the_gyro_s_bias_is_taken_from_the_models_where_they_know_it_better() {
-    const BIAS: f64 = 0.004;
+    const KNOWN_BIAS_RAD_PER_S: f64 = 0.004;
     let drive = Drive {
         has_gyro: true,
         ..SLIPPING
@@ -174,12 +176,12 @@ fn the_gyro_s_bias_is_taken_from_the_models_where_they_know_it_better() {
         (at, error.variance < BETTER_VARIANCE_SHARE * at),
     ] {
         let mut core = core.clone();
-        core.state.reset(GYRO_BIAS, BIAS, variance);
+        core.state.reset(GYRO_BIAS, KNOWN_BIAS_RAD_PER_S, variance);
         core.learn_gyro_bias(now_ns);
         let expected = if is_taken {
-            (BIAS + error.value, error.variance)
+            (KNOWN_BIAS_RAD_PER_S + error.value, error.variance)
         } else {
-            (BIAS, variance)
+            (KNOWN_BIAS_RAD_PER_S, variance)
         };
         let is = (
             core.state.mean(GYRO_BIAS),

@@ -7,17 +7,17 @@ mod readings;
 pub(super) const MS: i64 = 1_000_000;
 pub(super) const NOW_NS: i64 = 9_000 * MS;
 /// Direction of the rims beside the robot's heading, rad, and their speed, m/s.
-pub(super) const DIRECTION: f64 = 0.4;
-pub(super) const RIM: f64 = 0.5;
+pub(super) const DIRECTION_RAD: f64 = 0.4;
+pub(super) const RIM_M_PER_S: f64 = 0.5;
 /// The slip of the models, and the prior that it fades into.
-const SLIP: [f64; 2] = [0.3, 0.05];
-const PRIOR: [f64; 2] = [0.1, 0.2];
-pub(super) const HEADING: f64 = 0.6;
+const SLIP_AND_SIGMA: [f64; 2] = [0.3, 0.05];
+const PRIOR_AND_SIGMA: [f64; 2] = [0.1, 0.2];
+pub(super) const HEADING_RAD: f64 = 0.6;
 /// 1.3 periods of 0.3 s.
 const LATE_NS: i64 = 390 * MS;
 /// The least step later.
 const READ_NS: i64 = NOW_NS + 5 * MS;
-pub(super) const PLACE: [f64; 2] = [2.0, -1.0];
+pub(super) const PLACE_M: [f64; 2] = [2.0, -1.0];
 
 pub(super) fn settings() -> FilterSettings {
     FilterSettings::default()
@@ -27,13 +27,13 @@ pub(super) fn wheel_step(rim_way: f64) -> WheelStep {
     WheelStep {
         dt: 0.01,
         rim_way,
-        direction: DIRECTION,
+        direction: DIRECTION_RAD,
         turn: 0.002,
         turn_error: TurnError::default(),
         curvature: None,
         acceleration: None,
         rim: Rim {
-            speed: RIM,
+            speed: RIM_M_PER_S,
             variance: 1e-4,
             lag: 0.025,
             rise: 0.0,
@@ -47,11 +47,11 @@ pub(super) fn wheel_step(rim_way: f64) -> WheelStep {
 pub(super) fn started() -> GroundTrack {
     let mut ground = *GroundTrack::boxed(&settings());
     ground.models.advance(&wheel_step(0.005));
-    ground.models.set_slip_prior(SLIP);
-    ground.models.start(PLACE, HEADING, 0.01, 0.02);
-    ground.models.set_slip_prior(PRIOR);
-    ground.direction = DIRECTION;
-    ground.rim_speed = RIM;
+    ground.models.set_slip_prior(SLIP_AND_SIGMA);
+    ground.models.start(PLACE_M, HEADING_RAD, 0.01, 0.02);
+    ground.models.set_slip_prior(PRIOR_AND_SIGMA);
+    ground.direction = DIRECTION_RAD;
+    ground.rim_speed = RIM_M_PER_S;
     ground.has_rims = true;
     ground.stepped_ns = Some(NOW_NS);
     ground.accepted_ns = Some(NOW_NS);
@@ -121,25 +121,25 @@ fn without_a_reference_the_slip_fades_into_its_prior_after_five_seconds() {
         .motion()
         .map(|m| [m.rim_share, m.drift])
         .unwrap();
-    assert!(near(rim_share, 1.0 - SLIP[0]) && drift == 0.0);
+    assert!(near(rim_share, 1.0 - SLIP_AND_SIGMA[0]) && drift == 0.0);
     let after = |passed_ns: i64| ground.motion(NOW_NS + passed_ns, &settings()).unwrap();
     for passed_ms in [0, 4_000, 5_000, 12_000, 45_000] {
         let outage_s = (passed_ms as f64 * 1e-3 - MAX_PREDICTION_S).max(0.0);
         let kept = f64::exp(-outage_s / settings().slip_memory);
         let (motion, direction, rim) = after(passed_ms * MS);
-        let slip = PRIOR[0] + kept * (SLIP[0] - PRIOR[0]);
+        let slip = PRIOR_AND_SIGMA[0] + kept * (SLIP_AND_SIGMA[0] - PRIOR_AND_SIGMA[0]);
         assert!(
-            near(motion.slip, slip) && near(motion.speed, RIM * (1.0 - slip)),
+            near(motion.slip, slip) && near(motion.speed, RIM_M_PER_S * (1.0 - slip)),
             "{passed_ms}"
         );
-        assert_eq!((direction, rim), (DIRECTION, RIM));
+        assert_eq!((direction, rim), (DIRECTION_RAD, RIM_M_PER_S));
     }
     // a slide takes the place of the slip while the rims stand
     let mut ground = started();
     ground.slide = Some((0.07, NOW_NS));
     assert!(near(
         ground.motion(NOW_NS, &settings()).unwrap().0.slip,
-        SLIP[0]
+        SLIP_AND_SIGMA[0]
     ));
     ground.rim_speed = 0.001;
     let motion = ground.motion(NOW_NS, &settings()).unwrap().0;
@@ -156,10 +156,10 @@ fn the_mean_motion_of_a_window_is_its_rims_way_less_slip_and_across_by_the_drift
         ground.models.advance(&wheel_step(0.005));
         if step % 10 == 0 {
             let way = 0.005 * 0.7 * f64::from(step);
-            let course = HEADING + DIRECTION + 0.1;
+            let course = HEADING_RAD + DIRECTION_RAD + 0.1;
             let place = [
-                PLACE[0] + way * f64::cos(course),
-                PLACE[1] + way * f64::sin(course),
+                PLACE_M[0] + way * f64::cos(course),
+                PLACE_M[1] + way * f64::sin(course),
             ];
             ground
                 .models
@@ -175,7 +175,7 @@ fn the_mean_motion_of_a_window_is_its_rims_way_less_slip_and_across_by_the_drift
     // 0.04 m in 0.08 s, also where the window ends after the last step
     let speed = 0.04 / 0.08 * motion.rim_share;
     let across = motion.drift * speed;
-    let (sin, cos) = f64::sin_cos(DIRECTION);
+    let (sin, cos) = f64::sin_cos(DIRECTION_RAD);
     for to_ns in [NOW_NS, NOW_NS + 7 * MS] {
         let [forward, left] = ground.mean_motion((from_ns, to_ns), &settings()).unwrap();
         assert!(near(forward, cos * speed - sin * across), "{forward}");
@@ -229,7 +229,7 @@ fn a_clock_that_was_set_forgets_times_and_keeps_the_rims_way() {
     let mut ground = started();
     ground.models.advance(&wheel_step(0.005));
     let path = ground.rim_path().unwrap();
-    let middle = HEADING + DIRECTION + 0.001;
+    let middle = HEADING_RAD + DIRECTION_RAD + 0.001;
     let expected = [
         0.005 * f64::cos(middle),
         0.005 * f64::sin(middle),
@@ -276,7 +276,7 @@ fn a_step_is_the_rims_mean_way_beside_the_turn() {
     let wheels = [(0.3, 0.2), (-0.3, -0.2)].map(|(x, y)| {
         Wheel::powered(format!("{x}"))
             .at(x, y)
-            .heading(Angle::from_rad(DIRECTION))
+            .heading(Angle::from_rad(DIRECTION_RAD))
             .radius(0.1)
     });
     let robot = Robot::new("crab".into(), wheels.into()).unwrap();
@@ -319,7 +319,8 @@ fn a_step_is_the_rims_mean_way_beside_the_turn() {
     // held for 6 ms until the end of the step
     let forces = [1.1, -0.4];
     ground.force.observe(NOW_NS - MS, forces);
-    let force = 6.0 / 5.0 * (forces[0] * f64::cos(DIRECTION) + forces[1] * f64::sin(DIRECTION));
+    let force =
+        6.0 / 5.0 * (forces[0] * f64::cos(DIRECTION_RAD) + forces[1] * f64::sin(DIRECTION_RAD));
     ground.step(NOW_NS, &bank, inertial, &settings);
     ground.travels = core::array::from_fn(|i| {
         bank.channels.get(i).map_or(0.0, |w| w.track.travel())
@@ -336,10 +337,10 @@ fn a_step_is_the_rims_mean_way_beside_the_turn() {
     models.advance(&WheelStep {
         dt,
         rim_way: 0.0035,
-        direction: DIRECTION,
+        direction: DIRECTION_RAD,
         turn: 0.3 * dt,
         turn_error,
-        curvature: Some(0.7 * f64::cos(DIRECTION)),
+        curvature: Some(0.7 * f64::cos(DIRECTION_RAD)),
         acceleration: Some((force, settings.accelerometer_noise)),
         rim: Rim {
             speed,

@@ -5,9 +5,10 @@ use crate::speed::Measured;
 
 const MS: i64 = 1_000_000;
 const NOW_NS: i64 = 4_000 * MS;
-const SIGMA: f64 = 0.005;
-const YAW_VARIANCE: f64 = 0.04;
-const BIAS_VARIANCE: f64 = 1e-4;
+/// Of a reading, of the yaw rate and of the bias before it.
+const RATE_SIGMA_RAD_PER_S: f64 = 0.005;
+const YAW_VARIANCE_RAD2_PER_S2: f64 = 0.04;
+const BIAS_VARIANCE_RAD2_PER_S2: f64 = 1e-4;
 
 /// A robot whose wheels at 0.5 m to either side turn it at `turn`, rad/s, with its state, path and settings.
 struct Cart {
@@ -21,7 +22,7 @@ struct Cart {
 impl Cart {
     fn new(turn: f64) -> Self {
         let settings = FilterSettings {
-            yaw_rate_sigma: SIGMA,
+            yaw_rate_sigma: RATE_SIGMA_RAD_PER_S,
             gyro_bias: 0.3,
             ..FilterSettings::default()
         };
@@ -34,8 +35,8 @@ impl Cart {
             wheels.channels[wheel].rim = Some((Measured { value, variance }, NOW_NS));
         }
         let mut state = Kalman::new(size(2));
-        state.reset(YAW, 0.2, YAW_VARIANCE);
-        state.reset(GYRO_BIAS, 0.01, BIAS_VARIANCE);
+        state.reset(YAW, 0.2, YAW_VARIANCE_RAD2_PER_S2);
+        state.reset(GYRO_BIAS, 0.01, BIAS_VARIANCE_RAD2_PER_S2);
         Self {
             gyro: GyroMonitor::default(),
             wheels,
@@ -60,11 +61,16 @@ impl Cart {
 
 #[test]
 fn a_rate_is_the_yaw_rate_and_the_bias_within_the_gate() {
-    let total = YAW_VARIANCE + BIAS_VARIANCE + SIGMA * SIGMA;
+    let total = YAW_VARIANCE_RAD2_PER_S2
+        + BIAS_VARIANCE_RAD2_PER_S2
+        + RATE_SIGMA_RAD_PER_S * RATE_SIGMA_RAD_PER_S;
     let mut cart = Cart::new(0.2);
     let nis = cart.update(NOW_NS, 0.25, false).unwrap().unwrap();
     assert!((nis - 0.04 * 0.04 / total).abs() < 1e-12);
-    for (i, mean, variance) in [(YAW, 0.2, YAW_VARIANCE), (GYRO_BIAS, 0.01, BIAS_VARIANCE)] {
+    for (i, mean, variance) in [
+        (YAW, 0.2, YAW_VARIANCE_RAD2_PER_S2),
+        (GYRO_BIAS, 0.01, BIAS_VARIANCE_RAD2_PER_S2),
+    ] {
         let is = (cart.state.mean(i), cart.state.covariance(i, i));
         assert!((is.0 - mean - variance / total * 0.04).abs() < 1e-12, "{i}");
         assert!(
@@ -150,11 +156,14 @@ fn a_gap_in_straight_driving_widens_the_bias() {
     };
     for by_wheels in [0.01, -0.029] {
         let change = BIAS_CHANGE_PER_SQRT_S * 0.25 * (0.2 - 0.02 - by_wheels);
-        let expected = BIAS_VARIANCE + change * change * PASSED_S;
-        assert!((variance(by_wheels, BIAS_VARIANCE) - expected).abs() < 1e-15);
+        let expected = BIAS_VARIANCE_RAD2_PER_S2 + change * change * PASSED_S;
+        assert!((variance(by_wheels, BIAS_VARIANCE_RAD2_PER_S2) - expected).abs() < 1e-15);
     }
     for by_wheels in [BEND_YAW_RATE_RAD_PER_S, -BEND_YAW_RATE_RAD_PER_S, 0.2] {
-        assert_eq!(variance(by_wheels, BIAS_VARIANCE), BIAS_VARIANCE);
+        assert_eq!(
+            variance(by_wheels, BIAS_VARIANCE_RAD2_PER_S2),
+            BIAS_VARIANCE_RAD2_PER_S2
+        );
     }
     // up to the prior's
     assert_eq!(variance(0.01, 0.3 * 0.3 - 1e-9), 0.3 * 0.3);
@@ -164,7 +173,7 @@ fn a_gap_in_straight_driving_widens_the_bias() {
 fn a_gyro_that_turns_against_the_wheels_fails_until_both_agree_and_slip_alike() {
     let run = |cart: &mut Cart, from_ms: i64, to_ms: i64, rate: f64, is_confirmed| {
         for time_ms in (from_ms..to_ms).step_by(20) {
-            cart.state.reset(YAW, rate, YAW_VARIANCE);
+            cart.state.reset(YAW, rate, YAW_VARIANCE_RAD2_PER_S2);
             let noise = 1e-6 * (time_ms % 140) as f64;
             cart.update(time_ms * MS, rate + noise, is_confirmed)
                 .unwrap();
@@ -195,7 +204,7 @@ fn a_gyro_that_turns_against_the_wheels_fails_until_both_agree_and_slip_alike() 
     // readings beyond the gate clear nothing
     let mut cart = opposite(false).0;
     for step in 0..200_i64 {
-        cart.state.reset(YAW, 5.0, YAW_VARIANCE);
+        cart.state.reset(YAW, 5.0, YAW_VARIANCE_RAD2_PER_S2);
         cart.update(
             (6_000 + 20 * step) * MS,
             0.3 + 1e-6 * (step % 7) as f64,

@@ -115,7 +115,7 @@ fn health_names_the_first_thing_that_is_wrong() {
 
 #[test]
 fn an_estimate_holds_the_state_along_the_wheel_and_its_doubts() {
-    const SLIP: f64 = -0.25;
+    const BRAKING_SLIP: f64 = -0.25;
     let mut core = core();
     let input = Input::new(2, &core.settings);
     let row = core.wheels.channels[POWERED].row;
@@ -123,7 +123,7 @@ fn an_estimate_holds_the_state_along_the_wheel_and_its_doubts() {
     for ((i, mean), sigma) in [FORWARD, LEFT, YAW].into_iter().zip(speeds).zip(sigmas) {
         core.state.reset(i, mean, sigma * sigma);
     }
-    core.state.reset(COMMON_SLIP, SLIP, 0.0025);
+    core.state.reset(COMMON_SLIP, BRAKING_SLIP, 0.0025);
     core.state.reset(own_slip(POWERED), 0.04, 0.0016);
     let estimate = core.wheel_estimate(POWERED, NOW_NS, &input);
     let forward = estimate.forward_speed.unwrap();
@@ -132,7 +132,7 @@ fn an_estimate_holds_the_state_along_the_wheel_and_its_doubts() {
     assert!(near(forward.variance, variance), "{forward:?}");
     // by one powered wheel alone the robot turns as much as its own slip lets it
     let sigma = f64::sqrt(0.0025 + 0.0016);
-    assert!(near(estimate.slip.unwrap().value(), SLIP + 0.04));
+    assert!(near(estimate.slip.unwrap().value(), BRAKING_SLIP + 0.04));
     assert!(near(estimate.sigma.unwrap(), f64::hypot(sigma, 0.04)));
     assert_eq!(
         (estimate.motion, estimate.health),
@@ -234,7 +234,7 @@ fn a_silent_wheel_has_no_estimate_and_the_last_good_one_is_dated() {
 /// β = atan2(across, along), its variance by its numerical slopes.
 #[test]
 fn a_side_slip_angle_is_known_to_half_a_radian_above_the_low_speed() {
-    const STEP: f64 = 1e-6;
+    const STEP_M_PER_S: f64 = 1e-6;
     let speeds = [0.6, 0.2, 0.3];
     let mut core = core();
     core.wheels.channels[POWERED].steer(0.3);
@@ -251,8 +251,8 @@ fn a_side_slip_angle_is_known_to_half_a_radian_above_the_low_speed() {
         let sigma = 0.01 * (k as f64 + 2.0);
         core.state.reset(i, speeds[k], sigma * sigma);
         let [mut less, mut more] = [speeds; 2];
-        (less[k], more[k]) = (less[k] - STEP, more[k] + STEP);
-        let slope = (angle(more) - angle(less)) / (2.0 * STEP);
+        (less[k], more[k]) = (less[k] - STEP_M_PER_S, more[k] + STEP_M_PER_S);
+        let slope = (angle(more) - angle(less)) / (2.0 * STEP_M_PER_S);
         variance += slope * slope * sigma * sigma;
     }
     let is = core.side_slip_angle(POWERED).unwrap();

@@ -1,6 +1,7 @@
 use super::*;
 
-const COUNT: usize = 5;
+/// More states than a measurement depends on.
+const STATE_COUNT: usize = 5;
 
 /// A matrix, row after row.
 pub(in crate::filter) type Dense = Vec<Vec<f64>>;
@@ -63,12 +64,12 @@ pub(in crate::filter) fn assert_near(state: &Kalman, expected: &Dense, what: &st
 #[test]
 fn a_propagation_is_that_by_its_matrix() {
     const COEFFICIENT: f64 = -0.37;
-    for (i, j) in (0..COUNT).flat_map(|i| (0..COUNT).map(move |j| (i, j))) {
+    for (i, j) in (0..STATE_COUNT).flat_map(|i| (0..STATE_COUNT).map(move |j| (i, j))) {
         if i == j {
             continue;
         }
-        let mut state = filled(COUNT);
-        let mut matrix = identity(COUNT);
+        let mut state = filled(STATE_COUNT);
+        let mut matrix = identity(STATE_COUNT);
         matrix[i][j] = COEFFICIENT;
         let expected = sandwich(&matrix, &dense(&state));
         state.propagate(i, j, COEFFICIENT);
@@ -76,26 +77,29 @@ fn a_propagation_is_that_by_its_matrix() {
     }
 }
 
-/// Joseph's form with a gain of 0 for considered numbers: (I − K h) P (I − K h)ᵀ + K R Kᵀ.
+/// Joseph's form with a gain of 0 for considered numbers: (CHANGED_STATE − K h) P (CHANGED_STATE − K h)ᵀ + K R Kᵀ.
 #[test]
 fn an_update_is_that_of_joseph_and_considers_without_estimating() {
-    const VARIANCE: f64 = 0.7;
+    const NOISE_VARIANCE: f64 = 0.7;
     const RESIDUAL: f64 = 0.9;
     let jacobian = [(3, 0.8), (0, -1.3), (4, 0.0), (2, 0.45)];
-    assert_eq!(filled(COUNT).covariance.len(), COUNT * (COUNT + 1) / 2);
+    assert_eq!(
+        filled(STATE_COUNT).covariance.len(),
+        STATE_COUNT * (STATE_COUNT + 1) / 2
+    );
     for considered in [None, Some(0), Some(1), Some(3)] {
-        let mut state = filled(COUNT);
+        let mut state = filled(STATE_COUNT);
         if let Some(i) = considered {
             state.set_considered(i, true);
         }
         let before = dense(&state);
-        let mut h = [0.0; COUNT];
+        let mut h = [0.0; STATE_COUNT];
         for (i, coefficient) in jacobian {
             h[i] = coefficient;
         }
-        let spread = |i: usize| -> f64 { (0..COUNT).map(|j| before[i][j] * h[j]).sum() };
-        let known: f64 = (0..COUNT).map(|i| h[i] * spread(i)).sum();
-        let total = known + VARIANCE;
+        let spread = |i: usize| -> f64 { (0..STATE_COUNT).map(|j| before[i][j] * h[j]).sum() };
+        let known: f64 = (0..STATE_COUNT).map(|i| h[i] * spread(i)).sum();
+        let total = known + NOISE_VARIANCE;
         let gain = |i: usize| {
             if considered == Some(i) {
                 0.0
@@ -103,25 +107,25 @@ fn an_update_is_that_of_joseph_and_considers_without_estimating() {
                 spread(i) / total
             }
         };
-        let mut matrix = identity(COUNT);
+        let mut matrix = identity(STATE_COUNT);
         for (i, row) in matrix.iter_mut().enumerate() {
             for (slot, coefficient) in row.iter_mut().zip(h) {
                 *slot -= gain(i) * coefficient;
             }
         }
         let mut expected = sandwich(&matrix, &before);
-        let means: Vec<_> = (0..COUNT)
+        let means: Vec<_> = (0..STATE_COUNT)
             .map(|i| state.mean(i) + gain(i) * RESIDUAL)
             .collect();
         for (i, row) in expected.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
-                *entry += gain(i) * gain(j) * VARIANCE;
+                *entry += gain(i) * gain(j) * NOISE_VARIANCE;
             }
         }
         let measured = ScalarMeasurement {
             jacobian: &jacobian,
             residual: RESIDUAL,
-            variance: VARIANCE,
+            variance: NOISE_VARIANCE,
         };
         let near = |value: f64, expected: f64| (value - expected).abs() < 1e-12;
         assert!(near(state.variance_of(&jacobian), known));
@@ -130,40 +134,50 @@ fn an_update_is_that_of_joseph_and_considers_without_estimating() {
         let nis = state.update(&measured);
         assert!(near(nis, RESIDUAL * RESIDUAL / total));
         assert_near(&state, &expected, &format!("{considered:?}"));
-        assert!((0..COUNT).all(|i| near(state.mean(i), means[i])));
+        assert!((0..STATE_COUNT).all(|i| near(state.mean(i), means[i])));
     }
 }
 
 #[test]
 fn one_number_is_reset_decays_or_becomes_less_certain() {
-    const I: usize = 2;
-    let start = filled(COUNT);
+    const CHANGED_STATE: usize = 2;
+    let start = filled(STATE_COUNT);
     let before = dense(&start);
-    let variance = before[I][I];
+    let variance = before[CHANGED_STATE][CHANGED_STATE];
     let mut state = start.clone();
-    state.decay(I, 0.5, 0.7);
-    let mut matrix = identity(COUNT);
-    matrix[I][I] = 0.7;
+    state.decay(CHANGED_STATE, 0.5, 0.7);
+    let mut matrix = identity(STATE_COUNT);
+    matrix[CHANGED_STATE][CHANGED_STATE] = 0.7;
     assert_near(&state, &sandwich(&matrix, &before), "decay");
-    assert!((state.mean(I) - (0.5 + 0.7 * (start.mean(I) - 0.5))).abs() < 1e-15);
+    assert!(
+        (state.mean(CHANGED_STATE) - (0.5 + 0.7 * (start.mean(CHANGED_STATE) - 0.5))).abs() < 1e-15
+    );
     let mut state = start.clone();
-    state.reset(I, 0.8, 0.6);
-    matrix[I][I] = 0.0;
+    state.reset(CHANGED_STATE, 0.8, 0.6);
+    matrix[CHANGED_STATE][CHANGED_STATE] = 0.0;
     let mut expected = sandwich(&matrix, &before);
-    expected[I][I] = 0.6;
+    expected[CHANGED_STATE][CHANGED_STATE] = 0.6;
     assert_near(&state, &expected, "reset");
-    assert_eq!((state.mean(I), state.sigma(I)), (0.8, f64::sqrt(0.6)));
+    assert_eq!(
+        (state.mean(CHANGED_STATE), state.sigma(CHANGED_STATE)),
+        (0.8, f64::sqrt(0.6))
+    );
     // the mean of 0.4 x₂ − 0.3 x₁
     let mean = 0.4 * 0.8 - 0.3 * start.mean(1);
-    assert!((state.mean_of(&[(I, 0.4), (1, -0.3)]) - mean).abs() < 1e-15);
-    state.clamp_mean(I, -0.2, 0.3);
-    assert_eq!(state.mean(I), 0.3);
+    assert!((state.mean_of(&[(CHANGED_STATE, 0.4), (1, -0.3)]) - mean).abs() < 1e-15);
+    state.clamp_mean(CHANGED_STATE, -0.2, 0.3);
+    assert_eq!(state.mean(CHANGED_STATE), 0.3);
     let change = |change: fn(&mut Kalman, f64), value: f64| {
         let mut state = start.clone();
         change(&mut state, value);
-        state.covariance(I, I)
+        state.covariance(CHANGED_STATE, CHANGED_STATE)
     };
-    let inflated = |limit| change(|state, limit| state.inflate(I, 0.25, limit), limit);
+    let inflated = |limit| {
+        change(
+            |state, limit| state.inflate(CHANGED_STATE, 0.25, limit),
+            limit,
+        )
+    };
     assert_eq!(inflated(variance + 9.0), variance + 0.25);
     assert_eq!(inflated(variance + 0.1), variance + 0.1);
     assert_eq!(inflated(variance - 0.1), variance);
@@ -172,11 +186,17 @@ fn one_number_is_reset_decays_or_becomes_less_certain() {
         (variance - 0.2, variance, variance - 0.2),
     ] {
         assert_eq!(
-            change(|state, least| state.raise_variance(I, least), other),
+            change(
+                |state, least| state.raise_variance(CHANGED_STATE, least),
+                other
+            ),
             raised
         );
         assert_eq!(
-            change(|state, limit| state.limit_variance(I, limit), other),
+            change(
+                |state, limit| state.limit_variance(CHANGED_STATE, limit),
+                other
+            ),
             limited
         );
     }

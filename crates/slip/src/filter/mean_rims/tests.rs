@@ -8,7 +8,8 @@ use crate::sample::Measurement;
 const MS: i64 = 1_000_000;
 const NOW_NS: i64 = 3_000 * MS;
 const DT_S: f64 = 0.01;
-const VARIANCE: f64 = 1e-4;
+/// Of each rim over its window.
+const RIM_VARIANCE_M2_PER_S2: f64 = 1e-4;
 const WINDOW_S: f64 = 0.04;
 
 /// Wheels that stand at a place and turn at a rim speed: x and y, m, heading, rad, and m/s. The last one was read `silent_ns` ago.
@@ -32,7 +33,7 @@ fn bank<const N: usize>(wheels: [([f64; 3], f64); N], silent_ns: i64) -> WheelBa
             .unwrap();
         let rim = Measured {
             value: rim,
-            variance: VARIANCE,
+            variance: RIM_VARIANCE_M2_PER_S2,
         };
         // windows that ended one after the other
         channel.rim = Some((rim, NOW_NS - 2 * MS * i64::try_from(wheel).unwrap()));
@@ -74,15 +75,15 @@ fn assert_near(rims: Option<Rims>, expected: [f64; 7]) {
 /// Three wheels ahead at heading 0.3: arms x sin − y cos of the turn, which is taken off each rim and way.
 #[test]
 fn parallel_rims_have_the_mean_of_those_near_their_median() {
-    const HEADING: f64 = 0.3;
+    const HEADING_RAD: f64 = 0.3;
     let places = [[0.5, 0.4], [0.1, -0.4], [-0.5, 0.3]];
-    let arm = |[x, y]: [f64; 2]| x * f64::sin(HEADING) - y * f64::cos(HEADING);
+    let arm = |[x, y]: [f64; 2]| x * f64::sin(HEADING_RAD) - y * f64::cos(HEADING_RAD);
     // a turn of the robot of 0.08 rad/s is one of 0.1 rad/s by rims that slip by 0.2
     let turn = 0.08 / 0.8;
     let levels = [0.5, 0.52, 0.61];
     let wheels: [_; 3] = core::array::from_fn(|i| {
         let [x, y] = places[i];
-        ([x, y, HEADING], levels[i] + turn * arm(places[i]))
+        ([x, y, HEADING_RAD], levels[i] + turn * arm(places[i]))
     });
     let ways: [f64; 3] =
         core::array::from_fn(|i| 0.004 + 0.001 * i as f64 + turn * DT_S * arm(places[i]));
@@ -90,11 +91,11 @@ fn parallel_rims_have_the_mean_of_those_near_their_median() {
     let rims = mean_rims(&step(&ways, 0.08, 0.8), &bank(wheels, 0), gained);
     // all three are within 20 % of 0.52 m/s; windows end 2 ms apart
     let gains = places.map(|place| 0.03 * arm(place).signum() + 0.1);
-    let variance = VARIANCE / 3.0 + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
+    let variance = RIM_VARIANCE_M2_PER_S2 / 3.0 + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
     let mean = |values: [f64; 3]| values.iter().sum::<f64>() / 3.0;
     let expected = [
         0.005,
-        HEADING,
+        HEADING_RAD,
         mean(levels),
         variance,
         0.022,
@@ -106,12 +107,18 @@ fn parallel_rims_have_the_mean_of_those_near_their_median() {
     let mut off = wheels;
     off[2].1 += 0.52 * 1.21 - levels[2];
     let rims = mean_rims(&step(&ways, 0.08, 0.8), &bank(off, 0), gained);
-    let variance = VARIANCE / 2.0 + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
+    let variance = RIM_VARIANCE_M2_PER_S2 / 2.0 + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
     let gain = 0.5 * (gains[0] + gains[1]);
-    assert_near(rims, [0.0045, HEADING, 0.51, variance, 0.021, gain, 1.0]);
+    assert_near(
+        rims,
+        [0.0045, HEADING_RAD, 0.51, variance, 0.021, gain, 1.0],
+    );
     // beside one that is silent beyond the dropout time two are no majority: both count
     let rims = mean_rims(&step(&ways, 0.08, 0.8), &bank(wheels, 500 * MS), gained);
-    assert_near(rims, [0.0045, HEADING, 0.51, variance, 0.021, gain, 1.0]);
+    assert_near(
+        rims,
+        [0.0045, HEADING_RAD, 0.51, variance, 0.021, gain, 1.0],
+    );
     // a robot that hardly moves beside its rims turns them by ten times its turn at most
     let rims = mean_rims(&step(&ways, 0.0, 0.01), &bank(wheels, 0), gained).unwrap();
     let slowly = mean_rims(&step(&ways, 0.01, 0.01), &bank(wheels, 0), gained).unwrap();
@@ -165,7 +172,7 @@ fn rims_that_are_not_parallel_show_the_direction() {
         Some(0.2)
     });
     let speed = f64::hypot(velocity[0], velocity[1]);
-    let variance = VARIANCE / 4.0 + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
+    let variance = RIM_VARIANCE_M2_PER_S2 / 4.0 + RIM_CREEP_M_PER_S * RIM_CREEP_M_PER_S;
     let direction = f64::atan2(velocity[1], velocity[0]);
     let expected = [speed * DT_S, direction, speed, variance, 0.023, 0.2, 1.0];
     assert_near(rims, expected);
@@ -182,37 +189,37 @@ fn rims_that_are_not_parallel_show_the_direction() {
 /// Wheels of one heading that are steered to either side: one that slips turns the direction by little.
 #[test]
 fn steered_wheels_do_not_move_across_themselves() {
-    const ANGLE: f64 = 0.3;
-    const HEADING: f64 = 1.0;
-    let (sin, cos) = f64::sin_cos(HEADING);
-    let turn = 0.4 * f64::sin(ANGLE) / 0.5;
+    const STEERING_RAD: f64 = 0.3;
+    const HEADING_RAD: f64 = 1.0;
+    let (sin, cos) = f64::sin_cos(HEADING_RAD);
+    let turn = 0.4 * f64::sin(STEERING_RAD) / 0.5;
     for rear in [0.4, 0.5] {
         let wheels = [
-            ([0.5 * cos, 0.5 * sin, HEADING], 0.4),
-            ([-0.5 * cos, -0.5 * sin, HEADING], rear),
+            ([0.5 * cos, 0.5 * sin, HEADING_RAD], 0.4),
+            ([-0.5 * cos, -0.5 * sin, HEADING_RAD], rear),
         ];
         let mut bank = bank(wheels, 0);
-        bank.steer(0, ANGLE).unwrap();
-        bank.steer(1, -ANGLE).unwrap();
+        bank.steer(0, STEERING_RAD).unwrap();
+        bank.steer(1, -STEERING_RAD).unwrap();
         // both roll on an arc about a point to the left; the middle moves ahead at v cos
         let rims = mean_rims(&step(&[0.004; 2], turn, 1.0), &bank, |_| None).unwrap();
         assert!(
-            (rims.direction - HEADING).abs() < 0.01,
+            (rims.direction - HEADING_RAD).abs() < 0.01,
             "{}",
             rims.direction
         );
-        let speed = 0.4 * f64::cos(ANGLE);
+        let speed = 0.4 * f64::cos(STEERING_RAD);
         assert!((rims.way - speed * DT_S).abs() < 1e-4 * speed);
         assert!(rear > 0.4 || (rims.speed - speed).abs() < 1e-4);
     }
     // one way or the other way round is one way
     for (other, is_one_way) in [
-        (HEADING, true),
-        (HEADING + core::f64::consts::PI, true),
-        (HEADING + 0.03, false),
-        (HEADING - 0.03, false),
+        (HEADING_RAD, true),
+        (HEADING_RAD + core::f64::consts::PI, true),
+        (HEADING_RAD + 0.03, false),
+        (HEADING_RAD - 0.03, false),
     ] {
-        let wheels = [([0.5, 0.0, HEADING], 0.4), ([-0.5, 0.0, other], 0.4)];
+        let wheels = [([0.5, 0.0, HEADING_RAD], 0.4), ([-0.5, 0.0, other], 0.4)];
         assert_eq!(roll_one_way(&bank(wheels, 0)), is_one_way, "{other}");
     }
 }

@@ -3,7 +3,8 @@ use crate::filter::kalman::tests::{assert_near, dense, filled, identity, sandwic
 
 const DT_S: f64 = 0.13;
 const WHEELS: usize = 2;
-const DENSITY: f64 = 0.21;
+/// Process noise density of the speeds.
+const DENSITY_M_PER_S_SQRT_S: f64 = 0.21;
 
 fn settings() -> FilterSettings {
     FilterSettings {
@@ -45,7 +46,7 @@ fn numbers_have_their_places() {
 /// The covariance by the matrix of the linearised motion, F P Fᵀ + Q.
 #[test]
 fn a_prediction_is_that_of_the_linearised_motion() {
-    const FORCE: [f64; 2] = [0.8, -1.1];
+    const FORCE_M_PER_S2: [f64; 2] = [0.8, -1.1];
     for has_force in [false, true] {
         let mut state = filled(size(WHEELS));
         let mean = |state: &Kalman, i| state.mean(i);
@@ -72,15 +73,15 @@ fn a_prediction_is_that_of_the_linearised_motion() {
         if has_force {
             (matrix[FORWARD][FORWARD_BIAS], matrix[LEFT][LEFT_BIAS]) = (-DT_S, -DT_S);
             gained = [
-                (FORCE[0] - state.mean(FORWARD_BIAS) + yaw * v_y) * DT_S,
-                (FORCE[1] - state.mean(LEFT_BIAS) - yaw * v_x) * DT_S,
+                (FORCE_M_PER_S2[0] - state.mean(FORWARD_BIAS) + yaw * v_y) * DT_S,
+                (FORCE_M_PER_S2[1] - state.mean(LEFT_BIAS) - yaw * v_x) * DT_S,
             ];
         }
         let settings = settings();
         let mut expected = sandwich(&matrix, &dense(&state));
         for (i, density) in [
-            (FORWARD, DENSITY),
-            (LEFT, DENSITY),
+            (FORWARD, DENSITY_M_PER_S_SQRT_S),
+            (LEFT, DENSITY_M_PER_S_SQRT_S),
             (YAW, settings.yaw_walk),
             (GYRO_BIAS, settings.gyro_drift),
             (FORWARD_BIAS, settings.accelerometer_drift),
@@ -99,9 +100,9 @@ fn a_prediction_is_that_of_the_linearised_motion() {
         ];
         let force = has_force.then_some(SpecificForce {
             time_ns: 0,
-            force: FORCE,
+            force: FORCE_M_PER_S2,
         });
-        let is = predict(&mut state, &settings, DT_S, force, DENSITY);
+        let is = predict(&mut state, &settings, DT_S, force, DENSITY_M_PER_S_SQRT_S);
         assert!((0..2).all(|i| (is[i] - gained[i]).abs() < 1e-14));
         assert_near(&state, &expected, "motion");
         for (i, mean) in means {

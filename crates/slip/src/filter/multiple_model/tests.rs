@@ -2,7 +2,7 @@ use super::model::tests::{assert_near, correlated, mixture};
 use super::*;
 
 const ROUNDING: f64 = 1e-9;
-const PLACE: [f64; 2] = [1.5, -2.5];
+const PLACE_M: [f64; 2] = [1.5, -2.5];
 const SLIP_PRIOR: [f64; 2] = [0.15, 0.2];
 
 /// A change of all groups, and the same of one model.
@@ -41,11 +41,11 @@ fn wheels(by_gyro: bool, acceleration: Option<(f64, f64)>) -> WheelStep {
 fn under_way(acceleration: Option<(f64, f64)>) -> MultipleModel {
     let mut models = MultipleModel::new(SLIP_PRIOR);
     models.advance(&wheels(true, acceleration));
-    models.start(PLACE, 0.5, 0.3, 0.1);
+    models.start(PLACE_M, 0.5, 0.3, 0.1);
     for i in 0..3 {
         models.advance(&wheels(true, acceleration));
         let ahead = 0.05 * f64::from(i) + 0.01 * f64::from(i * i);
-        let place = [PLACE[0] + ahead, PLACE[1] + 0.5 * ahead];
+        let place = [PLACE_M[0] + ahead, PLACE_M[1] + 0.5 * ahead];
         models.update_position(place, ([0.0; 4], 0.0), (Errors::Independent, 0.05, 0.0));
     }
     models
@@ -95,10 +95,10 @@ fn a_start_begins_each_model_at_the_place() {
     models.set_slip_prior(SLIP_PRIOR);
     models.advance(&wheels(true, None));
     assert!(!models.has_started() && models.motion().is_none());
-    models.start(PLACE, 0.5, 0.3, 0.1);
+    models.start(PLACE_M, 0.5, 0.3, 0.1);
     assert!(models.has_started());
     let mut expected = Model::new(0.0, 0.0);
-    expected.start(PLACE, 0.5, [0.3, 0.1, 0.05], 0.6, SLIP_PRIOR);
+    expected.start(PLACE_M, 0.5, [0.3, 0.1, 0.05], 0.6, SLIP_PRIOR);
     for group in &models.groups {
         for (model, _) in group.models() {
             assert_near(model, expected.mean, &expected.covariance);
@@ -202,7 +202,7 @@ fn a_position_is_weighed_by_each_group_at_its_time() {
         start.rim.speed = rim;
         start.noise = PositionNoise::new();
         let is_inertial = start.was_inertial;
-        let place = [PLACE[0] + 0.2, PLACE[1] - 0.1];
+        let place = [PLACE_M[0] + 0.2, PLACE_M[1] - 0.1];
         let (sin, cos) = f64::sin_cos(start.mean[HEADING] - 0.06 + 0.3);
         let course = Course {
             sin,
@@ -295,8 +295,8 @@ fn the_noise_of_positions_is_that_about_the_way() {
     let mut inflated = start.clone();
     inflated.inflate(|model| model.inflate_position(0.04));
     let readings = ([0.0; 4], 0.0);
-    found.update_position(PLACE, readings, (Errors::Summed, 0.2, 0.0));
-    inflated.update_position(PLACE, readings, (Errors::Independent, 0.06, 0.0));
+    found.update_position(PLACE_M, readings, (Errors::Summed, 0.2, 0.0));
+    inflated.update_position(PLACE_M, readings, (Errors::Independent, 0.06, 0.0));
     assert_same(&found.groups, &inflated.groups);
 }
 

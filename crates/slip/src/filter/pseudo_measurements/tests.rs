@@ -4,7 +4,7 @@ use crate::filter::motion_model::{LEFT, YAW};
 use crate::filter::recovery::tests::{MS, NOW_NS, core, failed, near, rolling};
 
 /// Pseudo-measurements 0.02 s apart whose errors last 0.5 s.
-const WEIGHT: f64 = 5.0;
+const SIGMA_FACTOR: f64 = 5.0;
 const YAW_ROW: [f64; 3] = [0.0, 0.0, 1.0];
 const LEFT_ROW: [f64; 3] = [0.0, 1.0, 0.0];
 
@@ -54,7 +54,7 @@ fn a_robot_does_not_drift_but_down_a_slope() {
         let mut expected = core.state.clone();
         // twice the slope times the rims' slip speed, which lasts for 10 s, beside 0.01 m/s
         let downhill = 2.0 * cross_slope * (0.55 - 0.4) * f64::sqrt(10.0 / 0.02);
-        let sigma = f64::hypot(downhill, WEIGHT * 0.01);
+        let sigma = f64::hypot(downhill, SIGMA_FACTOR * 0.01);
         motion_model::hold(&mut expected, LEFT_ROW, 0.0, sigma);
         core.apply_pseudo_measurements(NOW_NS);
         assert_same(&core.state, &expected);
@@ -71,10 +71,15 @@ fn a_robot_does_not_drift_but_down_a_slope() {
 fn without_a_gyro_the_wheels_show_the_turn() {
     let mut core = moving(rolling(&[0.4, 0.75, 0.3]));
     let mut expected = core.state.clone();
-    motion_model::hold(&mut expected, LEFT_ROW, 0.0, WEIGHT * 0.01);
+    motion_model::hold(&mut expected, LEFT_ROW, 0.0, SIGMA_FACTOR * 0.01);
     // the right one is 0.35 m/s faster, 0.7 m apart
     let turn = 0.5;
-    motion_model::hold(&mut expected, YAW_ROW, turn, WEIGHT * (0.3 * turn + 0.05));
+    motion_model::hold(
+        &mut expected,
+        YAW_ROW,
+        turn,
+        SIGMA_FACTOR * (0.3 * turn + 0.05),
+    );
     core.apply_pseudo_measurements(NOW_NS);
     assert_same(&core.state, &expected);
 }
@@ -100,9 +105,9 @@ fn wheels_that_stand_hold_the_robot() {
             }
             let row = free.row;
             let mut expected = core.state.clone();
-            motion_model::hold(&mut expected, LEFT_ROW, 0.0, WEIGHT * 0.01);
+            motion_model::hold(&mut expected, LEFT_ROW, 0.0, SIGMA_FACTOR * 0.01);
             if holds {
-                motion_model::hold(&mut expected, row, 0.0, WEIGHT * sigma);
+                motion_model::hold(&mut expected, row, 0.0, SIGMA_FACTOR * sigma);
             }
             core.apply_pseudo_measurements(NOW_NS);
             assert_same(&core.state, &expected);
@@ -127,7 +132,7 @@ fn wheels_that_stand_hold_the_robot() {
             core.accelerometer.noise_scale = 3.0;
             let mut expected = core.state.clone();
             let mut learnt = core.accelerometer;
-            motion_model::hold(&mut expected, LEFT_ROW, 0.0, WEIGHT * 0.01);
+            motion_model::hold(&mut expected, LEFT_ROW, 0.0, SIGMA_FACTOR * 0.01);
             if stands {
                 let variance = expected.covariance(FORWARD, FORWARD) + sigma * sigma;
                 learnt.learn_noise(expected.mean(FORWARD), variance);
@@ -137,7 +142,7 @@ fn wheels_that_stand_hold_the_robot() {
                     (YAW_ROW, 0.002),
                 ];
                 for (row, sigma) in rows {
-                    motion_model::hold(&mut expected, row, 0.0, WEIGHT * sigma);
+                    motion_model::hold(&mut expected, row, 0.0, SIGMA_FACTOR * sigma);
                 }
             }
             core.apply_pseudo_measurements(NOW_NS);
@@ -152,7 +157,7 @@ fn wheels_that_stand_hold_the_robot() {
     // no wheel that was never read stands
     let mut unread = moving(core(true));
     let mut expected = unread.state.clone();
-    motion_model::hold(&mut expected, LEFT_ROW, 0.0, WEIGHT * 0.01);
+    motion_model::hold(&mut expected, LEFT_ROW, 0.0, SIGMA_FACTOR * 0.01);
     unread.apply_pseudo_measurements(NOW_NS);
     assert_same(&unread.state, &expected);
 }

@@ -2,7 +2,8 @@ use super::*;
 use crate::filter::motion_model::{LEFT, YAW};
 use crate::filter::recovery::tests::{MS, NOW_NS, core, failed, failed_until, near, roll, rolling};
 
-const GATE: f64 = 4.5;
+/// No default.
+const GATE_SIGMAS: f64 = 4.5;
 
 type Change = fn(&mut Core);
 
@@ -74,8 +75,8 @@ fn a_past_motion_is_compared_with_the_state_less_what_was_gained_since() {
 }
 
 #[test]
-fn the_speed_changes_as_the_rims_do_or_the_accelerometer_says() {
-    const PACE: f64 = 0.06;
+fn the_speed_changes_as_the_rims_do_or_by_the_accelerometer() {
+    const PACE_M_PER_S_SQRT_S: f64 = 0.06;
     let walk = 0.1;
     let unaided = 10.0 * walk;
     // both rims gain the same within windows of 0.1 s
@@ -88,17 +89,23 @@ fn the_speed_changes_as_the_rims_do_or_the_accelerometer_says() {
         core.speed_known_ns = Some(NOW_NS - 500 * MS);
         core
     };
-    let mut core = pacing(true, PACE);
-    near(core.process_noise_density(), f64::hypot(walk, PACE));
+    let mut core = pacing(true, PACE_M_PER_S_SQRT_S);
+    near(
+        core.process_noise_density(),
+        f64::hypot(walk, PACE_M_PER_S_SQRT_S),
+    );
     core.accelerometer.update(NOW_NS, [0.1, 0.0]).unwrap();
     core.accelerometer.noise_scale = 4.0;
     near(
         core.process_noise_density(),
-        f64::hypot(0.03 * 2.0, 0.25 * PACE),
+        f64::hypot(0.03 * 2.0, 0.25 * PACE_M_PER_S_SQRT_S),
     );
     // that is worse than none
     core.accelerometer.noise_scale = 40.0;
-    near(core.process_noise_density(), f64::hypot(walk, PACE));
+    near(
+        core.process_noise_density(),
+        f64::hypot(walk, PACE_M_PER_S_SQRT_S),
+    );
     core.accelerometer = super::super::accelerometer::Accelerometer::default();
     core.speed_known_ns = Some(NOW_NS - 501 * MS);
     near(core.process_noise_density(), unaided);
@@ -106,7 +113,10 @@ fn the_speed_changes_as_the_rims_do_or_the_accelerometer_says() {
     near(core.process_noise_density(), unaided);
     near(pacing(true, 5.0).process_noise_density(), unaided);
     // where the motion over the ground is measured, the rims lead
-    near(pacing(false, PACE).process_noise_density(), walk);
+    near(
+        pacing(false, PACE_M_PER_S_SQRT_S).process_noise_density(),
+        walk,
+    );
 }
 
 #[test]
@@ -182,9 +192,9 @@ fn readings_beyond_the_gate_are_refused() {
     };
     for (off, mean, is_refused) in [
         ([0.0, 0.0], 0.0, false),
-        ([0.99 * GATE, -0.99 * GATE], 0.0, false),
-        ([-1.01 * GATE, 0.0], 0.0, true),
-        ([0.0, -1.01 * GATE], 0.0, true),
+        ([0.99 * GATE_SIGMAS, -0.99 * GATE_SIGMAS], 0.0, false),
+        ([-1.01 * GATE_SIGMAS, 0.0], 0.0, true),
+        ([0.0, -1.01 * GATE_SIGMAS], 0.0, true),
         // a mean over many that is off by more than 2 sigma, of which one counts 0.3 and is limited to 4 sigma
         ([0.0, 0.0], 2.8, false),
         ([0.0, 0.0], -2.9, true),

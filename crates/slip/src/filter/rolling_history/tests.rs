@@ -83,14 +83,14 @@ fn a_speed_is_remembered_for_up_to_twice_its_time() {
 
 #[test]
 fn a_jump_is_over_where_the_wheel_is_as_fast_as_before() {
-    const SKID: (f64, f64) = (0.25, 0.04);
+    const SKID_AND_SIGMA: (f64, f64) = (0.25, 0.04);
     let jumped = || {
         let mut history = RollingHistory {
             jumped_ns: Some(7),
             ..RollingHistory::default()
         };
         history.turns(known(0, 0.5, 0.125));
-        history.jumps(&window(100, 2.0, -0.5, true), SKID);
+        history.jumps(&window(100, 2.0, -0.5, true), SKID_AND_SIGMA);
         history
     };
     // 0.5 m/s, and 0.25 m/s gained since: by a rim of a quarter more, within half of the jump
@@ -112,7 +112,11 @@ fn a_jump_is_over_where_the_wheel_is_as_fast_as_before() {
             assert_eq!(found, None);
             found = history.returns(&window(ms, rim, 0.0, false), gained);
         }
-        assert_eq!(found, is_over.then_some(SKID), "{rims:?} {ends_ms}");
+        assert_eq!(
+            found,
+            is_over.then_some(SKID_AND_SIGMA),
+            "{rims:?} {ends_ms}"
+        );
         assert_eq!(history.jumped_ns, (!is_over).then_some(7));
         assert_eq!(history.jump.is_none(), is_over);
     }

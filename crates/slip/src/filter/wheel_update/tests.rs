@@ -8,7 +8,8 @@ use crate::robot::Wheel;
 mod gates;
 
 const WINDOW_S: f64 = 0.1;
-const RIM_VARIANCE: f64 = 4e-4;
+/// Of a rim over its window.
+const RIM_VARIANCE_M2_PER_S2: f64 = 4e-4;
 
 type Change = fn(&mut Core);
 
@@ -50,7 +51,7 @@ fn span(rim: f64) -> Span {
     Span {
         rim: Measured {
             value: rim,
-            variance: RIM_VARIANCE,
+            variance: RIM_VARIANCE_M2_PER_S2,
         },
         from_ns: NOW_NS - 100 * MS,
         to_ns: NOW_NS,
@@ -154,7 +155,7 @@ impl Window {
                 - self.forward
                 - slip * faster
                 - state.mean(remainder(self.wheel, !self.odd)) / WINDOW_S,
-            variance: (RIM_VARIANCE - counted).max(0.0) + changed + of_slip + 5e-4 * 5e-4,
+            variance: (RIM_VARIANCE_M2_PER_S2 - counted).max(0.0) + changed + of_slip + 5e-4 * 5e-4,
         });
         for i in &self.considered {
             state.set_considered(*i, false);

@@ -1,4 +1,6 @@
-use super::super::tests::{DIRECTION, HEADING, MS, NOW_NS, PLACE, near, settings, started};
+use super::super::tests::{
+    DIRECTION_RAD, HEADING_RAD, MS, NOW_NS, PLACE_M, near, settings, started,
+};
 use super::*;
 
 /// The standard deviation of a position, m.
@@ -51,13 +53,16 @@ impl Restart {
         let mut ground = started();
         ground.rim_speed = self.rim_speed;
         ground.has_heading = self.has_heading;
-        ground.refused_position = PLACE;
+        ground.refused_position = PLACE_M;
         ground.refused_way = ground.models.totals()[3] - self.rim_way;
         for _ in 0..6 {
             ground.refused.accepts(0.0);
         }
         let (sin, cos) = f64::sin_cos(self.angle);
-        let place = [PLACE[0] + self.course * cos, PLACE[1] + self.course * sin];
+        let place = [
+            PLACE_M[0] + self.course * cos,
+            PLACE_M[1] + self.course * sin,
+        ];
         let settings = FilterSettings {
             position_sigma,
             ..settings()
@@ -88,7 +93,7 @@ impl Restart {
 
 #[test]
 fn models_restart_along_the_course_that_the_robot_drove() {
-    let by_course = DRIVEN.angle - DIRECTION;
+    let by_course = DRIVEN.angle - DIRECTION_RAD;
     let prior = settings().slip.mean;
     // as a course is known no better than a measured heading
     DRIVEN.is(SIGMA_M, [by_course, MEASURED_HEADING_SIGMA_RAD, 0.2, 0.0]);
@@ -120,15 +125,18 @@ fn models_restart_along_the_course_that_the_robot_drove() {
         angle: 0.0,
         ..DRIVEN
     };
-    let along = 1.5 * f64::cos(HEADING + DIRECTION);
-    jump.is(SIGMA_M, [HEADING, MAX_HEADING_SIGMA_RAD, 1.0 - along, 0.0]);
+    let along = 1.5 * f64::cos(HEADING_RAD + DIRECTION_RAD);
+    jump.is(
+        SIGMA_M,
+        [HEADING_RAD, MAX_HEADING_SIGMA_RAD, 1.0 - along, 0.0],
+    );
     // so it is where the course is not known to 0.2 rad, and the slip then is its prior
-    DRIVEN.is(0.12, [HEADING, MAX_HEADING_SIGMA_RAD, prior, 0.0]);
+    DRIVEN.is(0.12, [HEADING_RAD, MAX_HEADING_SIGMA_RAD, prior, 0.0]);
 }
 
 #[test]
 fn a_measured_heading_is_overruled_by_a_long_course_that_contradicts_it() {
-    let by_course = DRIVEN.angle - DIRECTION;
+    let by_course = DRIVEN.angle - DIRECTION_RAD;
     let sigma = core::f64::consts::SQRT_2 * SIGMA_M / DRIVEN.course;
     let with = |yaw: f64| Restart {
         yaw: Some(yaw),
@@ -138,7 +146,7 @@ fn a_measured_heading_is_overruled_by_a_long_course_that_contradicts_it() {
     for sign in [-1.0, 1.0] {
         // within three standard deviations and beyond, also round the circle
         let [near, far] = [2.99, 3.01].map(|sigmas| by_course + sign * sigmas * sigma);
-        let slip = |heading: f64| 1.0 - 0.8 * f64::cos(DRIVEN.angle - heading - DIRECTION);
+        let slip = |heading: f64| 1.0 - 0.8 * f64::cos(DRIVEN.angle - heading - DIRECTION_RAD);
         with(near).is(SIGMA_M, [near, measured, slip(near), 0.0]);
         with(far).is(SIGMA_M, [by_course, measured, 0.2, by_course - far]);
         let round = near + core::f64::consts::TAU;
@@ -152,7 +160,7 @@ fn a_measured_heading_is_overruled_by_a_long_course_that_contradicts_it() {
         yaw: Some(yaw),
         ..DRIVEN
     };
-    let along = 0.3 * f64::cos(DRIVEN.angle - yaw - DIRECTION);
+    let along = 0.3 * f64::cos(DRIVEN.angle - yaw - DIRECTION_RAD);
     // 0.3 m to the rounding of its parts
     for course in [0.29, 0.31] {
         let restart = Restart { course, ..short };

@@ -1,4 +1,6 @@
-use super::super::tests::{DIRECTION, HEADING, MS, NOW_NS, PLACE, near, settings, started};
+use super::super::tests::{
+    DIRECTION_RAD, HEADING_RAD, MS, NOW_NS, PLACE_M, near, settings, started,
+};
 use super::*;
 
 #[test]
@@ -45,7 +47,7 @@ fn positions_that_move_on_beside_standing_rims_are_a_slide() {
         ground.slide
     };
     let (speed, shown_ns) = after(0.01, [0.3, -0.2]).unwrap();
-    let (sin, cos) = f64::sin_cos(HEADING + DIRECTION);
+    let (sin, cos) = f64::sin_cos(HEADING_RAD + DIRECTION_RAD);
     assert!(near(speed, (0.3 * cos - 0.2 * sin) / 0.4) && shown_ns == NOW_NS + 50 * MS);
     assert_eq!(after(0.03, [0.3, -0.2]), None);
     assert_eq!(after(0.01, [least, 0.0]), None);
@@ -53,10 +55,10 @@ fn positions_that_move_on_beside_standing_rims_are_a_slide() {
     // from a place that is not the origin
     let mut ground = started();
     ground.rim_speed = 0.0;
-    ground.refused_position = PLACE;
+    ground.refused_position = PLACE_M;
     ground.refused_ns = NOW_NS - 400 * MS;
     ground.show_slide(
-        [PLACE[0] + 0.3, PLACE[1] - 0.2],
+        [PLACE_M[0] + 0.3, PLACE_M[1] - 0.2],
         (NOW_NS, NOW_NS),
         &settings(),
     );

@@ -1,9 +1,12 @@
-use super::super::tests::{DIRECTION, MS, NOW_NS, RIM, near, settings, started, wheel_step};
+use super::super::tests::{
+    DIRECTION_RAD, MS, NOW_NS, RIM_M_PER_S, near, settings, started, wheel_step,
+};
 use super::*;
 use crate::filter::multiple_model::WheelStep;
 
+/// By how much the rims' windows lag, and the measured speed.
 const LAG_S: f64 = 0.03;
-const SPEED: f64 = 0.36;
+const SPEED_M_PER_S: f64 = 0.36;
 
 /// Rims at 0.5 m/s until 40 ms before the last step, and at 0.6 m/s since.
 fn ground() -> GroundTrack {
@@ -26,7 +29,7 @@ fn motion(ground: &GroundTrack) -> [f64; 3] {
 /// A speed is compared with the rims' mean speed from a lag before its time to a lag after it, along their direction.
 #[test]
 fn a_speed_is_used_beside_the_rims_of_its_time() {
-    let along = SPEED * f64::cos(DIRECTION);
+    let along = SPEED_M_PER_S * f64::cos(DIRECTION_RAD);
     let sigma = settings().speed_sigma;
     // the time of the speed before the last step, ms; the rims' way over the time around it
     for (ago_ms, rim) in [
@@ -45,14 +48,14 @@ fn a_speed_is_used_beside_the_rims_of_its_time() {
         });
         let mut models = ground.models.clone();
         let taken_ns = NOW_NS - ago_ms * MS;
-        let outcome = ground.update_speed((taken_ns, SPEED), NOW_NS + MS, &settings());
+        let outcome = ground.update_speed((taken_ns, SPEED_M_PER_S), NOW_NS + MS, &settings());
         assert_eq!(
             (outcome, ground.accepted_ns),
             (Outcome::Accepted, Some(NOW_NS + MS))
         );
         assert_eq!(
             ground.awaited_speed,
-            rim.is_none().then_some((taken_ns, SPEED))
+            rim.is_none().then_some((taken_ns, SPEED_M_PER_S))
         );
         models.update_speed(along, sigma);
         if let Some(rim) = rim {
@@ -71,7 +74,7 @@ fn a_speed_is_used_beside_the_rims_of_its_time() {
             continue;
         }
         // the next one uses it at once, beside the rims until the last step
-        ground.update_speed((taken_ns + MS, SPEED), NOW_NS, &settings());
+        ground.update_speed((taken_ns + MS, SPEED_M_PER_S), NOW_NS, &settings());
         let rim = (0.5 * 0.019 + 0.6 * 0.04) / 0.059;
         models.update_share(along, rim, sigma);
         models.update_speed(along, sigma);
@@ -84,7 +87,7 @@ fn a_speed_is_used_beside_the_rims_of_its_time() {
             is.iter().zip(expected).all(|(a, b)| near(*a, b)),
             "{is:?} {expected:?}"
         );
-        assert_eq!(ground.awaited_speed, Some((taken_ns + MS, SPEED)));
+        assert_eq!(ground.awaited_speed, Some((taken_ns + MS, SPEED_M_PER_S)));
     }
     // without a history or a lag the rims' present speed
     for has_history in [false, true] {
@@ -95,8 +98,8 @@ fn a_speed_is_used_beside_the_rims_of_its_time() {
             ground.history.clear();
         }
         let mut models = ground.models.clone();
-        ground.update_speed((NOW_NS - 100 * MS, SPEED), NOW_NS, &settings());
-        models.update_share(along, RIM, sigma);
+        ground.update_speed((NOW_NS - 100 * MS, SPEED_M_PER_S), NOW_NS, &settings());
+        models.update_share(along, RIM_M_PER_S, sigma);
         let expected = GroundTrack {
             models,
             ..ground.clone()
@@ -120,7 +123,7 @@ fn the_noise_of_speeds_is_that_beside_the_rims_share() {
             ground.rim_speed = rim;
             let share = ground.models.motion().unwrap().rim_share;
             let off = noise * [1.0, -1.0, 0.3, -0.7, 0.2][usize::try_from(index % 5).unwrap()];
-            let forward = (share * rim + off) / f64::cos(DIRECTION);
+            let forward = (share * rim + off) / f64::cos(DIRECTION_RAD);
             ground.update_speed((NOW_NS - 100 * MS, forward), NOW_NS, &settings());
         }
         ground.speed_noise.sigma(1.0)
@@ -132,14 +135,14 @@ fn the_noise_of_speeds_is_that_beside_the_rims_share() {
 
 #[test]
 fn speeds_that_contradict_the_rims_restart_the_slip_or_are_a_slide() {
-    for rim_speed in [RIM, 0.01] {
+    for rim_speed in [RIM_M_PER_S, 0.01] {
         let mut ground = ground();
         ground.rim_speed = rim_speed;
         ground.speed_noise = crate::filter::multiple_model::reference_noise::ReferenceNoise::new();
         for _ in 0..6 {
             ground.refused_speeds.accepts(0.0);
         }
-        let slow = 0.1 / f64::cos(DIRECTION);
+        let slow = 0.1 / f64::cos(DIRECTION_RAD);
         ground.update_speed((NOW_NS - 100 * MS, slow), NOW_NS, &settings());
         if rim_speed < 0.02 {
             assert_eq!(ground.slide, Some((slow, NOW_NS)));
@@ -156,14 +159,14 @@ fn speeds_that_contradict_the_rims_restart_the_slip_or_are_a_slide() {
     }
     // a speed before any place starts the models at one of their own
     let mut ground = *GroundTrack::boxed(&settings());
-    ground.update_speed((NOW_NS, SPEED), NOW_NS, &settings());
+    ground.update_speed((NOW_NS, SPEED_M_PER_S), NOW_NS, &settings());
     let motion = ground.models.motion().unwrap();
     assert_eq!((motion.place, motion.heading), ([0.0; 2], 0.0));
     assert_eq!(ground.started_ns, Some(NOW_NS));
     // one that has started keeps its place
     let mut ground = started();
     let before = ground.models.motion().unwrap().place;
-    ground.update_speed((NOW_NS, SPEED), NOW_NS + MS, &settings());
+    ground.update_speed((NOW_NS, SPEED_M_PER_S), NOW_NS + MS, &settings());
     assert_eq!(ground.models.motion().unwrap().place, before);
     assert_eq!(ground.started_ns, Some(NOW_NS));
 }

@@ -5,7 +5,11 @@ use super::*;
 /// Uses a pose; returns what became of it.
 fn pose(ground: &mut GroundTrack, place: [f64; 2], taken_ns: i64) -> Outcome {
     let [x, y] = place;
-    let measurement = Measurement::Pose { x, y, yaw: HEADING };
+    let measurement = Measurement::Pose {
+        x,
+        y,
+        yaw: HEADING_RAD,
+    };
     ground.update(taken_ns, &measurement, (taken_ns, true), &settings())
 }
 
@@ -13,12 +17,12 @@ fn pose(ground: &mut GroundTrack, place: [f64; 2], taken_ns: i64) -> Outcome {
 fn a_place_is_used_once_and_not_too_soon_after_the_last() {
     // 0.1 s less half a step
     const LEAST_NS: i64 = 97_500_000;
-    let other = [PLACE[0] + 0.001, PLACE[1]];
+    let other = [PLACE_M[0] + 0.001, PLACE_M[1]];
     let mut ground = started();
     ground.has_rims = false;
-    assert_eq!(pose(&mut ground, PLACE, NOW_NS), Outcome::Unused);
+    assert_eq!(pose(&mut ground, PLACE_M, NOW_NS), Outcome::Unused);
     ground.has_rims = true;
-    assert_eq!(pose(&mut ground, PLACE, NOW_NS), Outcome::Accepted);
+    assert_eq!(pose(&mut ground, PLACE_M, NOW_NS), Outcome::Accepted);
     assert_eq!(
         (ground.period_s, ground.used_ns),
         (POSITION_PERIOD_S, Some(NOW_NS))
@@ -35,9 +39,9 @@ fn a_place_is_used_once_and_not_too_soon_after_the_last() {
     assert_eq!(after(other, LEAST_NS - 1), Outcome::Unused);
     assert_eq!(after(other, LEAST_NS), Outcome::Accepted);
     // the same place to the bit is no reading of a robot that moves, one that differs in a part is
-    assert_eq!(after(PLACE, LEAST_NS), Outcome::Unused);
+    assert_eq!(after(PLACE_M, LEAST_NS), Outcome::Unused);
     assert_eq!(
-        after([PLACE[0], PLACE[1] + 0.001], LEAST_NS),
+        after([PLACE_M[0], PLACE_M[1] + 0.001], LEAST_NS),
         Outcome::Accepted
     );
     // of one that hardly moves it is, and from then on also where it moves: poses without a new number
@@ -48,10 +52,10 @@ fn a_place_is_used_once_and_not_too_soon_after_the_last() {
     ] {
         let mut ground = ground.clone();
         ground.rim_speed = rim;
-        pose(&mut ground, PLACE, NOW_NS + LEAST_NS);
+        pose(&mut ground, PLACE_M, NOW_NS + LEAST_NS);
         assert_eq!(ground.repeats_at_rest, repeats, "{rim}");
-        ground.rim_speed = RIM;
-        let outcome = pose(&mut ground, PLACE, NOW_NS + 2 * LEAST_NS);
+        ground.rim_speed = RIM_M_PER_S;
+        let outcome = pose(&mut ground, PLACE_M, NOW_NS + 2 * LEAST_NS);
         assert_eq!(outcome == Outcome::Accepted, repeats, "{rim}");
     }
     // another place does not repeat, nor at rest; a second repetition changes nothing
@@ -62,25 +66,29 @@ fn a_place_is_used_once_and_not_too_soon_after_the_last() {
     }
     // models that had started before the clock was set start again
     ground.started_ns = None;
-    pose(&mut ground, PLACE, NOW_NS + 4 * LEAST_NS);
+    pose(&mut ground, PLACE_M, NOW_NS + 4 * LEAST_NS);
     assert_eq!(ground.started_ns, Some(NOW_NS + 4 * LEAST_NS));
 }
 
 #[test]
 fn the_period_is_a_fading_mean_and_an_outage_is_many_of_it() {
     let mut first = started();
-    pose(&mut first, PLACE, NOW_NS);
+    pose(&mut first, PLACE_M, NOW_NS);
     first.period_s = 0.0;
     let mut ground = first.clone();
-    pose(&mut ground, PLACE.map(|x| x + 0.001), NOW_NS + 200 * MS);
+    pose(&mut ground, PLACE_M.map(|x| x + 0.001), NOW_NS + 200 * MS);
     assert!(near(ground.period_s, 0.2));
-    pose(&mut ground, PLACE, NOW_NS + 500 * MS);
+    pose(&mut ground, PLACE_M, NOW_NS + 500 * MS);
     assert!(near(ground.period_s, 0.2 + 0.2 * (0.3 - 0.2)));
     // after 2.5 periods and beyond dropout time and failure, 0.4 s, a place that was not predicted returns with a reservation
     let after = |period_s: f64, passed_ns: i64, off: f64| {
         let mut ground = first.clone();
         ground.period_s = period_s;
-        pose(&mut ground, [PLACE[0] + off, PLACE[1]], NOW_NS + passed_ns);
+        pose(
+            &mut ground,
+            [PLACE_M[0] + off, PLACE_M[1]],
+            NOW_NS + passed_ns,
+        );
         (ground.readmitted_ns.is_some(), ground.period_s == period_s)
     };
     assert_eq!(after(0.1, 400 * MS, 9.0), (false, false));
@@ -96,14 +104,14 @@ fn the_period_is_a_fading_mean_and_an_outage_is_many_of_it() {
         let agreement = |off: f64| {
             ground
                 .models
-                .position_agreement([PLACE[0] + off, PLACE[1]], [0.0; 4], 0.01)
+                .position_agreement([PLACE_M[0] + off, PLACE_M[1]], [0.0; 4], 0.01)
         };
         agreement(1.0)
     };
     let mut wide = first.clone();
-    wide.end_outage((6.0, NOW_NS), PLACE, [0.0; 4], &settings());
+    wide.end_outage((6.0, NOW_NS), PLACE_M, [0.0; 4], &settings());
     let mut models = first.clone();
-    models.models.inflate_position(6.0 * RIM);
+    models.models.inflate_position(6.0 * RIM_M_PER_S);
     assert_eq!(variance(&wide), variance(&models));
     assert!(variance(&wide) > 2.0 * variance(&first));
 }
@@ -111,9 +119,9 @@ fn the_period_is_a_fading_mean_and_an_outage_is_many_of_it() {
 #[test]
 fn refused_places_are_remembered_from_the_first_and_readmitted_after_the_failure_time() {
     let mut ground = started();
-    pose(&mut ground, PLACE, NOW_NS);
+    pose(&mut ground, PLACE_M, NOW_NS);
     ground.models.advance(&wheel_step(0.004));
-    let far = |index: i64| [PLACE[0] + 5.0 + 0.01 * index as f64, PLACE[1]];
+    let far = |index: i64| [PLACE_M[0] + 5.0 + 0.01 * index as f64, PLACE_M[1]];
     for index in 1..4 {
         let taken_ns = NOW_NS + 100 * MS * index;
         assert_eq!(pose(&mut ground, far(index), taken_ns), Outcome::Refused);
@@ -135,15 +143,15 @@ fn refused_places_are_remembered_from_the_first_and_readmitted_after_the_failure
     };
     for (refused, passed_ms, is_readmitted) in [(0, 250, false), (2, 250, false), (2, 251, true)] {
         let mut ground = started();
-        pose(&mut ground, PLACE, NOW_NS);
+        pose(&mut ground, PLACE_M, NOW_NS);
         for _ in 0..refused {
             ground.refused.accepts(0.0);
         }
         let taken_ns = NOW_NS + passed_ms * MS;
         let next = Measurement::Pose {
-            x: PLACE[0] + 0.001,
-            y: PLACE[1],
-            yaw: HEADING,
+            x: PLACE_M[0] + 0.001,
+            y: PLACE_M[1],
+            yaw: HEADING_RAD,
         };
         let outcome = ground.update(taken_ns, &next, (taken_ns, true), &patient);
         assert_eq!(outcome, Outcome::Accepted);
@@ -151,7 +159,7 @@ fn refused_places_are_remembered_from_the_first_and_readmitted_after_the_failure
     }
     // a slide goes on from its first place
     let mut ground = started();
-    pose(&mut ground, PLACE, NOW_NS);
+    pose(&mut ground, PLACE_M, NOW_NS);
     ground.rim_speed = 0.0;
     ground.refused_ns = NOW_NS - 2_000 * MS;
     pose(&mut ground, far(1), NOW_NS + 100 * MS);
@@ -198,7 +206,7 @@ fn displacements_are_summed_at_their_mean_heading_and_without_their_outliers() {
     assert!(near(ground.summed[0], x) && near(ground.summed[1], y) && near(ground.summed[2], 0.6));
     // a refused pose is no sum
     let mut ground = started();
-    pose(&mut ground, PLACE, NOW_NS);
+    pose(&mut ground, PLACE_M, NOW_NS);
     pose(&mut ground, [9.0, 9.0], NOW_NS + 100 * MS);
     assert_eq!(ground.summed, [0.0; 3]);
     // a speed is no place
@@ -247,8 +255,12 @@ fn headings_are_used_beside_a_gyro_until_they_were_wrong_twice() {
     for (has_gyro, restarts, is_used) in [(true, 1, true), (true, 2, false), (false, 2, true)] {
         let mut ground = started();
         ground.restarts = restarts;
-        let [x, y] = PLACE;
-        let measurement = Measurement::Pose { x, y, yaw: HEADING };
+        let [x, y] = PLACE_M;
+        let measurement = Measurement::Pose {
+            x,
+            y,
+            yaw: HEADING_RAD,
+        };
         ground.update(NOW_NS, &measurement, (NOW_NS, has_gyro), &settings());
         assert_eq!(
             ground.agreed_headings,
@@ -275,11 +287,11 @@ fn a_heading_is_compared_with_the_turn_until_it_was_taken() {
             .history
             .push(taken_ns + 50 * MS, ground.models.totals());
         ground.stepped_ns = Some(taken_ns + 50 * MS);
-        let [x, y] = PLACE.map(|x| x + 1e-3 * (index % 7) as f64);
+        let [x, y] = PLACE_M.map(|x| x + 1e-3 * (index % 7) as f64);
         let pose = Measurement::Pose {
             x,
             y,
-            yaw: HEADING + taken[2],
+            yaw: HEADING_RAD + taken[2],
         };
         ground.update(taken_ns, &pose, (taken_ns + 50 * MS, true), &settings());
     }

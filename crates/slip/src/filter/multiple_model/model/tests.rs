@@ -6,7 +6,7 @@ type Matrix = [[f64; STATES]; STATES];
 
 const STEP_S: f64 = 0.4;
 /// A slip, the robot's share of the rims' way, and its derivative: driving, and braking.
-const SHARES: [(f64, f64, f64); 2] = [(0.2, 0.8, -1.0), (-0.2, 1.25, -1.5625)];
+const SLIP_SHARE_SLOPES: [(f64, f64, f64); 2] = [(0.2, 0.8, -1.0), (-0.2, 1.25, -1.5625)];
 /// Exact in all their parts: differences are rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -329,29 +329,29 @@ fn what_restarts_is_correlated_with_nothing() {
 
 #[test]
 fn headings_and_speeds_may_be_outliers() {
-    const VARIANCE: f64 = 0.04;
+    const NOISE_VARIANCE: f64 = 0.04;
     let before = correlated(0.1, 0.1);
     for off in [0.3, -2.5] {
         let mut model = before;
         let turned = 0.6;
         let likelihood =
-            model.update_heading(before.mean[HEADING] - turned + off, turned, VARIANCE);
-        let (expected, is) = robust(&before, unit(HEADING, 1.0), off, VARIANCE);
+            model.update_heading(before.mean[HEADING] - turned + off, turned, NOISE_VARIANCE);
+        let (expected, is) = robust(&before, unit(HEADING, 1.0), off, NOISE_VARIANCE);
         assert_near(&model, expected.mean, &expected.covariance);
         assert!((likelihood - is).abs() < ROUNDING);
         let mut model = before;
-        let likelihood = model.update_speed(before.mean[SPEED] + off, VARIANCE);
-        let (expected, is) = robust(&before, unit(SPEED, 1.0), off, VARIANCE);
+        let likelihood = model.update_speed(before.mean[SPEED] + off, NOISE_VARIANCE);
+        let (expected, is) = robust(&before, unit(SPEED, 1.0), off, NOISE_VARIANCE);
         assert_near(&model, expected.mean, &expected.covariance);
         assert!((likelihood - is).abs() < ROUNDING);
         // a share of the rims' speed: 1 − s, or 1/(1 + s)
-        for (slip, share, slope) in SHARES {
+        for (slip, share, slope) in SLIP_SHARE_SLOPES {
             let mut before = before;
             before.mean[SLIP] = slip;
             let mut model = before;
             let (rim, off) = (0.7, 0.1 * off);
-            let likelihood = model.update_share(rim * share + off, rim, VARIANCE);
-            let (expected, is) = robust(&before, unit(SLIP, rim * slope), off, VARIANCE);
+            let likelihood = model.update_share(rim * share + off, rim, NOISE_VARIANCE);
+            let (expected, is) = robust(&before, unit(SLIP, rim * slope), off, NOISE_VARIANCE);
             assert_near(&model, expected.mean, &expected.covariance);
             assert!((likelihood - is).abs() < ROUNDING);
         }
@@ -372,7 +372,7 @@ fn headings_and_speeds_may_be_outliers() {
 
 #[test]
 fn a_speed_by_rim_and_slip_has_their_covariance() {
-    for (slip, share, slope) in SHARES {
+    for (slip, share, slope) in SLIP_SHARE_SLOPES {
         let mut model = correlated(0.1, 0.1);
         model.mean[SLIP] = slip;
         let rim = Rim {

@@ -1,7 +1,8 @@
 use super::*;
 
 const ROUNDING: f64 = 1e-9;
-const COURSE: (f64, f64) = (0.6, 0.8);
+/// A course along no axis, with exact parts.
+const COURSE_SIN_COS: (f64, f64) = (0.6, 0.8);
 const PERIOD_S: f64 = 0.1;
 
 /// A noise that has learnt these means.
@@ -18,10 +19,10 @@ fn learnt(lasting: f64, across: f64, along: [f64; 3]) -> PositionNoise {
 fn second_differences_are_along_the_course_and_across() {
     let mut noise = PositionNoise::new();
     // 0.8 t² along a course to the left, 0.3 t² to its right, t in readings: twice that over one, and m² times
-    let (sin, cos) = COURSE;
+    let (sin, cos) = COURSE_SIN_COS;
     for t in 0..9_u8 {
         for (over, size) in [(1, 1.0), (2, 4.0), (4, 16.0)] {
-            let found = noise.second_difference(over, COURSE);
+            let found = noise.second_difference(over, COURSE_SIN_COS);
             assert_eq!(found.is_some(), usize::from(t) > 2 * over, "{t} {over}");
             if let Some([along, across]) = found {
                 assert!((along - 1.6 * size).abs() < ROUNDING, "{along}");
@@ -32,17 +33,17 @@ fn second_differences_are_along_the_course_and_across() {
         let [ahead, aside] = [0.8 * square + 0.4, -0.3 * square + 0.1];
         noise.push(
             [ahead * cos - aside * sin, ahead * sin + aside * cos],
-            COURSE,
+            COURSE_SIN_COS,
             None,
         );
     }
-    assert!(noise.second_difference(4, COURSE).is_some());
+    assert!(noise.second_difference(4, COURSE_SIN_COS).is_some());
     assert_eq!(noise.squares, 1);
     // half of the sizes are 0.6, half of them 1.6: the means begin with the larger one's variance
     let first = (1.6 / MEDIAN_OF_NORMAL).powi(2);
     assert!((noise.across - first - (0.36 - first) / 11.0).abs() < ROUNDING);
     noise.interrupt();
-    assert_eq!(noise.second_difference(1, COURSE), None);
+    assert_eq!(noise.second_difference(1, COURSE_SIN_COS), None);
 }
 
 #[test]

@@ -27,7 +27,7 @@ fn a_rise_of_the_rims_is_the_smaller_of_both() {
 
 #[test]
 fn slip_that_may_have_changed_since_moves_the_place() {
-    for (slip, _, slope) in SHARES {
+    for (slip, _, slope) in SLIP_SHARE_SLOPES {
         let mut before = correlated(0.6, 0.1);
         before.mean[SLIP] = slip;
         let since = Since {
@@ -62,10 +62,10 @@ fn a_late_position_is_one_of_its_own_time() {
     };
     let far = [2.4, -3.9];
     for ((slip, share, slope), time_s, place, is_sure) in [
-        (SHARES[0], 0.0, far, false),
-        (SHARES[0], 0.05, far, false),
-        (SHARES[1], 0.05, far, false),
-        (SHARES[0], 0.05, [1.27, -2.2], true),
+        (SLIP_SHARE_SLOPES[0], 0.0, far, false),
+        (SLIP_SHARE_SLOPES[0], 0.05, far, false),
+        (SLIP_SHARE_SLOPES[1], 0.05, far, false),
+        (SLIP_SHARE_SLOPES[0], 0.05, [1.27, -2.2], true),
     ] {
         let mut now = correlated(0.6, 0.1);
         now.mean[SLIP] = slip;
