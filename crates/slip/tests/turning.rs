@@ -280,24 +280,32 @@ fn sides_that_run_far_apart_are_no_outliers_of_each_other() {
     .assert_within(0.05);
 }
 
+/// A skid-steered robot that turns on the spot on a slope: the side that runs forwards slips far more than the other one.
+const FORWARD_SIDE_SLIP: f64 = 0.972;
+const SLOW_SIDE_SLIP: f64 = 0.15;
+const BACK_M_PER_S: f64 = -0.018;
+const ON_THE_SPOT: World = World {
+    rows: 2,
+    half_track: 0.25,
+    speed: BACK_M_PER_S,
+    turn: -0.1,
+    slip: |_| FORWARD_SIDE_SLIP,
+    right: Some(|_| SLOW_SIDE_SLIP),
+    gyro_bias: Some(0.002),
+    reference: Reference::Displacement([0.0015, 0.003]),
+    ..WORLD
+};
+
 /// It turns on the spot and slides back: the side that hardly slips takes it against the mean of the rims, whose slip is above 1. The
 /// errors of the wheels' speeds were 0.02 m/s for as long as the turn lasted.
 #[test]
 fn the_slow_side_of_a_turn_on_the_spot_may_take_the_robot_back() {
     for seed in 1..4 {
-        let world = World {
-            rows: 2,
-            half_track: 0.25,
-            speed: -0.018,
-            turn: -0.1,
-            slip: |_| 0.972,
-            right: Some(|_| 0.15),
-            gyro_bias: Some(0.002),
-            reference: Reference::Displacement([0.0015, 0.003]),
+        let score = World {
             seed,
-            ..WORLD
-        };
-        let score = world.run();
+            ..ON_THE_SPOT
+        }
+        .run();
         println!("{score:?}");
         assert!(
             score.rmse < 0.13 && score.wrong < 0.04 && score.nees < 2.0,
@@ -314,8 +322,8 @@ fn climb_and_turn(time: f64, left: bool) -> f64 {
     let forwards = (cycle_s < 20.0) != left;
     match (cycle_s % 20.0 < 10.0, forwards) {
         (true, _) => CLIMB_SLIP,
-        (false, true) => 0.972,
-        (false, false) => 0.15,
+        (false, true) => FORWARD_SIDE_SLIP,
+        (false, false) => SLOW_SIDE_SLIP,
     }
 }
 
@@ -325,17 +333,13 @@ fn climb_and_turn(time: f64, left: bool) -> f64 {
 fn a_turn_on_the_spot_slips_anew() {
     for seed in 1..4 {
         let world = World {
-            rows: 2,
-            half_track: 0.25,
             speed: 0.1,
             turn: 0.1,
-            speed_in_turns: Some(-0.018),
+            speed_in_turns: Some(BACK_M_PER_S),
             slip: |time| climb_and_turn(time, true),
             right: Some(|time| climb_and_turn(time, false)),
-            gyro_bias: Some(0.002),
-            reference: Reference::Displacement([0.0015, 0.003]),
             seed,
-            ..WORLD
+            ..ON_THE_SPOT
         };
         let score = world.run();
         println!("{score:?}");

@@ -75,7 +75,7 @@ struct Watched {
     lift: Switch,
     usual_torque: f64,
     usual_slip: f64,
-    heard_s: f64,
+    received_s: f64,
 }
 
 /// Watches the wheels' estimates. Allocates at construction only, never panics, costs the same every time.
@@ -252,7 +252,7 @@ impl Detector {
         };
         let torque = torque.filter(|torque| torque.is_finite()).map(f64::abs);
         let light = torque.is_some_and(|torque| torque < s.lift_off * watched.usual_torque);
-        let settled = watched.heard_s >= TORQUE_KNOWN_TIME_S;
+        let settled = watched.received_s >= TORQUE_KNOWN_TIME_S;
         // A wheel that leaves loose ground needs less torque as well, but slips less then; one in the air does not.
         let slip = trusted(estimate);
         let eased =
@@ -289,8 +289,8 @@ impl Detector {
             && turns
             && !light
         {
-            watched.heard_s += dt;
-            let share = (dt / TORQUE_MEMORY_S).max(dt / watched.heard_s).min(1.0);
+            watched.received_s += dt;
+            let share = (dt / TORQUE_MEMORY_S).max(dt / watched.received_s).min(1.0);
             watched.usual_torque += share * (torque - watched.usual_torque);
             if let Some((slip, _)) = trusted(estimate) {
                 watched.usual_slip += share * (slip - watched.usual_slip);

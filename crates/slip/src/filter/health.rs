@@ -85,8 +85,8 @@ impl Core {
 
     fn wheel_estimate(&self, index: usize, now_ns: i64, input: &Input) -> WheelEstimate {
         let wheel = &self.wheels.channels[index];
-        let heard_ns = input.heard_until(index, now_ns);
-        let (Some((rim, until_ns)), Some(silence)) = (wheel.rim, wheel.silence(heard_ns)) else {
+        let received_ns = input.received_until(index, now_ns);
+        let (Some((rim, until_ns)), Some(silence)) = (wheel.rim, wheel.silence(received_ns)) else {
             return WheelEstimate::NOTHING;
         };
         if silence > self.settings.dropout {

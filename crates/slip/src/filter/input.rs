@@ -90,7 +90,7 @@ impl Input {
     }
 
     /// The time up to which a wheel's silence is known: where none of its readings waits, the newest time of any sensor.
-    pub(super) fn heard_until(&self, wheel: usize, now_ns: i64) -> i64 {
+    pub(super) fn received_until(&self, wheel: usize, now_ns: i64) -> i64 {
         match self.buffer.newest_ns() {
             Some(newest) if self.waiting[wheel] == 0 => newest.max(now_ns),
             _ => now_ns,
@@ -174,24 +174,24 @@ mod tests {
     #[test]
     fn a_wheel_is_silent_until_the_newest_time_where_none_of_its_readings_waits() {
         let mut input = Input::new(2, &FilterSettings::default());
-        assert_eq!(input.heard_until(0, 3 * MS), 3 * MS);
+        assert_eq!(input.received_until(0, 3 * MS), 3 * MS);
         assert!(input.offer(gyro(8)) && input.offer(count(1, 9)) && input.offer(count(1, 10)));
         assert!(input.offer(gyro(12)));
         assert_eq!(input.newest_ns(), Some(12 * MS));
-        let heard = |input: &Input| [0, 1].map(|wheel| input.heard_until(wheel, 3 * MS) / MS);
+        let received = |input: &Input| [0, 1].map(|wheel| input.received_until(wheel, 3 * MS) / MS);
         assert_eq!(
-            (heard(&input), input.heard_until(0, 20 * MS)),
+            (received(&input), input.received_until(0, 20 * MS)),
             ([12, 3], 20 * MS)
         );
         // both of its readings have to be used
         for expected in [3, 3, 12] {
             assert!(input.release(true).is_some());
-            assert_eq!(heard(&input), [12, expected]);
+            assert_eq!(received(&input), [12, expected]);
         }
         assert!(input.offer(count(0, 14)));
-        assert_eq!(heard(&input)[0], 3);
+        assert_eq!(received(&input)[0], 3);
         input.clear();
-        assert_eq!(heard(&input), [3, 3]);
+        assert_eq!(received(&input), [3, 3]);
     }
 
     #[test]
@@ -209,6 +209,6 @@ mod tests {
         assert!(input.is_late(&speed(9)) && !input.is_late(&speed(10)) && !input.is_late(&gyro(9)));
         // one that cannot be put in order does not wait
         assert!(!input.offer(count(0, 9)));
-        assert_eq!(input.heard_until(0, 0), 10 * MS);
+        assert_eq!(input.received_until(0, 0), 10 * MS);
     }
 }

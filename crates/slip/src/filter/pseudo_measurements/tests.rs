@@ -1,7 +1,7 @@
 use super::*;
 use crate::filter::kalman::Kalman;
 use crate::filter::motion_model::{LEFT, YAW};
-use crate::filter::recovery::tests::{MS, NOW_NS, core, failed, near, rolling};
+use crate::filter::recovery::tests::{MS, NOW_NS, core, failed, near, rolling, with_gyro};
 
 /// Pseudo-measurements 0.02 s apart whose errors last 0.5 s.
 const SIGMA_FACTOR: f64 = 5.0;
@@ -17,22 +17,6 @@ fn moving(mut core: Core) -> Core {
     core.state.set_covariance(FORWARD, YAW, -0.015);
     core.state.set_covariance(LEFT, YAW, 0.02);
     core
-}
-
-/// The gyro was read now.
-fn with_gyro(core: &mut Core) {
-    let (settings, wheels) = (core.settings, &core.wheels);
-    let mut state = core.state.clone();
-    let reading = (NOW_NS, state.mean(YAW));
-    core.gyro
-        .update(
-            reading,
-            &settings,
-            (wheels, false),
-            &mut state,
-            &mut core.path,
-        )
-        .unwrap();
 }
 
 fn assert_same(found: &Kalman, expected: &Kalman) {

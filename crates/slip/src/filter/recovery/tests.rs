@@ -1,4 +1,5 @@
 use super::*;
+use crate::filter::motion_model::{GYRO_BIAS, YAW};
 use crate::filter::settings::FilterSettings;
 use crate::robot::{Robot, Wheel};
 use crate::sample::Measurement;
@@ -10,6 +11,22 @@ pub(in super::super) const RADIUS_M: f64 = 0.1;
 const ROUNDING: f64 = 1e-12;
 
 type Change<'a> = &'a dyn Fn(&mut Core);
+
+/// The gyro was read now, and agrees.
+pub(in super::super) fn with_gyro(core: &mut Core) {
+    let (settings, wheels) = (core.settings, &core.wheels);
+    let mut state = core.state.clone();
+    let reading = (NOW_NS, state.mean(YAW) + state.mean(GYRO_BIAS));
+    core.gyro
+        .update(
+            reading,
+            &settings,
+            (wheels, false),
+            &mut state,
+            &mut core.path,
+        )
+        .unwrap();
+}
 
 pub(in super::super) fn near(found: f64, expected: f64) {
     assert!((found - expected).abs() < ROUNDING, "{found} {expected}");

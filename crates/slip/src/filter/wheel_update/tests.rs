@@ -1,7 +1,7 @@
 use super::*;
 use crate::filter::kalman::Kalman;
 use crate::filter::motion_model::size;
-use crate::filter::recovery::tests::{MS, NOW_NS, RADIUS_M, core, core_of, near, roll};
+use crate::filter::recovery::tests::{MS, NOW_NS, RADIUS_M, core, core_of, near, roll, with_gyro};
 use crate::filter::repeated_rate::RepeatedRate;
 use crate::robot::Wheel;
 
@@ -296,20 +296,6 @@ fn ticks_carriers_and_process_noise_are_in_a_window() {
 
 #[test]
 fn what_a_window_does_not_show_is_considered() {
-    let with_gyro: Change = |core| {
-        let (settings, wheels) = (core.settings, &core.wheels);
-        let mut state = core.state.clone();
-        let reading = (NOW_NS, state.mean(YAW) + state.mean(GYRO_BIAS));
-        core.gyro
-            .update(
-                reading,
-                &settings,
-                (wheels, false),
-                &mut state,
-                &mut core.path,
-            )
-            .unwrap();
-    };
     // wheels 0.7 m apart: a bend from 0.03 rad/s on
     let straight: Change = |core| {
         roll(core, 0, NOW_NS, &[0.5; 2]);
