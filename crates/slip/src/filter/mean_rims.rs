@@ -3,7 +3,7 @@
 use grouser_real::Real;
 
 use super::MAX_FILTER_WHEELS;
-use super::multiple_model::MIN_RIM_SHARE;
+use super::multiple_model::{MIN_RIM_SHARE, TURNING_SPEED_M_PER_S};
 use super::wheel_bank::{WheelBank, median};
 use super::wheel_channel::WheelChannel;
 use crate::body::Observations;
@@ -12,8 +12,6 @@ use crate::speed::Measured;
 /// A wheel counts while its rim speed is within this share, or this many sigma, of the median.
 const INLIER_SHARE: f64 = 0.2;
 const INLIER_SIGMA: f64 = 3.0;
-/// Rims slower than this do not turn, m/s.
-pub(super) const TURNING_SPEED_M_PER_S: f64 = 0.01;
 /// Rims that run against their mean do so at this multiple of it at most: where the mean nearly vanishes its slip means nothing.
 const MAX_AGAINST_SHARE: f64 = 4.0;
 /// Rim and robot differ by this for other reasons than slip, m/s.

@@ -15,9 +15,11 @@ use grouser_real::Real;
 
 use super::MAX_FILTER_WHEELS;
 use super::force_integral::ForceIntegral;
-use super::mean_rims::{RimStep, TURNING_SPEED_M_PER_S, mean_rims};
+use super::mean_rims::{RimStep, mean_rims};
 use super::multiple_model::reference_noise::{Errors, ReferenceNoise};
-use super::multiple_model::{ModelMotion, MultipleModel, Rim, TurnError, WheelStep};
+use super::multiple_model::{
+    ModelMotion, MultipleModel, Rim, TURNING_SPEED_M_PER_S, TurnError, WheelStep,
+};
 use super::output::RimPath;
 use super::reference_sensor::ReferenceMotion;
 use super::settings::FilterSettings;

@@ -27,6 +27,7 @@ pub(crate) use motion::ModelMotion;
 use position_noise::PositionNoise;
 use reference_noise::Errors;
 use rim_pattern::RimPattern;
+pub(super) use rim_pattern::TURNING_SPEED_M_PER_S;
 use step::Step;
 pub(super) use step::{Rim, TurnError};
 

@@ -1,12 +1,15 @@
 //! Rims that begin to run against one another, as in a turn on the spot, slip anew.
 
-/// Rims run apart where their slip together may reach this: one of them runs against their mean at a third of it.
+/// Rims slower than this do not turn, m/s.
+pub(in crate::filter) const TURNING_SPEED_M_PER_S: f64 = 0.01;
+/// Rims run apart where their slip together may reach this: one of them runs against their mean at a third of it. That a skid-steered
+/// robot does on a slope, at 0.9 of it (`just random-drives 69 1`), and one in a bend does not.
 const MIN_APART_SLIP: f64 = 1.3;
-/// Beyond this the mean hardly runs, and its slip means nothing.
+/// Just below the greatest slip that is allowed to rims that run apart: at that the mean hardly runs, and its slip means
+/// nothing. Without this errors of a robot that stops in a bend are 0.05 in place of 0.005 (`just random-logs 731 1`).
 const MAX_APART_SLIP: f64 = 4.9;
-/// Rims slower than this show no pattern, m/s.
-const MIN_SPEED_M_PER_S: f64 = 0.01;
-/// Rims that run apart for longer than this turn the robot on the spot, s. Where one stops in a bend they do so for a moment.
+/// Rims that run apart for longer than this turn the robot on the spot, s. Where it stops in a bend they run apart for a
+/// moment only: for two readings of that log.
 const MIN_TURN_S: f64 = 0.5;
 
 /// What a step of the rims changes.
@@ -32,7 +35,7 @@ impl RimPattern {
     pub(super) fn update(&mut self, speed: f64, max_slip: f64, dt: f64) -> Change {
         let apart = max_slip > MIN_APART_SLIP && max_slip < MAX_APART_SLIP;
         self.apart_s = if apart { self.apart_s + dt } else { 0.0 };
-        if speed.abs() <= MIN_SPEED_M_PER_S {
+        if speed.abs() <= TURNING_SPEED_M_PER_S {
             return Change::default();
         }
         let turns = self.apart_s > MIN_TURN_S;
