@@ -5,7 +5,7 @@ use grouser_real::Real;
 use super::inertial_path::InertialPath;
 use super::kalman::{Kalman, ScalarMeasurement};
 use super::monitor::Monitor;
-use super::motion_model::{GYRO_BIAS, YAW};
+use super::motion_model::{FORWARD, GYRO_BIAS, YAW};
 use super::settings::FilterSettings;
 use super::turn_agreement::TurnAgreement;
 use super::wheel_bank::WheelBank;
@@ -60,8 +60,10 @@ impl GyroMonitor {
         if let Some(by_wheels) = wheels.yaw_rate() {
             self.compare((time_ns, rate), by_wheels, settings, state);
         }
+        let motion = (state.mean(FORWARD), rate - state.mean(GYRO_BIAS));
+        let forces_wheels = wheels.are_forced(motion, settings.low_speed);
         // wheels that slip unequally may contradict a gyro, but their agreement does not clear it; nor does the end of a bend
-        let same_way = is_confirmed || !self.agreement.contradicts();
+        let same_way = is_confirmed || !self.agreement.contradicts() && !forces_wheels;
         if !same_way || agreed && wheels.slip_alike(state, settings) {
             self.contradiction
                 .record(time_ns, same_way, settings.failure);

@@ -13,7 +13,7 @@ const OPPOSITE_CORRELATION: f64 = -0.3;
 /// A gyro that shows this many times the wheels' turn, and in step with it, has another unit: no tyre skids sideways that much. One
 /// side that slips turns the robot too, but not in step with the wheels. One that shows this share of their turn or less shows its bias,
 /// whose sign says nothing, beside a side that slips.
-const UNIT_FACTOR: f64 = 5.0;
+pub(super) const UNIT_FACTOR: f64 = 5.0;
 const IN_STEP_CORRELATION: f64 = 0.8;
 
 /// Yaw rates by gyro and by the powered wheels, as means of their products.

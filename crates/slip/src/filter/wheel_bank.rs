@@ -8,6 +8,7 @@ use super::MAX_FILTER_WHEELS;
 use super::kalman::Kalman;
 use super::motion_model::own_slip;
 use super::settings::FilterSettings;
+use super::turn_agreement::UNIT_FACTOR;
 use super::wheel_channel::WheelChannel;
 use crate::body::Observations;
 use crate::fault::Fault;
@@ -27,6 +28,9 @@ const SPEED_SIGMA_M_PER_S: f64 = 1e-3;
 /// Share of their turn by which wheels that skid sideways turn faster than the robot: a half where its effective track is twice the
 /// described one.
 const SKID_SHARE: f64 = 0.5;
+/// Share of a rim's speed by which ground is faster or slower than a rim that a turn forces: beyond what wrong radii and rolling wheels
+/// make.
+const FORCED_SHARE: f64 = 1.0 / 3.0;
 /// A wheel slips unlike the others where its own slip is beyond this many sigma of its prior.
 const UNLIKE_SIGMA: f64 = 3.0;
 /// Weight of one wheel's innovation in its mean, where it is the only powered one.
@@ -137,8 +141,12 @@ impl WheelBank {
     /// The yaw rate that the powered wheels would give without slip, where all point one way. A wheel that turns against the
     /// robot's travel has a wrong encoder.
     pub(super) fn yaw_rate(&self) -> Option<f64> {
+        self.turn_by_rims(|wheel| wheel.against_since_ns.is_none())
+    }
+
+    fn turn_by_rims(&self, is_used: impl Fn(&WheelChannel) -> bool) -> Option<f64> {
         self.lateral?;
-        let used = || (self.powered()).filter(|wheel| wheel.against_since_ns.is_none());
+        let used = || self.powered().filter(|wheel| is_used(wheel));
         let count = used().count() as f64;
         let (mut rims, mut arms) = (0.0, 0.0);
         for wheel in used() {
@@ -152,6 +160,26 @@ impl WheelBank {
             square += arm * arm;
         }
         (square > MIN_SQUARED_ARMS_M2).then(|| product / square)
+    }
+
+    /// Would the wheels of one side be dragged over the ground by a third of their rims' speed, and those of the other held back by as
+    /// much, if the robot travelled at `speed` (m/s) and turned at `turn` (rad/s), many times what their rims turn it? Nothing on the
+    /// robot turns it so: where one side slips, the other rolls. Rims slower than `low_speed` (m/s) show nothing.
+    pub(super) fn are_forced(&self, (speed, turn): (f64, f64), low_speed: f64) -> bool {
+        let by_rims = self.turn_by_rims(|_| true);
+        if by_rims.is_none_or(|by_rims| turn.abs() <= UNIT_FACTOR * by_rims.abs()) {
+            return false;
+        }
+        let (mut dragged, mut held_back) = (false, false);
+        for wheel in self.powered() {
+            let rim = wheel.rim.map_or(0.0, |(rim, _)| rim.value);
+            if rim.abs() > low_speed {
+                let excess = (wheel.row[0] * speed + wheel.row[2] * turn) / rim - 1.0;
+                dragged |= excess > FORCED_SHARE;
+                held_back |= excess < -FORCED_SHARE;
+            }
+        }
+        dragged && held_back
     }
 
     /// The yaw rate at which a robot that travels at `speed` (m/s) moves least across its powered wheels as they are steered now,

@@ -239,7 +239,9 @@ impl Core {
         let wheel = &mut self.wheels.channels[index];
         wheel.remainder = Some(odd);
         let still = wheel.stillness(to_ns) >= WRONG_ENCODER_TIME_S;
-        let against = rim.value * forward < 0.0
+        // as far as the turn that moves its place backwards is not that of a wrong gyro
+        let against = !self.gyro.contradicts_wheels()
+            && rim.value * forward < 0.0
             && forward.abs() > 3.0 * self.state.sigma(FORWARD) + self.settings.low_speed
             && rim.value.abs() > self.settings.low_speed;
         let since = wheel.against_since_ns.unwrap_or(to_ns);

@@ -214,3 +214,26 @@ fn a_gyro_that_turns_against_the_wheels_fails_until_both_agree_and_slip_alike() 
     }
     assert!(cart.gyro.contradicts_wheels());
 }
+
+/// Rims at 0.6 m/s half a metre to either side: at 0.45 rad/s one of them is dragged and the other held back by 0.37 of it.
+#[test]
+fn a_turn_that_nothing_on_the_robot_makes_is_the_gyro_s() {
+    for (rate, is_confirmed, contradicts) in [
+        (0.45, false, true),
+        (0.45, true, false),
+        (0.4, false, false),
+    ] {
+        let mut cart = Cart::new(0.0);
+        cart.state.set_mean(FORWARD, 0.6);
+        for step in 0..20 {
+            cart.state.set_mean(YAW, rate);
+            cart.state.set_mean(GYRO_BIAS, 0.01);
+            let change = 1e-6 * step as f64;
+            cart.update(NOW_NS + 20 * MS * step, rate + change, is_confirmed)
+                .unwrap();
+        }
+        let settings = &cart.settings;
+        assert_eq!(cart.gyro.contradicts_wheels(), contradicts, "{rate}");
+        assert_eq!(cart.gyro.is_trusted(NOW_NS, settings), !contradicts);
+    }
+}

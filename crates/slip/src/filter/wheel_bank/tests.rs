@@ -442,3 +442,43 @@ fn a_median_is_the_middle_or_the_mean_of_both() {
         assert_eq!(median(values.iter().copied()), expected);
     }
 }
+
+/// Rims at 0.3 m/s to both sides of a robot that is as fast: what a turn adds to them is a third at the wheels 0.4 m to the left
+/// where it is 0.25 rad/s.
+#[test]
+fn a_turn_that_drags_one_side_and_holds_the_other_back_is_forced() {
+    const RIM_M_PER_S: f64 = 0.3;
+    let row = |core: &Core, wheel: usize| core.wheels.channels[wheel].row[2];
+    let turning = |by_rims: f64| {
+        let still = four([RIM_M_PER_S; 4]);
+        four(core::array::from_fn(|wheel| {
+            RIM_M_PER_S + row(&still, wheel) * by_rims
+        }))
+    };
+    for (by_rims, speed, turn, forced) in [
+        (0.0, 0.3, 0.26, true),
+        (0.0, 0.3, -0.26, true),
+        (0.0, 0.3, 0.24, false),
+        (0.0, 0.3, -0.24, false),
+        // one side slips, the other rolls
+        (0.0, 0.2, 0.26, false),
+        (0.0, 0.4, 0.26, false),
+        // the rims turn the robot too
+        (0.079, 0.3, 0.4, true),
+        (0.081, 0.3, 0.4, false),
+        (-0.081, 0.3, 0.4, false),
+    ] {
+        let core = turning(by_rims);
+        let found = core.wheels.are_forced((speed, turn), 0.05);
+        assert_eq!(found, forced, "{by_rims} {speed} {turn}");
+    }
+    let mut core = turning(0.0);
+    assert!(!core.wheels.are_forced((0.3, 0.26), RIM_M_PER_S + 1e-9));
+    // backwards, and with a wheel that a wrong turn has running against the travel
+    let back = four([-RIM_M_PER_S; 4]);
+    assert!(back.wheels.are_forced((-0.3, 0.26), 0.05));
+    core.wheels.channels[0].against_since_ns = Some(NOW_NS);
+    assert!(core.wheels.are_forced((0.3, 0.26), 0.05));
+    core.wheels.lateral = None;
+    assert!(!core.wheels.are_forced((0.3, 0.26), 0.05));
+}
