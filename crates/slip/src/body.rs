@@ -40,6 +40,10 @@ pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// A part of a motion with a larger variance is not fixed, (m/s)² or (rad/s)²: wheels that are steered by a billionth of a radian show
+/// no sideways speed.
+const MAX_VARIANCE: f64 = 1e9;
+
 /// Weighted least squares for a planar motion: what several sensors say of row · (v_x, v_y, Ω),
 /// each with its variance, in information form.
 #[derive(Clone, Copy, Debug, Default)]
@@ -64,13 +68,11 @@ impl Observations {
     pub(crate) fn solve(&self) -> Option<BodyMotion> {
         let covariance = inverse(self.information)?;
         let velocity = [0, 1, 2].map(|i| dot(covariance[i], self.weighted));
-        velocity
-            .iter()
-            .all(|v| v.is_finite())
-            .then_some(BodyMotion {
-                velocity,
-                covariance,
-            })
+        let is_fixed = |i: usize| velocity[i].is_finite() && covariance[i][i] <= MAX_VARIANCE;
+        (0..3).all(is_fixed).then_some(BodyMotion {
+            velocity,
+            covariance,
+        })
     }
 }
 
@@ -137,6 +139,26 @@ mod tests {
         for first in [0.0, -1.0, f64::INFINITY, f64::NAN] {
             assert_eq!(inverse(diagonal(first)), None, "{first}");
         }
+        let mut seen = Observations::default();
+        for (row, value) in [
+            ([1.0, 0.0, 0.0], 0.3),
+            ([1.0, 1e-4, 0.0], 0.3),
+            ([0.0, 0.0, 1.0], 0.2),
+        ] {
+            let variance = 1.0;
+            seen.add(row, Measured { value, variance });
+        }
+        let found = seen.solve().unwrap();
+        assert!(found.covariance[1][1] < 2.1e8 && found.velocity[1].abs() < 1e-6);
+        let apart = Measured {
+            value: 0.3,
+            variance: 1.0,
+        };
+        let mut alike = Observations::default();
+        alike.add([0.0, 0.0, 1.0], apart);
+        alike.add([1.0, 0.0, 0.0], apart);
+        alike.add([0.0, 6e-67, 0.0], apart);
+        assert_eq!(alike.solve(), None);
         let singular = [[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         assert_eq!(inverse(singular), None);
     }

@@ -56,12 +56,15 @@ impl GyroMonitor {
         let agreed = innovation.abs() <= settings.gate * Real::sqrt(variance)
             && !self.is_stuck(time_ns, rate, wheels.any_turns());
         let trusted = self.gate.record(time_ns, agreed, settings.failure);
-        self.last_ns = Some(time_ns);
+        let last = self.last_ns.replace(time_ns).unwrap_or(time_ns);
         if let Some(by_wheels) = wheels.yaw_rate() {
             self.compare((time_ns, rate), by_wheels, settings, state);
         }
-        let motion = (state.mean(FORWARD), rate - state.mean(GYRO_BIAS));
-        let forces_wheels = wheels.are_forced(motion, settings.low_speed);
+        let turn = rate - state.mean(GYRO_BIAS);
+        let turn = self
+            .agreement
+            .mean_turn(turn, seconds_between(last, time_ns));
+        let forces_wheels = wheels.are_forced((state.mean(FORWARD), turn), settings.low_speed);
         // wheels that slip unequally may contradict a gyro, but their agreement does not clear it; nor does the end of a bend
         let same_way = is_confirmed || !self.agreement.contradicts() && !forces_wheels;
         if !same_way || agreed && wheels.slip_alike(state, settings) {

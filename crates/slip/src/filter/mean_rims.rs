@@ -76,7 +76,8 @@ pub(super) fn mean_rims(
     let RimStep {
         now_ns, dt, ways, ..
     } = *step;
-    let is_used = |wheel: &WheelChannel| !wheel.free && wheel.is_led_on(now_ns);
+    let is_used =
+        |wheel: &WheelChannel| !wheel.free && wheel.is_led_on(now_ns) && wheel.rim.is_some();
     let first = wheels.iter().find(|wheel| is_used(wheel))?.row;
     let parallel = wheels
         .iter()

@@ -23,6 +23,7 @@ pub(super) struct TurnAgreement {
     wheels: f64,
     both: f64,
     gap: f64,
+    turn: f64,
 }
 
 impl TurnAgreement {
@@ -33,6 +34,12 @@ impl TurnAgreement {
         mix(&mut self.gyro, gyro * gyro);
         mix(&mut self.wheels, wheels * wheels);
         mix(&mut self.both, gyro * wheels);
+    }
+
+    /// Adds a yaw rate by the gyro (rad/s) after `dt` seconds; returns the mean.
+    pub(super) fn mean_turn(&mut self, gyro: f64, dt: f64) -> f64 {
+        self.turn += (dt / MEMORY_S).clamp(0.0, 1.0) * (gyro - self.turn);
+        self.turn
     }
 
     /// Adds the gap of the gyro beyond the wheels and its bias (rad/s) after `dt` seconds of straight driving; returns the
@@ -88,7 +95,7 @@ mod tests {
             gyro: 0.5,
             wheels: 0.25,
             both: -0.125,
-            gap: 0.0,
+            ..TurnAgreement::default()
         };
         turn.update(0.4, -0.3, 0.1);
         // a fifth of 0.5 s
@@ -99,6 +106,8 @@ mod tests {
         // no more than all of it
         turn.update(0.4, -0.3, 0.75);
         assert!(near(turn.gyro, 0.16) && near(turn.wheels, 0.09) && near(turn.both, -0.12));
+        assert!(near(turn.mean_turn(0.5, 0.1), 0.1) && near(turn.mean_turn(-0.4, 0.25), -0.15));
+        assert!(near(turn.mean_turn(3.0, 0.75), 3.0));
         assert_eq!(turn.update_straight(-0.06, 0.5), None);
         assert!(near(turn.gap, -0.015));
         let gap = turn.update_straight(-0.06, 0.5).unwrap();
@@ -134,7 +143,7 @@ mod tests {
                 gyro,
                 wheels,
                 both,
-                gap: 0.0,
+                ..TurnAgreement::default()
             };
             assert_eq!(turn.contradicts(), contradicts, "{turn:?}");
         }

@@ -11,7 +11,7 @@ use std::{env, fs};
 use super::integrals::{Nodes, OneByOne};
 use super::{Contact, Integrals, Panel};
 use crate::quadrature::RuleView;
-use crate::{Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
+use crate::{Angle, Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
 
 const SNAPSHOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/snapshots/effort.txt");
 
@@ -95,4 +95,29 @@ fn effort_is_what_it_was() {
         .collect();
     assert!(changed.is_empty(), "{changed:#?}");
     assert_eq!(before.lines().count(), now.lines().count());
+}
+
+/// Soil of a cohesion so small that its shear has no digits left, sheared aslant: as many nodes as with one that has.
+#[test]
+fn a_cohesion_below_the_smallest_normal_number_takes_no_longer() {
+    const LEAST_COHESION_PA: f64 = 7.7e-313;
+    let nodes = |cohesion: f64| {
+        let params = crate::Soil::bekker(69.0, 2.1e6, 0.9)
+            .cohesion(cohesion)
+            .phi(Angle::from_deg(0.0))
+            .k_shear(1e-6)
+            .stress_position(0.0, 0.0);
+        let soil = params.params().and_then(crate::Soil::new).expect("a soil");
+        let wheel = RigidWheel::new(0.25, 0.6).expect("a wheel");
+        let wheel_on_soil =
+            WheelOnSoil::new(wheel, soil, Settings::default()).expect("a wheel on its soil");
+        let motion =
+            Kinematics::with_slip_angle(Slip::new(0.06).expect("a slip"), Angle::from_deg(-2.9));
+        let theta_1 = super::entry_angle(0.08, 0.25);
+        let contact = wheel_on_soil.contact(theta_1, &motion.expect("a motion"));
+        let nodes = Counted(Cell::new(0));
+        contact.integrals(wheel_on_soil.tables(), wheel_on_soil.order(), &nodes);
+        nodes.0.get()
+    };
+    assert_eq!(nodes(LEAST_COHESION_PA), nodes(1.0));
 }

@@ -76,7 +76,8 @@ impl<R: Scalar> Contact<R> {
                 Detail::Fine | Detail::Finer => 1e-15,
             };
             let strength = self.strength_at(self.angles.theta_m);
-            relative * (strength * self.arc()).value()
+            // a strength below the smallest normal number has no such digits to agree on
+            (relative * (strength * self.arc()).value()).max(f64::MIN_POSITIVE)
         });
         let method = Method { rule, tolerance };
         let front = (self.angles.theta_1 - self.angles.theta_m).value();

@@ -215,7 +215,8 @@ fn a_gyro_that_turns_against_the_wheels_fails_until_both_agree_and_slip_alike() 
     assert!(cart.gyro.contradicts_wheels());
 }
 
-/// Rims at 0.6 m/s half a metre to either side: at 0.45 rad/s one of them is dragged and the other held back by 0.37 of it.
+/// Rims at 0.6 m/s half a metre to either side: at 0.45 rad/s one of them is dragged and the other held back by 0.37 of it, once the
+/// mean over half a second is near.
 #[test]
 fn a_turn_that_nothing_on_the_robot_makes_is_the_gyro_s() {
     for (rate, is_confirmed, contradicts) in [
@@ -225,7 +226,7 @@ fn a_turn_that_nothing_on_the_robot_makes_is_the_gyro_s() {
     ] {
         let mut cart = Cart::new(0.0);
         cart.state.set_mean(FORWARD, 0.6);
-        for step in 0..20 {
+        for step in 0..100 {
             cart.state.set_mean(YAW, rate);
             cart.state.set_mean(GYRO_BIAS, 0.01);
             let change = 1e-6 * step as f64;

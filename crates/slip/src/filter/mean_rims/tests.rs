@@ -237,3 +237,23 @@ fn one_wheel_is_its_own_mean_and_two_are_no_majority() {
     let rims = mean_rims(&step(&[0.001, 0.005], 0.0, 1.0), &two, |_| None).unwrap();
     assert!((rims.speed - 0.3).abs() < 1e-15 && (rims.way - 0.003).abs() < 1e-15);
 }
+
+/// A wheel across the others that has not been read yet does not make them show a sideways speed, which a steering angle of a hair then
+/// would, greater than any.
+#[test]
+fn wheels_that_roll_one_way_are_parallel_beside_one_that_was_not_read() {
+    const HAIR_RAD: f64 = 6.7e-67;
+    let mut bank = bank(
+        [
+            ([0.4, 0.3, 0.0], 0.31),
+            ([0.4, -0.3, HAIR_RAD], 0.3),
+            ([-0.4, 0.3, 0.0], 0.29),
+            ([-0.4, -0.3, 1.2], 0.7),
+        ],
+        0,
+    );
+    bank.channels[3].rim = None;
+    let rims = mean_rims(&step(&[0.01; 4], 0.0, 1.0), &bank, |_| None).unwrap();
+    assert!((rims.speed - 0.3).abs() < 1e-12 && rims.direction.abs() < 1e-12);
+    assert!((rims.way - 0.01).abs() < 1e-12);
+}
