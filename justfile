@@ -18,6 +18,10 @@ check:
 test:
     cargo test --workspace
 
+# the share of a crate's lines that its tests run, at least 98 %, by cargo-llvm-cov; minutes
+coverage crate="slip":
+    cargo llvm-cov --release --package grouser-{{crate}} --lib --test all --summary-only --fail-under-lines 98
+
 # write the five-wheel example anew (a test compares it byte for byte)
 example:
     cargo run --release --package grouser-synthetic --example write -- examples/five-wheel

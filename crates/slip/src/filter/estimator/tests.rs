@@ -211,3 +211,62 @@ fn a_clock_that_was_set_forgets_the_motion_and_keeps_what_was_learnt() {
         );
     }
 }
+
+/// Pseudo-measurements come once in 20 ms: not a nanosecond earlier.
+#[test]
+fn pseudo_measurements_keep_their_period() {
+    let (forward, left) = (0.1, 0.0);
+    let command = Measurement::Command { forward, left };
+    let mut core = core(FilterSettings::default());
+    for (time_ns, last_ns) in [
+        (100 * MS, 100 * MS),
+        (110 * MS, 100 * MS),
+        (120 * MS - 1, 100 * MS),
+        (120 * MS, 120 * MS),
+        (139 * MS, 120 * MS),
+        (200 * MS, 200 * MS),
+    ] {
+        add(&mut core, time_ns, command);
+        assert_eq!(core.0.pseudo_measured_ns, Some(last_ns), "{time_ns}");
+    }
+}
+
+/// A command changes no estimate: news comes with another time, and then the readings of the time before are used.
+#[test]
+fn what_moves_time_on_is_news() {
+    let (forward, left) = (0.1, 0.0);
+    let command = Measurement::Command { forward, left };
+    let mut core = driven();
+    for (time_ns, is_news) in [(1_000 * MS, false), (1_003 * MS, true)] {
+        core.0.has_news = false;
+        add(&mut core, time_ns, command);
+        assert_eq!(core.0.has_news, is_news, "{time_ns}");
+    }
+}
+
+/// Without a gyro the yaw rate is that of the wheels less the error that the reference shows of it.
+#[test]
+fn without_a_gyro_wheels_lead_the_yaw_rate() {
+    const TURN_RAD_PER_S: f64 = 0.05;
+    let mut core = core(FilterSettings::default());
+    for step in 0..=200_i64 {
+        let time = 0.01 * step as f64;
+        read(&mut core, 10 * MS * step, [0.36, 0.44]);
+        if step % 10 == 0 {
+            let yaw = TURN_RAD_PER_S * time;
+            let arc = 0.3 / TURN_RAD_PER_S;
+            let (x, y) = (arc * f64::sin(yaw), arc * (1.0 - f64::cos(yaw)));
+            add(&mut core, 10 * MS * step, Measurement::Pose { x, y, yaw });
+        }
+    }
+    let core = &mut core.0;
+    let now_ns = core.now_ns.unwrap();
+    core.predict_ground_motion(now_ns);
+    let by_wheels = core.turn_by_wheels().unwrap();
+    assert!((by_wheels.value - 0.08 / 0.8).abs() < 1e-9);
+    let ground = core.ground.as_ref().unwrap();
+    let error = ground.motion(now_ns, &core.settings).unwrap().0.turn_error;
+    assert!(error.value.abs() > 1e-3);
+    assert_eq!(core.state.mean(YAW), by_wheels.value - error.value);
+    assert_eq!(core.state.covariance(YAW, YAW), error.variance);
+}
