@@ -6,6 +6,8 @@
     reason = "a test fails by panicking, and prints what it measured or why it is skipped"
 )]
 
+#[path = "support/lagrangian.rs"]
+mod lagrangian;
 #[path = "support/random_starts.rs"]
 mod random_starts;
 

@@ -4,11 +4,12 @@
 use std::fmt::Write as _;
 
 use grouser_opt::{
-    Exact, Functions, Jacobian, LinearConstraint, Method, Problem, ProblemParams, Settings,
-    Solution, Status, Variable, solve,
+    Exact, Functions, LinearConstraint, Method, Problem, ProblemParams, Settings, Status, Variable,
+    solve,
 };
 use grouser_real::Scalar;
 
+use crate::lagrangian::stationarity;
 use crate::random_starts::Stream;
 
 const PROBLEMS: u64 = 500;
@@ -122,41 +123,6 @@ fn problem(stream: &mut Stream) -> Problem<'static> {
         .linear(rows)
         .absolute(absolute);
     Problem::new(params).expect("a problem")
-}
-
-/// The greatest component of the Lagrangian's gradient, from the point and the prices alone, beside the greatest slope.
-fn stationarity(problem: &Problem<'_>, solution: &Solution) -> (f64, f64) {
-    let prices = &solution.multipliers;
-    let (m, n) = (problem.function_count(), solution.x.len());
-    let (mut values, mut jacobian) = (vec![0.0; m], Jacobian::zeros(m, n));
-    problem
-        .model()
-        .derivatives(&solution.x, &mut values, &mut jacobian);
-    let of_functions = prices
-        .objectives
-        .iter()
-        .chain(&prices.inequalities)
-        .chain(&prices.equalities);
-    let mut sum: Vec<f64> = (0..n).map(|k| prices.upper[k] - prices.lower[k]).collect();
-    for (i, price) in of_functions.enumerate() {
-        let sign = if i < problem.absolute() {
-            values[i].signum()
-        } else {
-            1.0
-        };
-        for (sum, slope) in sum.iter_mut().zip(jacobian.row(i)) {
-            *sum += sign * price * slope;
-        }
-    }
-    for (row, price) in problem.linear().iter().zip(&prices.linear) {
-        for (sum, a) in sum.iter_mut().zip(&row.coefficients) {
-            *sum += price * a;
-        }
-    }
-    let mut slopes = (0..m).flat_map(|i| jacobian.row(i).to_vec());
-    let greatest =
-        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |m, v| m.max(v.abs()));
-    (greatest(&mut sum.into_iter()), greatest(&mut slopes))
 }
 
 #[test]

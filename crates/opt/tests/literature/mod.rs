@@ -10,44 +10,13 @@ use std::fmt::Write as _;
 
 use grouser_opt::{Method, Problem, Settings, Solution, Status, solve};
 
+use crate::lagrangian::stationarity;
 use suite::{Case, all};
 
 fn solved(case: &Case) -> (Problem<'static>, Solution) {
     let problem = Problem::new((case.params)()).unwrap();
     let solution = solve(&problem, &Method::Minimax, &Settings::default()).unwrap();
     (problem, solution)
-}
-
-/// ‖Σ λ_i ∇|f_i| + Σ π_l a_l + u − l‖∞ and max ‖∇f_i‖∞, computed from the solution alone.
-fn stationarity(problem: &Problem<'_>, solution: &Solution) -> (f64, f64) {
-    let (m, n) = (problem.objectives().len(), solution.x.len());
-    let mut values = vec![0.0; m];
-    let mut jacobian = grouser_opt::Jacobian::zeros(m, n);
-    problem
-        .model()
-        .derivatives(&solution.x, &mut values, &mut jacobian);
-    let mut sum = vec![0.0; n];
-    let mut scale = 0.0_f64;
-    for (i, &value) in values.iter().enumerate() {
-        let sign = if i < problem.absolute() && value < 0.0 {
-            -1.0
-        } else {
-            1.0
-        };
-        scale = scale.max(jacobian.row_norm(i));
-        for (sum, g) in sum.iter_mut().zip(jacobian.row(i)) {
-            *sum += sign * solution.multipliers.objectives[i] * g;
-        }
-    }
-    for (row, price) in problem.linear().iter().zip(&solution.multipliers.linear) {
-        for (sum, a) in sum.iter_mut().zip(&row.coefficients) {
-            *sum += price * a;
-        }
-    }
-    for (i, sum) in sum.iter_mut().enumerate() {
-        *sum += solution.multipliers.upper[i] - solution.multipliers.lower[i];
-    }
-    (sum.iter().fold(0.0, |m, g| g.abs().max(m)), scale)
 }
 
 #[test]
