@@ -13,6 +13,8 @@ const NEAR_SHARE: f64 = 1e-4;
 const FAR_FACTOR: f64 = 100.0;
 const PAIR_FACTOR: f64 = 1000.0;
 const RANDOM_PAIRS: usize = 6;
+/// By how much rounding may move a point, or its sum in a row: a thousand times the last digit of numbers up to 4.
+const ROUNDING_DISTANCE: f64 = 1e-12;
 
 /// Two bowls that hold the level together at (0.5, 2), with other curvatures, and one that is far below.
 #[derive(Default)]
@@ -46,11 +48,7 @@ impl Model for &Noted {
 }
 
 /// A solution, and the points that were evaluated after the last derivatives.
-fn probed(
-    bounds: [(f64, f64); 2],
-    rows: Vec<LinearConstraint>,
-    probes: usize,
-) -> (Solution, Vec<Vec<f64>>) {
+fn probed(bounds: [(f64, f64); 2], rows: Vec<LinearConstraint>) -> (Solution, Vec<Vec<f64>>) {
     let noted = Noted::default();
     let variables = bounds
         .into_iter()
@@ -60,7 +58,7 @@ fn probed(
         .variables(variables)
         .linear(rows);
     let mut settings = Settings::default();
-    settings.probes = probes;
+    settings.probes = RANDOM_PAIRS;
     let problem = Problem::new(params).unwrap();
     let solution = solve(&problem, &Method::Minimax, &settings).unwrap();
     assert_eq!(solution.status.name(), "converged");
@@ -73,14 +71,17 @@ fn probed(
 
 fn near(found: &[f64], expected: [f64; 2]) {
     for (a, b) in found.iter().zip(expected) {
-        assert!((a - b).abs() < 1e-12, "{found:?} instead of {expected:?}");
+        assert!(
+            (a - b).abs() < ROUNDING_DISTANCE,
+            "{found:?} instead of {expected:?}"
+        );
     }
 }
 
 #[test]
 fn a_solution_is_probed_along_variables_descents_and_at_random() {
     let free = (f64::NEG_INFINITY, f64::INFINITY);
-    let (solution, points) = probed([(-1.0, 3.0), free], Vec::new(), RANDOM_PAIRS);
+    let (solution, points) = probed([(-1.0, 3.0), free], Vec::new());
     // where both are as high: x² = 2 (x − 1)² − 1/4
     let x = 2.0 - f64::sqrt(2.25);
     near(&solution.x, [x, 2.0]);
@@ -142,13 +143,12 @@ fn a_solution_is_probed_along_variables_descents_and_at_random() {
 /// A row that the solution lies on, one that it does not, and an equality: probes go along the rows that they would break.
 #[test]
 fn probes_stay_within_bounds_and_on_rows() {
-    const ROOM: f64 = 1e-12;
     let at_most = |a: [f64; 2], b| LinearConstraint::at_most(format!("{a:?}"), a.to_vec(), b);
     let holds = |rows: &[([f64; 2], f64)], bounds: [(f64, f64); 2], points: &[Vec<f64>]| {
         for point in points {
             for (a, b) in rows {
                 let sum = a[0] * point[0] + a[1] * point[1];
-                assert!(sum <= b + ROOM, "{point:?} breaks {a:?}");
+                assert!(sum <= b + ROUNDING_DISTANCE, "{point:?} breaks {a:?}");
             }
             for (x, (low, high)) in point.iter().zip(bounds) {
                 assert!((low..=high).contains(x), "{point:?}");
@@ -157,11 +157,7 @@ fn probes_stay_within_bounds_and_on_rows() {
     };
     let bounds = [(-1.0, 3.0), (-2.0, 1.75)];
     let rows = [([3.0, 1.0], 2.0), ([-1.0, 2.0], 40.0)];
-    let (solution, points) = probed(
-        bounds,
-        rows.map(|(a, b)| at_most(a, b)).to_vec(),
-        RANDOM_PAIRS,
-    );
+    let (solution, points) = probed(bounds, rows.map(|(a, b)| at_most(a, b)).to_vec());
     near(&solution.x, [1.0 / 12.0, 1.75]);
     holds(&rows, bounds, &points);
     // of a step up x what breaks the row is taken back across it, by nine parts of ten; a step down keeps it
@@ -172,9 +168,12 @@ fn probes_stay_within_bounds_and_on_rows() {
     near(&points[3], [x - FAR_FACTOR * step, y]);
     // an equality keeps all of them on its line
     let line = LinearConstraint::equal("line", vec![1.0, -2.0], -2.5);
-    let (solution, points) = probed(bounds, vec![line], RANDOM_PAIRS);
+    let (solution, points) = probed(bounds, vec![line]);
     for point in &points {
-        assert!((point[0] - 2.0 * point[1] + 2.5).abs() < ROOM, "{point:?}");
+        assert!(
+            (point[0] - 2.0 * point[1] + 2.5).abs() < ROUNDING_DISTANCE,
+            "{point:?}"
+        );
     }
     // of a near step up x four parts of five are along the line
     let [x, y] = [solution.x[0], solution.x[1]];

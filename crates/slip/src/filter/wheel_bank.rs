@@ -144,6 +144,7 @@ impl WheelBank {
         self.turn_by_rims(|wheel| wheel.against_since_ns.is_none())
     }
 
+    /// Least squares over the rims of the powered wheels for which `is_used` holds.
     fn turn_by_rims(&self, is_used: impl Fn(&WheelChannel) -> bool) -> Option<f64> {
         self.lateral?;
         let used = || self.powered().filter(|wheel| is_used(wheel));
