@@ -12,7 +12,7 @@ pub(crate) struct History<const K: usize> {
     ring: Box<[Entry<K>]>,
     start: usize,
     len: usize,
-    /// Two entries closer than this are merged, so that a fast sensor cannot push the window out.
+    /// No two entries are closer than this, the newest two aside, so that a fast sensor cannot push the window out.
     spacing_ns: i64,
 }
 
@@ -53,7 +53,8 @@ impl<const K: usize> History<K> {
             ring: vec![empty; capacity].into_boxed_slice(),
             start: 0,
             len: 0,
-            spacing_ns: span_ns / i64::try_from(capacity - 2).unwrap_or(i64::MAX),
+            // rounded up, lest the spaces together fall short of the span
+            spacing_ns: -(-span_ns).div_euclid(i64::try_from(capacity - 2).unwrap_or(i64::MAX)),
         }
     }
 
@@ -88,8 +89,8 @@ impl<const K: usize> History<K> {
         let new = Entry { time_ns, totals };
         let capacity = self.ring.len();
         if self.len >= 2 {
-            let before = self.entry(self.len - 2).time_ns;
-            if time_ns.saturating_sub(before) < self.spacing_ns {
+            let [before, last] = [2, 1].map(|back| self.entry(self.len - back).time_ns);
+            if last.saturating_sub(before) < self.spacing_ns {
                 let last = (self.start + self.len - 1) % capacity;
                 self.ring[last] = new;
                 return;
@@ -190,6 +191,7 @@ impl<const K: usize> History<K> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn totals_are_linear_between_samples_and_unknown_outside() {
@@ -208,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn of_three_entries_within_a_spacing_the_last_takes_the_place_of_the_second() {
+    fn a_new_entry_takes_the_place_of_the_newest_that_is_closer_than_a_spacing_to_the_one_before() {
         // ten spaces of 100 ns
         let kept = |times: [i64; 3]| {
             let mut history = History::<1>::new(12, 1_000);
@@ -217,7 +219,7 @@ mod tests {
             }
             history.at(times[1]) == Some([7.0])
         };
-        assert!(!kept([0, 50, 99]) && kept([0, 50, 100]) && kept([0, 99, 198]));
+        assert!(!kept([0, 50, 60]) && !kept([0, 99, 500]) && kept([0, 100, 101]));
     }
 
     #[test]
@@ -281,16 +283,22 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_sensor_faster_than_the_capacity_keeps_the_whole_span() {
-        let mut history = History::<1>::new(12, 1_000_000);
-        for time in 0..=5_000_000 {
-            if time % 1_000 == 0 {
+    proptest! {
+        #[test]
+        fn whatever_the_rate_the_whole_span_is_held(
+            capacity in 4_usize..40,
+            span_ns in 0_i64..1_000_000,
+            periods_ns in prop::collection::vec(0_i64..50_000, 300),
+        ) {
+            let mut history = History::<1>::new(capacity, span_ns);
+            let mut time = 0;
+            for period in core::iter::once(0).chain(periods_ns) {
+                time += period;
                 history.push(time, [time as f64]);
+                let held = history.newest().unwrap().0 - history.entry(0).time_ns;
+                prop_assert!(held >= span_ns.min(time), "{held} of {span_ns} ns at {time}");
+                prop_assert_eq!(history.between(time - held, time), Some([held as f64]));
             }
         }
-        let held = history.newest().unwrap().0 - history.entry(0).time_ns;
-        assert!(held >= 1_000_000, "{held}");
-        assert_eq!(history.between(4_000_000, 5_000_000), Some([1e6]));
     }
 }
