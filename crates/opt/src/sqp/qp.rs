@@ -78,6 +78,9 @@ pub(super) struct QpSolution {
 /// The callback is called after about this many products, a tenth of a second: of thousands of rows one
 /// factorisation takes a minute.
 const PRODUCTS_PER_CALL: usize = 100_000_000;
+/// A subproblem takes about as many rounds as rows enter; one that takes this many for each row of it goes round in a circle, by
+/// rounding.
+const MAX_ROUNDS_PER_ROW: usize = 20;
 /// Residuals below this times the size of their terms are rounding.
 const ROUNDING_SHARE: f64 = 1e-12;
 
@@ -190,74 +193,59 @@ impl Qp<'_> {
         let mut pace = Pace { products: 0, stop };
         let (mut members, mut held) = (Vec::new(), Vec::new());
         let mut stopped = !self.gather(&u, &mut pace, (&mut members, &mut held));
-        let limit = 20 * (self.n() + 10) + 2 * self.rows.kinds.len();
+        // rows that left as soon as they entered, until a multiplier moves
         let mut barred = Vec::new();
         let (mut step, mut level) = (vec![0.0; self.n()], 0.0);
         let mut exact = false;
-        let mut rounds = 0;
         let mut entered = None;
-        'rounds: while rounds < limit && !stopped {
-            // Inner loop: go to the best multipliers of the working set, leaving rows behind at bounds.
-            loop {
-                rounds += 1;
-                let subspace = Subspace::new(&members, &held, &u, self.n());
-                let Some(outcome) = subspace.solve(|products| pace.is_stopped(products)) else {
-                    stopped = true;
-                    break 'rounds;
-                };
-                let (direction, length) = match outcome {
-                    Outcome::Best { y, gamma, targets } => {
-                        step = self.factor.backward(&y);
-                        level = gamma;
-                        let direction: Vec<f64> = members
-                            .iter()
-                            .zip(&targets)
-                            .map(|(m, t)| t - u[m.row])
-                            .collect();
-                        (direction, 1.0)
-                    }
-                    Outcome::Dependent { direction } => (direction, f64::INFINITY),
-                };
-                let (length, blocking) = blocked(&members, &u, &direction, length);
-                if length.is_infinite() {
-                    // Rows that repeat others and must hold anyway: one of them is redundant.
-                    if let Some(last) = direction.iter().rposition(|&v| v != 0.0) {
-                        let redundant = members.remove(last);
-                        if u[redundant.row] != 0.0 {
-                            held.push(redundant);
-                        }
-                        continue;
-                    }
-                    break;
+        for _ in 0..self.count().saturating_mul(MAX_ROUNDS_PER_ROW) {
+            if stopped {
+                break;
+            }
+            let subspace = Subspace::new(&members, &held, &u, self.n());
+            let Some(outcome) = subspace.solve(|products| pace.is_stopped(products)) else {
+                stopped = true;
+                break;
+            };
+            let (direction, length) = match outcome {
+                Outcome::Best { y, gamma, targets } => {
+                    step = self.factor.backward(&y);
+                    level = gamma;
+                    let targets = members.iter().zip(&targets);
+                    (targets.map(|(m, t)| t - u[m.row]).collect(), 1.0)
                 }
-                let mut moved = false;
-                for (member, change) in members.iter().zip(&direction) {
-                    let change = length * change;
-                    u[member.row] += change;
-                    moved |= change.abs() > ROUNDING_SHARE * u[member.row].abs();
+                Outcome::Dependent { direction } => (direction, f64::INFINITY),
+            };
+            let (length, blocking) = blocked(&members, &u, &direction, length);
+            if length.is_infinite() {
+                // Rows that repeat others and must hold anyway: one of them is redundant.
+                let last = direction.iter().rposition(|&v| v != 0.0);
+                let redundant = members.remove(last.unwrap_or(0));
+                barred.extend(entered.filter(|row| *row == redundant.row));
+                if u[redundant.row] != 0.0 {
+                    held.push(redundant);
                 }
-                if moved {
-                    barred.clear();
-                }
-                let Some((index, bound)) = blocking else {
-                    break;
-                };
+                continue;
+            }
+            for (member, change) in members.iter().zip(&direction) {
+                u[member.row] += length * change;
+            }
+            let moved = members
+                .iter()
+                .zip(&direction)
+                .any(|(m, change)| (length * change).abs() > ROUNDING_SHARE * u[m.row].abs());
+            if moved {
+                barred.clear();
+            }
+            // To the best multipliers of the working set, leaving rows behind at bounds.
+            if let Some((index, bound)) = blocking {
                 let left = members.remove(index);
                 u[left.row] = bound;
-                if entered == Some(left.row) && !moved {
-                    barred.push(left.row);
-                }
+                barred.extend(entered.filter(|row| *row == left.row));
                 if bound != 0.0 {
                     held.push(left);
                 }
-                entered = entered.filter(|&row| members.iter().any(|m| m.row == row));
-                if rounds >= limit || members.is_empty() {
-                    break;
-                }
-            }
-            if members.is_empty() {
-                step = self.step_by(&held, &u);
-                level = 0.0;
+                continue;
             }
             let Some(entering) = self.most_violated(&u, &members, &barred, &step, level) else {
                 exact = true;
@@ -289,7 +277,7 @@ impl Qp<'_> {
     ) -> bool {
         for (row, &multiplier) in u.iter().enumerate() {
             let (low, high) = self.kind(row).range();
-            let list = if (multiplier > low && multiplier < high) || multiplier.is_infinite() {
+            let list = if multiplier > low && multiplier < high {
                 &mut *members
             } else if multiplier != 0.0 {
                 &mut *held
@@ -303,17 +291,6 @@ impl Qp<'_> {
             list.push(self.member(row));
         }
         true
-    }
-
-    /// Without objectives and active rows the least curvature is at d = −Σ held.
-    fn step_by(&self, held: &[Member], u: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; self.n()];
-        for m in held {
-            for (y, a) in y.iter_mut().zip(&m.vector) {
-                *y -= u[m.row] * a;
-            }
-        }
-        self.factor.backward(&y)
     }
 
     /// Gives the negative part of a fixed variable's multiplier to its upper bound.
@@ -373,20 +350,11 @@ impl Qp<'_> {
         let mut most = 0.0;
         for (row, &multiplier) in u.iter().enumerate() {
             let (low, high) = self.kind(row).range();
-            if low == high {
-                continue;
-            }
             let (residual, size) = self.residual(row, step, level);
-            let may_rise = multiplier < high;
-            let may_fall = multiplier > low;
-            let gain = if residual > 0.0 && may_rise {
-                residual
-            } else if residual < 0.0 && may_fall {
-                -residual
-            } else {
-                continue;
-            };
-            if gain > most
+            let bound = if residual > 0.0 { high } else { low };
+            let gain = residual.abs();
+            if multiplier != bound
+                && gain > most
                 && gain > ROUNDING_SHARE * size
                 && !barred.contains(&row)
                 && members.iter().all(|m| m.row != row)
@@ -414,7 +382,7 @@ fn blocked(
         } else {
             member.range.1
         };
-        if change == 0.0 || bound.is_infinite() {
+        if change == 0.0 {
             continue;
         }
         let room = ((bound - u[member.row]) / change).max(0.0);
