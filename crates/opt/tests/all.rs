@@ -18,6 +18,7 @@ mod certified_searches;
 mod conditions;
 mod convex;
 mod enclosures;
+mod exact_limits;
 mod fronts;
 mod joint_problems;
 mod literature;

@@ -179,4 +179,8 @@ fn probes_stay_within_bounds_and_on_rows() {
     let [x, y] = [solution.x[0], solution.x[1]];
     assert!(y < 1.7);
     near(&points[0], [x + 0.8 * step, y + 0.4 * step]);
+    // what rounding moves off a line through the origin counts as on it: no probe is lost
+    let line = LinearConstraint::equal("line", vec![0.3, 0.7], 0.0);
+    let (_, points) = probed(bounds, vec![line]);
+    assert!(points.len() >= 8 + 2 * RANDOM_PAIRS + 4, "{}", points.len());
 }

@@ -18,6 +18,8 @@ use crate::program::{Program, Row};
 
 /// A combination that is greater by less than this share of its terms is none: rounding.
 const ROUNDING_SHARE: f64 = 1e-12;
+/// A subproblem takes a few rounds; after this many it is left as it is.
+const MAX_ROUNDS: usize = 1000;
 
 /// A row of a subproblem, of a row of the program.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,10 +72,6 @@ impl Growing<'_> {
         (gradient, row.value(combined(combination, &self.rows.parts)))
     }
 
-    fn holds(&self, piece: &Piece) -> bool {
-        self.pieces.iter().any(|(_, own)| own == piece)
-    }
-
     /// Puts a piece in the place of its function's row.
     fn set(&mut self, piece: Piece) {
         let (gradient, offset) = self.row_of(piece.row, &piece.combination);
@@ -83,8 +81,11 @@ impl Growing<'_> {
         self.pieces.push((piece.row, piece));
     }
 
-    /// Puts a piece behind all rows.
+    /// Puts a piece behind all rows, unless it is there.
     fn push(&mut self, piece: Piece) {
+        if self.pieces.iter().any(|(_, own)| *own == piece) {
+            return;
+        }
         let (gradient, offset) = self.row_of(piece.row, &piece.combination);
         let place = self.rows.kinds.len();
         self.rows.kinds.push(self.rows.kinds[piece.row]);
@@ -173,20 +174,14 @@ impl Sqp<'_, '_, '_, '_> {
             all.set(piece(*row, &rows.parts));
         }
         for carried in std::mem::take(&mut self.pieces) {
-            if own.contains(&carried.row) && !all.holds(&carried) {
-                all.push(carried);
-            }
+            all.push(carried);
         }
         let fixed = rows.kinds.len();
-        let mut warm = with_zeros(warm, fixed, all.rows.kinds.len());
-        let limit = 20 * (program.dimension() + 10);
-        let mut rounds = 0;
-        let mut solution = loop {
-            let mut solution = self.plain_subproblem(model, &all.rows, &warm);
-            rounds += 1;
-            if solution.stopped || rounds == limit {
-                solution.exact = false;
-                break solution;
+        let warm = with_zeros(warm, fixed, all.rows.kinds.len());
+        let mut solution = self.plain_subproblem(model, &all.rows, &warm);
+        for _ in 0..MAX_ROUNDS {
+            if solution.stopped {
+                break;
             }
             let step = &solution.step;
             let parts = rows.parts.iter().enumerate();
@@ -195,19 +190,20 @@ impl Sqp<'_, '_, '_, '_> {
             let greater = own.iter().filter_map(|row| {
                 let found = piece(*row, &parts);
                 let (value, size) = reading(&program.rows[*row], &found.combination, &parts);
-                let is_greater = value - all.known(*row, step) > ROUNDING_SHARE * size;
-                (is_greater && !all.holds(&found)).then_some(found)
+                (value - all.known(*row, step) > ROUNDING_SHARE * size).then_some(found)
             });
             let greater: Vec<Piece> = greater.collect();
-            if greater.is_empty() {
-                break solution;
-            }
             let before = all.rows.kinds.len();
             for piece in greater {
                 all.push(piece);
             }
-            warm = with_zeros(&solution.multipliers, before, all.rows.kinds.len());
-        };
+            let count = all.rows.kinds.len();
+            if count == before {
+                break;
+            }
+            let warm = with_zeros(&solution.multipliers, before, count);
+            solution = self.plain_subproblem(model, &all.rows, &warm);
+        }
         let u = &solution.multipliers;
         let mut multipliers = [&u[..fixed], &u[all.rows.kinds.len()..]].concat();
         for row in own {

@@ -142,6 +142,9 @@ mod tests {
             solve(&[Objective, AtMost], &[-2.0, 1000.0], &[0.0, 500.0]).unwrap();
         near(&multipliers, &[1.0, 2e-3]);
         near(&step, &[-0.5]);
+        // so it does up to 1e-6 (d + 1/2), whose violation costs as much as that of d + 1/2
+        let (_, step) = solve(&[Objective, AtMost], &[-2.0, 1e-6], &[0.0, 0.5e-6]).unwrap();
+        near(&step, &[-0.5]);
         for gradient in [0.0, f64::INFINITY, f64::NAN] {
             assert_eq!(solve(&[Objective], &[gradient], &[1.0]), None);
         }

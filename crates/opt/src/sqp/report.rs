@@ -316,7 +316,7 @@ mod tests {
     use super::*;
     use crate::derivative::{Exact, Functions};
     use crate::method::Method;
-    use crate::problem::ProblemParams;
+    use crate::problem::{LinearConstraint, ProblemParams, Variable};
 
     /// Multiplier times distance, by hand; what is violated lacks what its multiplier is below the cap.
     #[test]
@@ -378,5 +378,62 @@ mod tests {
         // 0.5 (1, 2) + 2 (3, 4) + (3 − 1, 7 − 5)
         let sum = lagrangian_gradient(2, &rows, &[0.5, 2.0, 1.0, 3.0, 5.0, 7.0]);
         assert_eq!(sum, [8.5, 11.0]);
+    }
+
+    /// Prices by hand of a point with the goals' rows 2, 1 and −3, an inequality and a linear row with the slacks of the limit
+    /// that is called near, and bounds of which one is as near.
+    #[test]
+    fn what_holds_a_point_and_how_far_it_is() {
+        struct Nothing;
+        impl Functions for Nothing {
+            fn evaluate<R: Scalar>(&self, _: &[R], f: &mut [R]) {
+                f.fill(R::ZERO);
+            }
+        }
+        let settings = Settings {
+            constraint_tolerance: 1.0 / 1024.0,
+            ..Settings::default()
+        };
+        let near = 10.0 * settings.constraint_tolerance;
+        let params = ProblemParams::new(&[0.0; 2], 3, Exact(Nothing))
+            .inequalities(["g".to_owned()])
+            .variables([
+                Variable::bounded("x", 0.0, -1.0, 3.0),
+                Variable::bounded("y", 0.0, -7.0, 9.0),
+            ])
+            .linear([LinearConstraint::at_most("row", vec![1.0, 2.0], 3.0)]);
+        let problem = Problem::new(params).unwrap();
+        let method = Method::Attain {
+            goals: vec![0.0; 3],
+            weights: vec![2.0, 0.5, 0.0],
+        };
+        let program = Program::new(&problem, &method);
+        let point = Point {
+            x: vec![3.0 - 4.0 * near, 0.0],
+            functions: vec![4.0, 0.5, -3.0, -near],
+            rows: vec![2.0, 1.0, -3.0, -near],
+            parts: Vec::new(),
+        };
+        let of = |u: &[f64]| {
+            let point = point.clone();
+            let (counts, status) = (Counts::default(), Status::Converged);
+            solution(&program, &settings, counts, point, None, u, status)
+        };
+        let found = of(&[0.25, 0.75]);
+        assert_eq!(found.active, ["f1", "f2", "g", "row", "x <= upper"]);
+        assert_eq!(found.kkt.complementarity, 0.75);
+        // the limit of f3 is 3 off, that of the row as far as it may be and be near
+        assert_eq!(of(&[1.0, 0.0, 0.5]).kkt.complementarity, 1.5);
+        let found = of(&[1.0, 0.0, 0.0, 0.0, 8.0]);
+        assert_eq!(found.kkt.complementarity, 8.0 * 4.0 * near);
+        assert_eq!(found.active, ["f1", "g", "row", "x <= upper"]);
+        // what is met exactly is not violated, of no tolerance either
+        let met = Point {
+            rows: vec![2.0, 1.0, 0.0, 1.0],
+            ..point.clone()
+        };
+        let violated = violations(&program, &met, 0.0);
+        assert_eq!(violated.len(), 1);
+        assert_eq!((&violated[0].name[..], violated[0].amount), ("g", 1.0));
     }
 }

@@ -71,7 +71,7 @@ impl<'a> Subspace<'a> {
             .filter(|&i| Some(i) != self.base)
             .collect();
         let k = others.len();
-        let mut q: Vec<f64> = Vec::with_capacity(k * self.n);
+        let mut q: Vec<f64> = Vec::new();
         let mut r = vec![0.0; k * k];
         let mut b_hat = Vec::with_capacity(k);
         for (column, &index) in others.iter().enumerate() {
@@ -208,3 +208,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
+
+#[cfg(test)]
+#[path = "subspace_tests.rs"]
+mod tests;
