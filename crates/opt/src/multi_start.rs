@@ -209,3 +209,7 @@ fn distinct(runs: &[Solution], lower: &[f64], upper: &[f64]) -> Vec<Optimum> {
     }
     optima
 }
+
+#[cfg(test)]
+#[path = "multi_start_tests.rs"]
+mod tests;

@@ -709,3 +709,54 @@ fn prices_of_a_front_are_in_the_objectives_own_units() {
         assert!(priced > 10, "{priced}");
     }
 }
+
+/// a + x; a − x for a above 5.
+struct Apart(f64);
+
+impl Functions for Apart {
+    fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+        f[0] = R::from_f64(self.0) + if self.0 > 5.0 { -x[0] } else { x[0] };
+    }
+}
+
+fn apart(values: &[f64], measure: Measure) -> Problem<'static> {
+    let worlds = values
+        .iter()
+        .map(|value| World::new(value.to_string(), Exact(Apart(*value))));
+    let params = ProblemParams::new(&[0.0], 1, Exact(Apart(0.0)));
+    robust(params, worlds.collect(), measure).unwrap()
+}
+
+/// The greatest weight times value at the start, 2 · 3 or 1 · 10, is what a weighted sum of two worlds begins with.
+#[test]
+fn a_weighted_sum_begins_with_its_own_value() {
+    let problem = apart(&[3.0, 10.0], Measure::WorstCase);
+    let mut settings = Settings::default();
+    settings.max_iterations = 0;
+    let weights = vec![2.0, 1.0];
+    let found = solve(&problem, &Method::Weighted { weights }, &settings).unwrap();
+    assert_eq!((found.utility, found.x[0]), (10.0, 0.0));
+}
+
+/// Of two worlds the worse half is the worse one, however good the other one is.
+#[test]
+fn a_tail_is_without_the_worlds_that_do_not_count() {
+    let measure = Measure::ConditionalValueAtRisk { alpha: 0.5 };
+    let problem = apart(&[3.0, f64::NEG_INFINITY], measure);
+    let merit = evaluate(&problem, &Method::Minimax, &[1.0]).unwrap();
+    assert_eq!(merit.utility, 4.0);
+}
+
+/// A reference to a model and a model in a box are that model.
+#[test]
+fn a_model_may_be_borrowed_or_boxed() {
+    let measure = Measure::ConditionalValueAtRisk { alpha: 0.5 };
+    let problem = apart(&[3.0, 4.0], measure);
+    let all: [&dyn Model; 2] = [&problem.model(), &Box::new(problem.model())];
+    for model in all {
+        assert!(model.parts().is_some());
+        let (mut values, mut jacobian) = ([0.0], Jacobian::zeros(1, 1));
+        model.derivatives(&[2.0], &mut values, &mut jacobian);
+        assert_eq!((values, jacobian.row(0)), ([6.0], &[1.0][..]));
+    }
+}

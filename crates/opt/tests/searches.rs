@@ -172,3 +172,24 @@ fn the_knee_is_where_the_front_bends() {
     assert!((front[at][0] - 0.6).abs() < 1e-12, "{:?}", front[at]);
     assert_eq!(knee(&front[..2]), None);
 }
+
+/// Where nothing is feasible there is no front, only the least violation; where all points are as good there is one point.
+#[test]
+fn a_front_has_feasible_points_and_each_once() {
+    let of = |least: f64| {
+        let model = Differences::new(move |x: &[f64], f: &mut [f64]| {
+            (f[0], f[1]) = (1.0, 2.0);
+            f[2] = least + x[0] * x[0];
+        });
+        let params = ProblemParams::new(&[0.5], 2, model)
+            .variables([Variable::bounded("x", 0.5, -1.0, 1.0)])
+            .inequalities(["g".to_owned()]);
+        let mut settings = ParetoSettings::default();
+        (settings.population, settings.generations, settings.polish) = (20, 5, false);
+        pareto(&Problem::new(params).unwrap(), &settings).unwrap()
+    };
+    let none = of(0.25);
+    assert!(none.points.is_empty() && none.violation >= 0.25, "{none:?}");
+    let one = of(-9.0);
+    assert_eq!((one.points.len(), one.violation), (1, 0.0));
+}

@@ -273,3 +273,23 @@ fn the_points_of_a_solve_are_reported() {
     points.dedup();
     assert!(points.len() > 5, "{points:?}");
 }
+
+/// Of 128 worlds values and derivatives call twice each, and the iteration that is not allowed calls once.
+#[test]
+fn many_worlds_call_once_in_sixty_four() {
+    let world = |k: usize| {
+        let model = Differences::new(move |x: &[f64], f: &mut [f64]| f[0] = x[0] + k as f64);
+        World::new(k.to_string(), model)
+    };
+    let params = ProblemParams::new(&[3.0], 1, Differences::new(|_: &[f64], _: &mut [f64]| {}));
+    let joint = robust(params, (0..128).map(world).collect(), Measure::WorstCase).unwrap();
+    let mut settings = Settings::default();
+    settings.max_iterations = 0;
+    let mut calls = 0;
+    let mut count = |_: &Progress<'_>| {
+        calls += 1;
+        ControlFlow::Continue(())
+    };
+    solve_with(&joint, &Method::Minimax, &settings, &mut count).unwrap();
+    assert_eq!(calls, 2 + 2 + 1);
+}

@@ -332,6 +332,27 @@ impl FrontSearch<'_, '_> {
         Some(limit - self.began.elapsed().as_secs_f64())
     }
 
+    /// Those of the proof of one objective's least value.
+    fn settings_of(
+        &mut self,
+        method: &Method,
+        axis: usize,
+        is_range_known: bool,
+    ) -> CertifySettings {
+        let mut settings = self.settings.clone();
+        settings.candidates = self.points.iter().map(|p| p.x.clone()).collect();
+        settings.candidates.extend((self.watch.suggest)(method));
+        settings.gap = if is_range_known {
+            let largest = self.points.iter().map(|p| p.objectives[axis].abs());
+            let size = 1.0 + largest.fold(0.0, f64::max);
+            (CUT_GAP_SHARE * self.settings.gap * self.range[axis] / size).clamp(1e-12, 1.0)
+        } else {
+            FIRST_GAP
+        };
+        settings.time_limit_s = self.seconds_left().map(|left| left.max(0.0) * TIME_SHARE);
+        settings
+    }
+
     /// The least value of one objective; where a corner is cut, of the points whose other objective is at most a limit.
     fn prove(
         &mut self,
@@ -348,17 +369,7 @@ impl FrontSearch<'_, '_> {
                 number(limit)
             ),
         });
-        let mut settings = self.settings.clone();
-        settings.candidates = self.points.iter().map(|p| p.x.clone()).collect();
-        settings.candidates.extend((self.watch.suggest)(&method));
-        settings.gap = if is_range_known {
-            let largest = self.points.iter().map(|p| p.objectives[axis].abs());
-            let size = 1.0 + largest.fold(0.0, f64::max);
-            (CUT_GAP_SHARE * self.settings.gap * self.range[axis] / size).clamp(1e-12, 1.0)
-        } else {
-            FIRST_GAP
-        };
-        settings.time_limit_s = self.seconds_left().map(|left| left.max(0.0) * TIME_SHARE);
+        let settings = self.settings_of(&method, axis, is_range_known);
         let (boxes, began) = (self.boxes, self.began);
         let callback = &mut *self.watch.callback;
         let mut progress = |inner: &CertifyProgress| {

@@ -219,3 +219,20 @@ fn a_cut_without_points_leaves_no_corner() {
         assert!(corners.iter().all(|c| search.open_share(c.at) <= 0.25));
     });
 }
+
+/// Each proof may take a quarter of the time that is left, and may leave open a fifth of the gap, of the range.
+#[test]
+fn a_proof_has_a_share_of_time_and_gap() {
+    searched(&[[-3.0, 1.0]], 0.1, &mut Vec::new(), |search| {
+        let method = least_of(search.groups, 0, None);
+        let mut settings = search.settings.clone();
+        settings.time_limit_s = Some(1e6);
+        search.settings = Box::leak(Box::new(settings));
+        search.range = [2.0, 1.0];
+        let of = search.settings_of(&method, 0, true);
+        let time_s = of.time_limit_s.unwrap();
+        assert!(time_s > 2.4e5 && time_s <= 2.5e5, "{time_s}");
+        assert!((of.gap - 0.2 * 0.1 * 2.0 / 4.0).abs() < 1e-15, "{}", of.gap);
+        assert_eq!(of.candidates, [[-3.0, 1.0]]);
+    });
+}

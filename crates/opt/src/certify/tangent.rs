@@ -31,7 +31,7 @@ impl Examiner {
         let target = aim.target;
         let x = examined.rest.clone();
         let n = x.len();
-        if examined.weights.rows.is_empty() || target == f64::INFINITY {
+        if target == f64::INFINITY {
             return;
         }
         let inside = |p: &&[f64]| x.iter().zip(*p).all(|(x, p)| x.contains(*p));
@@ -54,7 +54,7 @@ impl Examiner {
             let moved: Vec<f64> = (0..n)
                 .map(|d| (at[d] + step[d] * radii[d]).clamp(x[d].low(), x[d].high()))
                 .collect();
-            let still = next == weights && moved == at;
+            let still = moved == at;
             (weights, at) = (next, moved);
             let Some(over) = self.bounder.hessian(rows, &weights, &x) else {
                 return;

@@ -132,15 +132,11 @@ pub(super) fn survive(
     let mut kept: Vec<usize> = Vec::with_capacity(count);
     let mut last: Vec<usize> = Vec::new();
     for front in all {
-        if kept.len() + front.len() <= count {
-            kept.extend(front);
-        } else {
+        if kept.len() + front.len() > count {
             last = front;
             break;
         }
-        if kept.len() == count {
-            break;
-        }
+        kept.extend(front);
     }
     if kept.len() < count {
         if best.is_empty() {
@@ -229,52 +225,5 @@ pub(super) fn nearest(
 }
 
 #[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    fn close(found: &[f64], wanted: &[f64]) -> bool {
-        found
-            .iter()
-            .zip(wanted)
-            .all(|(a, b)| (a - b).abs() < 1e-6 * b.abs().max(1.0))
-    }
-
-    proptest! {
-        /// Points of the plane Σ (f_k − ideal_k)/s_k = 1 give back s, and with the ideal and their ends the normalisation.
-        #[test]
-        fn a_plane_has_its_intercepts(
-            cuts in prop::array::uniform3(0.5..20.0_f64),
-            ideal in prop::array::uniform3(-5.0..5.0_f64),
-            part in prop::array::uniform3(0.05..0.3_f64),
-        ) {
-            let place = |w: [f64; 3]| -> Vec<f64> { (0..3).map(|k| ideal[k] + cuts[k] * w[k]).collect() };
-            let [a, b, c] = part;
-            let inner = [place([1.0 - 2.0 * a, a, a]), place([b, 1.0 - 2.0 * b, b]), place([c, c, 1.0 - 2.0 * c])];
-            for order in [[0, 1, 2], [2, 0, 1], [1, 2, 0]] {
-                let points = order.map(|i| inner[i].clone());
-                prop_assert!(close(&intercepts(&points, &ideal).unwrap(), &cuts));
-            }
-            prop_assert!(intercepts(&inner[..2], &ideal).is_none());
-            // a point twice, and a plane that an axis meets on the far side
-            prop_assert!(intercepts(&[inner[0].clone(), inner[0].clone(), inner[2].clone()], &ideal).is_none());
-            let far = [place([2.0, 1.0, 0.0]), place([1.0, 0.0, 0.0]), place([0.0, 0.0, 1.0])];
-            prop_assert!(intercepts(&far, &ideal).is_none());
-
-            let ends = [place([1.0, 0.0, 0.0]), place([0.0, 1.0, 0.0]), place([0.0, 0.0, 1.0])];
-            let front: Vec<&[f64]> = ends.iter().chain(&inner).map(Vec::as_slice).collect();
-            let mut memory = Normalisation::new(3);
-            let (best, scale) = memory.update(&front);
-            prop_assert!(close(&best, &ideal) && close(&scale, &cuts));
-            // the extremes are remembered after they have left
-            let (best, scale) = memory.update(&front[3..]);
-            prop_assert!(close(&best, &ideal) && close(&scale, &cuts));
-            // without a plane the greatest values count
-            let line = [place([1.0, 0.0, 0.5]), place([0.0, 1.0, 0.5])];
-            let (best, scale) = Normalisation::new(3).update(&[&line[0], &line[1]]);
-            prop_assert!(close(&best, &place([0.0, 0.0, 0.5])));
-            prop_assert!(close(&scale[..2], &cuts[..2]) && scale[2] <= 1e-9);
-        }
-    }
-}
+#[path = "nsga3_tests.rs"]
+mod tests;

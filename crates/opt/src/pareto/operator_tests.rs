@@ -98,17 +98,24 @@ fn children_spread_as_the_polynomial_says() {
         a != [1.0; 64]
     });
     assert!((changed.count() as f64 / 4000.0 - 0.3).abs() < 0.025);
-    let (mut a, mut b) = ([2.0], [2.0]);
-    for _ in 0..99 {
-        cross(
-            Crossover::new(5.0, 1.0),
-            &mut random,
-            (&[0.0], &[4.0]),
-            &mut a,
-            &mut b,
-        );
-    }
-    assert!(a == [2.0] && b == [2.0]);
+    // at a bound too; and parents on both sides of zero do not agree
+    let mut crossed = |a: f64, b: f64, lower: f64| {
+        let (mut a, mut b) = ([a], [b]);
+        for _ in 0..99 {
+            let bounds = (&[lower][..], &[4.0][..]);
+            cross(
+                Crossover::new(5.0, 1.0),
+                &mut random,
+                bounds,
+                &mut a,
+                &mut b,
+            );
+        }
+        [a[0], b[0]]
+    };
+    assert_eq!(crossed(2.0, 2.0, 0.0), [2.0; 2]);
+    assert_eq!(crossed(0.0, 0.0, 0.0), [0.0; 2]);
+    assert!(crossed(-1.0, 1.0, -4.0)[0].abs() != 1.0);
 }
 
 #[test]
@@ -319,16 +326,23 @@ fn violations_add_up_and_come_before_objectives() {
         ])
         .absolute(1);
     let problem = Problem::new(params).unwrap();
-    let points = [[1.0, 1.0], [4.0, 3.0], [-1.0, -3.5], [0.5, f64::NAN]].map(Vec::from);
+    let points = [
+        [1.0, 1.0],
+        [4.0, 3.0],
+        [-1.0, -3.5],
+        [0.5, f64::NAN],
+        [0.5, 0.0],
+    ];
+    let points = points.map(Vec::from);
     let found = evaluate(&problem, points.to_vec());
-    // (4, 3): 1 + |12 − 1| + 4 + |8 − 3 − 1|; (−1, −3.5): |3.5 − 1| + |−2 + 3.5 − 1|
+    // (4, 3): 1 + |12 − 1| + 4 + |8 − 3 − 1|; (−1, −3.5): |3.5 − 1| + |−2 + 3.5 − 1|; (0.5, 0): |0 − 1|
     let violations: Vec<f64> = found.iter().map(|one| one.violation).collect();
-    assert_eq!(violations, [0.0, 20.0, 3.0, f64::INFINITY]);
+    assert_eq!(violations, [0.0, 20.0, 3.0, f64::INFINITY, 1.0]);
     assert_eq!(
         (&found[1].objectives[..], &found[2].objectives[..]),
         (&[4.0, 3.0][..], &[1.0, -3.5][..])
     );
-    assert_eq!(fronts(&found), [[0], [2], [1], [3]].map(Vec::from));
+    assert_eq!(fronts(&found), [[0], [4], [2], [1], [3]].map(Vec::from));
     assert!(
         found[0].dominates(&found[2])
             && !found[2].dominates(&found[0])
@@ -422,6 +436,18 @@ fn the_less_violated_of_two_is_the_parent() {
         callback: &mut |_| std::ops::ControlFlow::Continue(()),
         stopped: false,
     };
+    // children of parents as far from either bound lie as far from their middle, unless a variable of them is mutated
+    search.bounds = (&[0.0; 64], &[4.0; 64]);
+    search.crossover = Crossover::new(5.0, 1.0);
+    search.mutation.probability = Some(0.0);
+    let [one, two] = search.children(&[1.0; 64], &[3.0; 64]);
+    assert!(
+        one != [1.0; 64]
+            && one
+                .iter()
+                .zip(&two)
+                .all(|(a, b)| (a + b - 4.0).abs() < 1e-12)
+    );
     let mut population = individuals(&[vec![0.0, 0.0], vec![0.0, 0.0]]);
     population[0].violation = 1.0;
     let violated = (0..2000)

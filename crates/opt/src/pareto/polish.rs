@@ -48,8 +48,7 @@ pub(super) fn polish(
         probes: 0,
         ..settings.clone()
     };
-    let ends = ends(problem, settings, front, &mut watch)?;
-    let ideal: Vec<f64> = (0..m).map(|k| ends[k][k]).collect();
+    let ideal = ideal(problem, settings, front, &mut watch)?;
     // The ends alone do not span the front: an objective's best may be reached at several of them.
     let scale: Vec<f64> = (0..m)
         .map(|k| {
@@ -97,7 +96,7 @@ pub(super) fn polish(
             Ok::<_, crate::error::Error>(solution)
         },
     );
-    *watch.stopped |= stopped;
+    *watch.stopped = *watch.stopped || stopped;
     let polished = polished.into_iter().chain(std::iter::repeat_with(|| None));
     let mut points: Vec<FrontPoint> = Vec::new();
     for ((point, _), solution) in targets.iter().zip(polished) {
@@ -154,50 +153,46 @@ fn per_objective(multipliers: &mut Multipliers, weights: &[f64]) {
     }
 }
 
-/// The objectives at the best point of each objective alone, found from the front's own best.
-fn ends(
+/// The least of each objective alone, found from the front's own best.
+fn ideal(
     problem: &Problem<'_>,
     settings: &Settings,
     front: &[Individual],
     watch: &mut Watch<'_, '_, '_>,
-) -> Result<Vec<Vec<f64>>> {
+) -> Result<Vec<f64>> {
     let m = problem.objectives().len();
-    let mut ends = Vec::with_capacity(m);
+    let mut ideal = Vec::with_capacity(m);
     for k in 0..m {
         let best = front
             .iter()
             .min_by(|a, b| a.objectives[k].total_cmp(&b.objectives[k]));
         let Some(best) = best else { continue };
-        // A whisper of the others picks, among equally good ends, the one that costs them least.
-        let weights = (0..m).map(|i| if i == k { 1.0 } else { 1e-6 }).collect();
-        if *watch.stopped {
-            ends.push(best.objectives.clone());
-            continue;
-        }
-        let own = &mut |progress: &Progress<'_>| {
-            let stage = Stage::Polishing {
-                done: 0,
-                of: front.len(),
+        let mut least = best.objectives[k];
+        if !*watch.stopped {
+            // A whisper of the others picks, among equally good ends, the one that costs them least.
+            let weights = (0..m).map(|i| if i == k { 1.0 } else { 1e-6 }).collect();
+            let own = &mut |progress: &Progress<'_>| {
+                let stage = Stage::Polishing {
+                    done: 0,
+                    of: front.len(),
+                };
+                (watch.callback)(&Progress { stage, ..*progress })
             };
-            (watch.callback)(&Progress { stage, ..*progress })
-        };
-        let solution = solve_with(
-            &problem.from_start(&best.x)?,
-            &Method::Weighted { weights },
-            settings,
-            own,
-        )?;
-        *watch.stopped |= solution.status == Status::Stopped;
-        *watch.counts += solution.counts;
-        let reached = magnitudes(problem, &solution.objectives);
-        let better = solution.status.is_solved() && reached[k] <= best.objectives[k];
-        ends.push(if better {
-            reached
-        } else {
-            best.objectives.clone()
-        });
+            let solution = solve_with(
+                &problem.from_start(&best.x)?,
+                &Method::Weighted { weights },
+                settings,
+                own,
+            )?;
+            *watch.stopped = solution.status == Status::Stopped;
+            *watch.counts += solution.counts;
+            if solution.status.is_solved() {
+                least = least.min(magnitudes(problem, &solution.objectives)[k]);
+            }
+        }
+        ideal.push(least);
     }
-    Ok(ends)
+    Ok(ideal)
 }
 
 fn magnitudes(problem: &Problem<'_>, objectives: &[f64]) -> Vec<f64> {
@@ -235,7 +230,13 @@ fn nondominated(points: &[FrontPoint]) -> Vec<FrontPoint> {
 
 #[cfg(test)]
 mod tests {
+    use core::ops::ControlFlow;
+
+    use grouser_real::Scalar;
+
     use super::*;
+    use crate::problem::{ProblemParams, Variable};
+    use crate::{Exact, Functions};
 
     fn kept(points: &[[f64; 2]]) -> Vec<usize> {
         let of = |(index, f): (usize, &[f64; 2])| FrontPoint {
@@ -264,6 +265,70 @@ mod tests {
         assert_eq!(kept(&[[1.0, 1.0], [1.0 + 5e-9, 0.5]]), [0, 1]);
         assert_eq!(kept(&[[1.0, 1.0 + 5e-9], [1.0 + 5e-10, 1.0]]), [1]);
         assert_eq!(kept(&[[1.0, 1.0 + 1.5e-9], [1.0 + 1.5e-9, 1.0]]), [0, 1]);
+        // exactly that: still as good, not better, the same
+        assert_eq!(kept(&[[0.0, 1.0], [1e-9, 0.0]]), [1]);
+        assert_eq!(kept(&[[1e-9, 0.0], [0.0, 0.0]]), [0]);
+        assert_eq!(kept(&[[0.0, 0.0], [1e-9, 0.0]]), [0]);
+    }
+
+    /// −x² − 100 and (x − 1)² − 9.
+    struct Pair;
+    impl Functions for Pair {
+        fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+            f[0] = -(x[0].square() + R::from_f64(OFFSETS[0]));
+            f[1] = (x[0] - R::ONE).square() + R::from_f64(OFFSETS[1]);
+        }
+    }
+    /// Of the two objectives' least values from zero.
+    const OFFSETS: [f64; 2] = [100.0, -9.0];
+
+    /// x² + 100, as a magnitude, and (x − 1)² − 9 along given directions w from their ideal point: x² w₂ = (1 − x)² w₁. A stop
+    /// before the end is kept.
+    #[test]
+    fn points_move_along_their_directions() {
+        let params = ProblemParams::new(&[0.5], 2, Exact(Pair)).absolute(1);
+        let variables = [Variable::bounded("x", 0.5, -2.0, 2.0)];
+        let problem = Problem::new(params.variables(variables)).unwrap();
+        assert_eq!(magnitudes(&problem, &[-1.0, -2.0]), [1.0, -2.0]);
+        let front = [0.1, 0.4, 0.9].map(|x: f64| Individual {
+            x: vec![x],
+            objectives: vec![x * x + OFFSETS[0], (x - 1.0) * (x - 1.0) + OFFSETS[1]],
+            violation: 0.0,
+        });
+        // those of the front reach so far from the ideal point
+        let extent = [0.81_f64, 0.81];
+        let directions = [[0.2, 0.8], [0.5, 0.5], [0.9, 0.1]];
+        let all: Vec<Vec<f64>> = directions.iter().map(|w| w.to_vec()).collect();
+        let polished = |last: usize| {
+            let (mut calls, mut stopped, mut counts) = (0, false, Counts::default());
+            let mut callback = |_: &Progress<'_>| {
+                calls += 1;
+                if calls == last {
+                    return ControlFlow::Break(());
+                }
+                ControlFlow::Continue(())
+            };
+            let watch = Watch {
+                callback: &mut callback,
+                stopped: &mut stopped,
+                counts: &mut counts,
+            };
+            let settings = Settings::default();
+            let points = polish(&problem, &settings, &front, Some(&all), watch).unwrap();
+            (points, stopped, calls)
+        };
+        let (points, stopped, calls) = polished(usize::MAX);
+        assert!(!stopped && points.len() == 3);
+        for (point, w) in points.iter().zip(directions) {
+            let root = |k: usize| (w[k] * extent[k]).sqrt();
+            let x = root(0) / (root(0) + root(1));
+            assert!((point.x[0] - x).abs() < 1e-6, "{:?} {x}", point.x);
+        }
+        for last in 1..calls {
+            let (_, stopped, again) = polished(last);
+            assert!(stopped && again <= calls, "{last}");
+        }
+        assert_eq!(polished(1).2, 1, "nothing is called after a stop");
     }
 
     #[test]

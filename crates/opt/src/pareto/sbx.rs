@@ -41,8 +41,6 @@ pub(super) fn cross(
     if random.uniform() >= crossover.probability {
         return;
     }
-    // Beyond this β the cut is below rounding.
-    let far = Real::powf(1e17_f64, 1.0 / (crossover.eta + 1.0));
     let exponent = 1.0 / (crossover.eta + 1.0);
     for i in 0..a.len() {
         let swap = random.uniform() < 0.5;
@@ -55,11 +53,7 @@ pub(super) fn cross(
         // both children spread alike.
         let cut = |room: f64| {
             let beta = 1.0 + 2.0 * room / (high - low);
-            2.0 - if beta > far {
-                0.0
-            } else {
-                Real::powf(beta, -(crossover.eta + 1.0))
-            }
+            2.0 - Real::powf(beta, -(crossover.eta + 1.0))
         };
         let spread = |alpha: f64| {
             if u <= 1.0 / alpha {

@@ -164,6 +164,14 @@ mod tests {
         );
         // three objectives have (d + 1)(d + 2)/2 directions, 9870 for 139 divisions; six have 8e12 for a thousand
         assert_eq!(refused(|s| s.divisions = Some(139), 3), None);
+        // by default as many as the population has individuals: (12 + 1)(12 + 2)/2 = 91
+        for (population, divisions) in [(90, 11), (91, 12), (92, 12)] {
+            let settings = ParetoSettings {
+                population,
+                ..ParetoSettings::default()
+            };
+            assert_eq!(settings.divisions_for(3), divisions);
+        }
         assert!(refused(|s| s.divisions = Some(140), 3).is_some());
         assert!(refused(|s| s.divisions = Some(1000), 6).is_some());
     }
