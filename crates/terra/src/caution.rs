@@ -206,3 +206,84 @@ impl Cautions {
             .filter(move |caution| self.contains(*caution))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::vec;
+
+    use super::*;
+
+    /// Exactly at a limit nothing is cautioned, and just beyond it one thing.
+    #[test]
+    fn cautions_begin_beyond_their_limits() {
+        let at = Judged {
+            position: 0.0,
+            sinkage: 0.25,
+            radius: 0.75,
+            reverses: false,
+            outside_fit: false,
+            lost_work: (-1e-9 * 7.0, 7.0),
+        };
+        let of = |judged: &Judged| {
+            let mut cautions = Cautions::default();
+            cautions.judge(judged);
+            cautions.iter().collect::<std::vec::Vec<_>>()
+        };
+        assert_eq!(of(&at), []);
+        let position = |position: f64| of(&Judged { position, ..at });
+        assert_eq!(position(1.0_f64.next_down()), []);
+        assert_eq!(position(1.0), [Caution::NoNormalStress]);
+        assert_eq!(
+            position((-0.0_f64).next_down()),
+            [Caution::MaximumStressHeld]
+        );
+        let sinkage = |sinkage: f64| of(&Judged { sinkage, ..at });
+        assert_eq!(sinkage(0.25_f64.next_up()), [Caution::DeepSinkage]);
+        assert_eq!(sinkage(0.75), [Caution::DeepSinkage]);
+        let hub = [Caution::DeepSinkage, Caution::HubInSoil];
+        assert_eq!(sinkage(0.75_f64.next_up()), hub);
+        let lost = |lost: f64| {
+            of(&Judged {
+                lost_work: (lost, 7.0),
+                ..at
+            })
+        };
+        assert_eq!(lost(-7.001e-9), [Caution::WorkGained]);
+        assert_eq!((lost(0.0), lost(7.0)), (vec![], vec![]));
+        assert_eq!(
+            of(&Judged {
+                reverses: true,
+                ..at
+            }),
+            [Caution::ShearReversal]
+        );
+        assert_eq!(
+            of(&Judged {
+                outside_fit: true,
+                ..at
+            }),
+            [Caution::OutsideFit]
+        );
+    }
+
+    #[test]
+    fn sets_are_joined() {
+        let of = |of: &[Caution]| {
+            let mut cautions = Cautions::default();
+            of.iter().for_each(|caution| cautions.insert(*caution));
+            cautions
+        };
+        let mut both = of(&[Caution::WorkGained, Caution::LugSpacing]);
+        both.insert_all(of(&[Caution::WorkGained, Caution::OutsideFit]));
+        let expected = [
+            Caution::WorkGained,
+            Caution::LugSpacing,
+            Caution::OutsideFit,
+        ];
+        assert!(both.iter().eq(expected));
+        both.insert_if(false, Caution::HubInSoil);
+        both.insert_if(true, Caution::DeepSinkage);
+        assert!(both.contains(Caution::DeepSinkage) && !both.contains(Caution::HubInSoil));
+        assert!(!both.is_empty() && Cautions::default().is_empty());
+    }
+}

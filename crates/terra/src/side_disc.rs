@@ -113,7 +113,7 @@ impl<R: Scalar> SideDisc<R> {
                 let depth = radius * (cos_a - cos_1);
                 let area = R::from_f64(weight) * (to - from) * radius * sin_a * radius;
                 let forward = speeds.forward - speeds.rim * cos_a;
-                let cut = -up.value() / speeds.rim.value();
+                let cut = still_place(up, speeds.rim);
                 for (left, right) in parts(-sin_a, sin_a, Some(cut)) {
                     for (y, weight) in rule.iter() {
                         let x = left + R::from_f64(y) * (right - left); // over the radius, forwards
@@ -165,6 +165,11 @@ impl<R: Scalar> SideDisc<R> {
 fn still_row<R: Scalar>(forward: R, rim: R) -> Option<f64> {
     let ratio = forward.value() / rim.value();
     (ratio < 1.0).then(|| Real::acos(ratio))
+}
+
+/// Where along a row the disc does not slide upwards, over the radius, forwards.
+fn still_place<R: Scalar>(up: R, rim: R) -> f64 {
+    -up.value() / rim.value()
 }
 
 /// [from, to], cut at `at` where that lies inside; the second part is empty where it does not.
@@ -313,6 +318,21 @@ mod tests {
             let moved = motion.motion::<f64>().speeds();
             let work = torque * moved.rim - pull * r * moved.forward + side * r * moved.sideways;
             assert!((lost - work).abs() < 1e-8 * work, "{lost} {work}");
+        }
+    }
+
+    /// forward = rim cos a, and rim x = −up.
+    #[test]
+    fn rows_are_cut_where_nothing_slides() {
+        assert_eq!(still_row(0.3, 1.2), Some(f64::acos(0.25)));
+        assert_eq!(still_row(-0.3, 1.2), Some(f64::acos(-0.25)));
+        assert_eq!((still_row(1.0, 1.0), still_row(1.3, 1.2)), (None, None));
+        assert_eq!(still_place(0.3, 1.2), -0.25);
+        let of = |at: Option<f64>| parts(-0.5, 0.75, at).collect::<std::vec::Vec<_>>();
+        assert_eq!(of(Some(0.25)), [(-0.5, 0.25), (0.25, 0.75)]);
+        assert_eq!(of(Some(-0.25)), [(-0.5, -0.25), (-0.25, 0.75)]);
+        for at in [None, Some(-0.6), Some(0.8), Some(f64::NAN)] {
+            assert_eq!(of(at), [(-0.5, 0.75)]);
         }
     }
 

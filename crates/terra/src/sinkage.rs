@@ -385,3 +385,6 @@ impl Search {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

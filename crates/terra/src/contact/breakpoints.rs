@@ -3,6 +3,7 @@
 use grouser_real::{Real, Scalar};
 
 use super::Contact;
+use super::crossing::crossing;
 use crate::shear::{Restart, ShearLaw, ShearState};
 
 /// How closely the growth of the shear is followed.
@@ -27,6 +28,9 @@ impl Detail {
 
 /// How closely a cut at a level of displacement is found, relatively: where exactly a panel ends does not matter there.
 const LEVEL_CLOSE: f64 = 0.1;
+
+/// How closely a cut is found where it has to be exact: rounding of an arc of 1 rad.
+const EXACT_RAD: f64 = 1e-15;
 
 /// Most cuts there can be: at most three monotone stretches of j, each with every level on both sides.
 const CAPACITY: usize = 96;
@@ -91,7 +95,9 @@ impl Breakpoints {
             let (j_from, j_to) = (shear.along(from.next_up()), shear.along(to));
             let mut add = |j: f64, close: f64| {
                 if (j_from < j && j < j_to) || (j_to < j && j < j_from) {
-                    self.push_inside(level_crossing(shear, (from, to), (j, close)), arc);
+                    let off = |w: f64| shear.along(w) - j;
+                    let ends = [from.next_up(), to].map(|w| (w, off(w)));
+                    self.push_inside(crossing(off, ends, (close, EXACT_RAD)), arc);
                 }
             };
             // there the stress changes its sign
@@ -255,33 +261,6 @@ impl ShearState<f64> {
         }
         stretches
     }
-}
-
-/// The arc in `range`, over which j is monotone and passes `level`, where it does to `close`, m: bisection with the
-/// secant's help (Illinois), for 0 to the last bit that matters.
-fn level_crossing(shear: &ShearState<f64>, range: (f64, f64), (level, close): (f64, f64)) -> f64 {
-    let (mut a, mut b) = range;
-    let (mut f_a, mut f_b) = (shear.along(a.next_up()) - level, shear.along(b) - level);
-    for _ in 0..60 {
-        let mut c = b - f_b * (b - a) / (f_b - f_a);
-        if !(c > a.min(b) && c < a.max(b)) {
-            c = 0.5 * (a + b);
-        }
-        let f_c = shear.along(c) - level;
-        if f_c.abs() <= close || (b - a).abs() <= 4.0 * f64::EPSILON * b.abs() {
-            return c;
-        }
-        if (f_c < 0.0) == (f_b < 0.0) {
-            // The same end again: Illinois halves the other end's value so that it moves too.
-            f_a *= 0.5;
-        } else {
-            a = b;
-            f_a = f_b;
-        }
-        b = c;
-        f_b = f_c;
-    }
-    b
 }
 
 #[cfg(test)]

@@ -9,9 +9,11 @@ use std::string::String;
 use std::{env, fs};
 
 use super::integrals::{Nodes, OneByOne};
-use super::{Contact, Integrals, Panel};
+use super::{Contact, Integrals, Motion, Order, Panel, WheelSize};
 use crate::quadrature::RuleView;
-use crate::{Angle, Kinematics, RigidWheel, Settings, Slip, WheelOnSoil, catalogue};
+use crate::{
+    Angle, Kinematics, RigidWheel, Settings, ShearLaw, Slip, SoilParams, WheelOnSoil, catalogue,
+};
 
 const SNAPSHOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/snapshots/effort.txt");
 
@@ -120,4 +122,92 @@ fn a_cohesion_below_the_smallest_normal_number_takes_no_longer() {
         nodes.0.get()
     };
     assert_eq!(nodes(LEAST_COHESION_PA), nodes(1.0));
+}
+
+/// A contact on dry sand, of 400 that a number names: braked and driven, some with one piece only.
+fn contact(i: u32, drift: f64) -> Contact<f64> {
+    let share = |factor: f64| (f64::from(i) * factor).fract();
+    let params = *catalogue::find("dry-sand")
+        .and_then(|open| open.soil().ok())
+        .expect("a soil")
+        .params();
+    let soil = crate::Soil::new(SoilParams {
+        k_shear: 5e-4 * 100.0_f64.powf(share(0.618_034)),
+        rebound: 0.5 * share(0.754_878),
+        ..params
+    });
+    let motion = Motion {
+        slip: 0.8 - 1.5 * share(0.569_840),
+        q_y: drift * 0.002 * 100.0_f64.powf(share(0.819_173)),
+        slip_angle: 0.1 * drift,
+    };
+    let (size, law) = (WheelSize::smooth(0.1, 0.05), ShearLaw::Coupled);
+    let theta_1 = 0.05 + 1.3 * share(0.671_044);
+    let laws = soil.expect("a soil").laws();
+    let mut contact = Contact::new(&size, &laws, law, &motion, theta_1);
+    match i % 8 {
+        0 => contact.angles.theta_m = contact.angles.theta_1,
+        1 => contact.angles.theta_m = contact.angles.theta_2,
+        _ => {}
+    }
+    contact
+}
+
+/// Nodes of 400 contacts panel by panel: a snapshot.
+#[test]
+fn nodes_of_panels() {
+    let nodes = |order: Order, drift: f64| {
+        let nodes = Counted(Cell::new(0));
+        for i in 0..400 {
+            contact(i, drift).split(order, &nodes);
+        }
+        nodes.0.get()
+    };
+    let straight = [
+        Order::Standard,
+        Order::Check,
+        Order::Reference,
+        Order::Beyond,
+    ];
+    assert_eq!(
+        straight.map(|order| nodes(order, 0.0)),
+        [25_744, 51_488, 70_560, 127_808]
+    );
+    // halved where the stress turns
+    let turning = [Order::Standard, Order::Check];
+    assert_eq!(turning.map(|order| nodes(order, 1.0)), [50_656, 96_576]);
+}
+
+/// Every rule finds the same shear, whatever the panel: no two halves agree with the whole.
+struct Disagreeing(Cell<u32>);
+
+impl Nodes<f64> for Disagreeing {
+    fn smooth(&self, _: &Contact<f64>, _: RuleView<'_>, _: RuleView<'_>) -> Integrals<f64> {
+        Integrals::zero()
+    }
+
+    fn panel(&self, _: &Contact<f64>, _: Panel, _: RuleView<'_>) -> Integrals<f64> {
+        self.0.set(self.0.get() + 1);
+        Integrals {
+            tau: 1.0,
+            tau_side: 1.0,
+            ..Integrals::zero()
+        }
+    }
+}
+
+/// A panel is halved sixteen times below its first halves: 2¹⁸ − 1 panels for each.
+#[test]
+fn halving_ends() {
+    let mut contact = contact(2, 1.0);
+    // nothing to cut: a wheel that turns faster than it travels and is sheared to less than twice K
+    contact.shear.k_shear = 1.0;
+    contact.shear.displacement.q = 0.97;
+    contact.shear.displacement.one_minus_q = 0.03;
+    contact.shear.q_y = 0.01;
+    assert!(contact.shear.swings(contact.arc()));
+    let nodes = Disagreeing(Cell::new(0));
+    let sum = contact.split(Order::Standard, &nodes);
+    assert_eq!(nodes.0.get(), 2 * ((1 << 18) - 1));
+    assert_eq!((sum.tau, sum.tau_side), (262_144.0, 262_144.0));
 }

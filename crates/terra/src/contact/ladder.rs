@@ -287,4 +287,43 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_least_step_that_serves() {
+        let step =
+            |stiffness: f64, theta_1: f64| Step::for_stiffness(stiffness, theta_1).map(Step::index);
+        for (k, limit) in LIMITS.into_iter().enumerate() {
+            assert_eq!(step(limit, 0.5), Some(k));
+            let next = Some(k + 1).filter(|next| *next < 5);
+            assert_eq!(step(limit.next_up(), 0.5), next);
+            assert_eq!(Step::at(k).finer().map(Step::index), next);
+            assert_eq!(Step::at(k).index(), k);
+        }
+        assert_eq!(Step::at(9), Step::at(4));
+        assert_eq!(step(f64::NAN, 0.5), None);
+        // the sines of a deep contact
+        let shallow = SHALLOW_ENTRY_RAD;
+        assert_eq!(
+            (step(1.0, shallow), step(1.0, shallow.next_up())),
+            (Some(0), Some(1))
+        );
+        assert_eq!(step(10.0, 1.2), Some(2));
+    }
+
+    /// Nodes of the friction's and of the cohesion's rule.
+    #[test]
+    fn coarse_rules_are_a_step_behind() {
+        let tables = ExponentTables::of(0.8);
+        let of = |closeness: Closeness| {
+            let rules = tables.at(closeness);
+            (rules.friction.nodes.len(), rules.cohesion.nodes.len())
+        };
+        assert_eq!(of(Closeness::First), (2, 2));
+        let fine = [(6, 8), (8, 10), (12, 16), (16, 20), (MAX_NODES, 32)];
+        let coarse = [(4, 6), (5, 8), fine[1], fine[2], fine[3]];
+        for (k, (fine, coarse)) in fine.into_iter().zip(coarse).enumerate() {
+            assert_eq!(of(Closeness::Fine(Step(k))), fine);
+            assert_eq!(of(Closeness::Coarse(Step(k))), coarse);
+        }
+    }
 }

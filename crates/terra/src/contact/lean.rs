@@ -47,25 +47,14 @@ pub(crate) const MAX_SINKAGE_PER_RADIUS: f64 = 0.5;
 /// A number whose power of two and logarithm may be short.
 pub(crate) trait Short: Real {
     /// 2ˣ for −1000 ≤ x ≤ ½: to 1.1e-10, and 2ˣ − 1 near 0 to 3e-10 of itself.
-    #[inline(always)]
-    fn exp2_short(self) -> Self {
-        (self * Self::from_f64(core::f64::consts::LN_2)).exp()
-    }
+    fn exp2_short(self) -> Self;
 
     /// The same of some numbers.
-    #[inline(always)]
-    fn exp2_short_each<const N: usize>(x: [Self; N]) -> [Self; N] {
-        x.map(Self::exp2_short)
-    }
+    fn exp2_short_each<const N: usize>(x: [Self; N]) -> [Self; N];
 
     /// Base-2 logarithm of a positive normal number, to 1e-12.
-    #[inline(always)]
-    fn log2_short(self) -> Self {
-        self.ln() * Self::from_f64(core::f64::consts::LOG2_E)
-    }
+    fn log2_short(self) -> Self;
 }
-
-impl Short for f64 {}
 
 /// An operating point as the lean kernel takes it.
 #[derive(Clone, Copy, Debug)]

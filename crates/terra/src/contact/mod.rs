@@ -2,6 +2,7 @@
 
 mod angles;
 mod breakpoints;
+mod crossing;
 #[cfg(all(test, feature = "std"))]
 mod effort_tests;
 mod integrals;

@@ -110,9 +110,7 @@ impl<R: Scalar> Contact<R> {
         let fourth_root = |t: f64| Real::sqrt(Real::sqrt(t));
         let mut from = 0.0;
         for cut in cuts.filter(|t| *t < 1.0).chain([1.0]) {
-            if !(cut > 0.0) {
-                continue;
-            }
+            // of a cut before the piece it is NaN
             let to = fourth_root(cut);
             if to > from {
                 let panel = Panel { piece, from, to };

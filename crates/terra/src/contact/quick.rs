@@ -8,6 +8,7 @@
 
 use grouser_real::Real;
 
+use super::crossing::crossing;
 use super::lean::{MAX_HALF_ARC_RAD, Short, sine_cosine};
 use super::{Contact, Integrals};
 use crate::quadrature::{LEGENDRE_8, LEGENDRE_16, RuleView};
@@ -21,9 +22,7 @@ const ENTRY_RAD: (f64, f64) = (0.01, 1.048);
 const MAX_STIFFNESS: [f64; 2] = [1.5, 16.0];
 /// The first of these limits where the displacement along the wheel changes its sign beside a drift.
 const MAX_TURNING_STIFFNESS: f64 = 0.3;
-/// A cut is sought this often, by the secant in a bracket. What is left of its error counts by its third power.
-const CUT_STEPS: u32 = 8;
-/// And to this share of the arc.
+/// A cut is found to this share of the arc: its error counts by its third power.
 const CUT_PRECISION: f64 = 1e-4;
 /// Steps of Newton's method before that: of 26 000 random cuts two steps serve in 87 % and four in 98 %.
 const NEWTON_STEPS: u32 = 4;
@@ -160,30 +159,23 @@ impl QuickContact<f64> {
             return cuts;
         }
         let arc = self.theta_1 - self.theta_2;
-        // acos(1/q) = 2 arcsin √x by its series: to 2e-6 at 30°, 2e-4 at 60°
-        let x = -0.5 * one_minus_q / self.q;
-        let turn = 2.0 * x.sqrt() * (1.0 + x * (1.0 / 6.0 + x * (3.0 / 40.0 + x * (5.0 / 112.0))));
-        // it falls between these two arcs, and rises before and behind them
-        let (top, bottom) = ((self.theta_1 - turn).max(0.0), self.theta_1 + turn);
-        let lowest = bottom.min(arc);
-        let at_lowest = self.along(lowest);
-        if !(at_lowest < 0.0) {
+        let over = -one_minus_q / self.q;
+        let at = |w: f64| (w, self.along(w));
+        // it falls between two arcs, and rises before and behind them
+        let turn = turning_angle(over);
+        let lowest = at(arc.min(self.theta_1 + turn));
+        if !(lowest.1 < 0.0) {
             return cuts;
         }
-        // Beside θ_1 the displacement vanishes at two angles: with sin θ = θ − θ³/6, at those of
-        // θ² + θ_1 θ + θ_1² = 6 (q − 1)/q.
-        let square = -24.0 * one_minus_q / self.q - 3.0 * self.theta_1 * self.theta_1;
-        let root = square.max(0.0).sqrt();
-        let at_top = self.along(top);
-        if top > 0.0 && at_top > 0.0 {
-            let near = 1.5 * self.theta_1 - 0.5 * root;
-            cuts.0[cuts.1] = self.crossing(near, ((top, at_top), (lowest, at_lowest)));
+        let near = vanishing_arcs(self.theta_1, over);
+        let top = at((self.theta_1 - turn).max(0.0));
+        if top.1 > 0.0 {
+            cuts.0[cuts.1] = self.cut(near[0], [top, lowest]);
             cuts.1 += 1;
         }
-        let at_exit = self.along(arc);
-        if arc > bottom && at_exit > 0.0 {
-            let near = 1.5 * self.theta_1 + 0.5 * root;
-            cuts.0[cuts.1] = self.crossing(near, ((lowest, at_lowest), (arc, at_exit)));
+        let exit = at(arc);
+        if exit.1 > 0.0 {
+            cuts.0[cuts.1] = self.cut(near[1], [lowest, exit]);
             cuts.1 += 1;
         }
         cuts
@@ -191,38 +183,30 @@ impl QuickContact<f64> {
 
     /// The arc at which the displacement vanishes between two ends (arc, displacement) of opposite sign: Newton's method from
     /// `near`, else the secant in the bracket.
-    fn crossing(&self, near: f64, (mut a, mut b): ((f64, f64), (f64, f64))) -> f64 {
+    fn cut(&self, near: f64, ends: [(f64, f64); 2]) -> f64 {
         let close = CUT_PRECISION * (self.theta_1 - self.theta_2);
-        let mut w = near.max(a.0).min(b.0);
+        let within = ends.map(|end| end.0);
+        self.newton(near, within, close)
+            .unwrap_or_else(|| crossing(|w| self.along(w), ends, (0.0, close)))
+    }
+
+    /// The arc within two at which the displacement vanishes, by Newton's method; `None` where it leaves them or takes too long.
+    fn newton(&self, near: f64, [low, high]: [f64; 2], close: f64) -> Option<f64> {
+        let mut w = near.max(low).min(high);
         for _ in 0..NEWTON_STEPS {
             let (sin, cos) = sine_cosine(self.theta_1 - w);
             let slope = 1.0 - self.q * cos;
             let step = (w - self.q * (self.sin_1 - sin)) / slope;
             w -= step;
-            if !(w > a.0 && w < b.0) {
-                break;
+            if !(w > low && w < high) {
+                return None;
             }
             // the error that a step leaves is half the curvature times its square over the slope
             if (self.q * sin).abs() * step * step <= close * slope.abs() {
-                return w;
+                return Some(w);
             }
         }
-        for _ in 0..CUT_STEPS {
-            let middle = b.0 - b.1 * (b.0 - a.0) / (b.1 - a.1);
-            let at = self.along(middle);
-            let step = (middle - b.0).abs().min((middle - a.0).abs());
-            if (at < 0.0) == (b.1 < 0.0) {
-                // the same end again: Illinois halves the other end's value so that it moves too
-                a.1 *= 0.5;
-            } else {
-                a = b;
-            }
-            b = (middle, at);
-            if step <= close {
-                break;
-            }
-        }
-        b.0
+        None
     }
 
     /// The same numbers in every lane.
@@ -256,9 +240,7 @@ impl QuickPlan {
 
     /// Are the parts both pieces without a cut?
     pub(crate) fn is_whole(&self) -> bool {
-        let whole = |part: &QuickPart| part.from == 0.0 && part.to == 1.0;
-        let [first, second] = [&self.parts[0], &self.parts[1]];
-        self.count == 2 && first.is_front && !second.is_front && whole(first) && whole(second)
+        matches!(self.parts(), [one, other] if one.is_front != other.is_front)
     }
 
     /// The rule of every part.
@@ -361,6 +343,20 @@ fn add_halving(
             add_halving(sum, half, by, halvings - 1);
         }
     }
+}
+
+/// acos(1/q) = 2 arcsin √(over/2), with `over` = (q − 1)/q, by its series: to 2e-6 at 30°, 2e-4 at 60°.
+fn turning_angle(over: f64) -> f64 {
+    let x = 0.5 * over;
+    2.0 * x.sqrt() * (1.0 + x * (1.0 / 6.0 + x * (3.0 / 40.0 + x * (5.0 / 112.0))))
+}
+
+/// Two arcs beside the entry at which the displacement nearly vanishes: with sin θ = θ − θ³/6, at the angles of
+/// θ² + θ_1 θ + θ_1² = 6 `over`.
+fn vanishing_arcs(theta_1: f64, over: f64) -> [f64; 2] {
+    let square = 24.0 * over - 3.0 * theta_1 * theta_1;
+    let root = square.max(0.0).sqrt();
+    [-root, root].map(|root| 1.5 * theta_1 + 0.5 * root)
 }
 
 /// ∛t to 1e-9, which is far more than a cut needs: a third of the exponent to 4 %, then Halley's method twice.

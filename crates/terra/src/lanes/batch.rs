@@ -341,13 +341,7 @@ impl BatchKernel {
     ) -> Result<()> {
         let n = out.check_lengths()?;
         let soil_inputs = soils.map_or([BatchInput::Constant(0.0); SOIL_NUMBERS], SoilColumns::all);
-        // one exponent for all points, if it is legal: else each point by itself says so
-        let tables = match soils.map(|soils| soils.n) {
-            Some(BatchInput::Constant(n)) if n >= EXPONENT.0 && n <= EXPONENT.1 => {
-                Some(ExponentTables::of(n))
-            }
-            _ => None,
-        };
+        let tables = soils.and_then(|soils| shared_tables(soils.n));
         let inputs = [
             points.radius,
             points.width,
@@ -369,15 +363,7 @@ impl BatchKernel {
                 BatchInput::Column(column) => Error::check_length(column.len(), n)?,
             }
         }
-        // chunks of a curve are whole: each is interpolated by itself
-        let chunk = match task {
-            Task::Curve => CHUNK,
-            // elsewhere as equal as they can be: groups that are not full are lost work
-            _ => n
-                .div_ceil(n.div_ceil(CHUNK).max(1))
-                .max(1)
-                .next_multiple_of(8),
-        };
+        let chunk = chunk_length(task, n);
         for from in (0..n).step_by(chunk) {
             let range = from..n.min(from + chunk);
             let [radius, width, rebound, slip, given] =
@@ -473,6 +459,29 @@ impl BatchKernel {
     }
 }
 
+/// The tables of the exponent that all points share, if it is legal: else each point by itself says so.
+fn shared_tables(n: BatchInput<'_>) -> Option<ExponentTables> {
+    match n {
+        BatchInput::Constant(n) if (EXPONENT.0..=EXPONENT.1).contains(&n) => {
+            Some(ExponentTables::of(n))
+        }
+        _ => None,
+    }
+}
+
+/// How many of `n` points are worked on together.
+fn chunk_length(task: Task, n: usize) -> usize {
+    match task {
+        // chunks of a curve are whole: each is interpolated by itself
+        Task::Curve => CHUNK,
+        // elsewhere as equal as they can be: groups that are not full are lost work
+        _ => n
+            .div_ceil(n.div_ceil(CHUNK).max(1))
+            .max(1)
+            .next_multiple_of(8),
+    }
+}
+
 /// Cautions at a place of columns on a soil.
 fn cautions_of(
     soil: &SoilParams,
@@ -535,3 +544,6 @@ fn reverses(
         contact.shear.reverses(angles.theta_1 - angles.theta_2)
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -385,7 +385,7 @@ mod tests {
     }
 
     /// What the polynomials make of e^(rate (s − 0.1)): whether they are close enough, and their worst error.
-    fn exponential(rate: f64) -> (bool, f64) {
+    fn exponential(rate: f64, size: f64, level: Level) -> (bool, f64) {
         let range = Range {
             low: 0.1,
             high: 0.7,
@@ -398,7 +398,7 @@ mod tests {
                 drawbar_pull: values,
                 torque: values,
             },
-            sizes: [1.0; 3],
+            sizes: [size; 3],
         };
         let slip: [f64; 97] = core::array::from_fn(|i| 0.1 + 0.6 * i as f64 / 96.0);
         let [
@@ -424,7 +424,7 @@ mod tests {
             given: &same,
             soil: None,
         };
-        let is_close = write::<Lanes>(&nodes, &inputs, &mut out);
+        let is_close = level.curve(&nodes, &inputs, &mut out);
         let off = slip
             .iter()
             .zip(torque)
@@ -434,11 +434,15 @@ mod tests {
 
     #[test]
     fn polynomials_return_smooth_functions_and_refuse_steep_ones() {
-        let (is_close, off) = exponential(-3.0);
-        assert!(is_close && off < 1e-14, "{off:e}");
-        let (is_close, off) = exponential(-20.0);
-        assert!(is_close && off < 1e-10, "{off:e}");
-        assert!(!exponential(-200.0).0);
+        for level in super::super::machine::tests::levels() {
+            let (is_close, off) = exponential(-3.0, 1.0, level);
+            assert!(is_close && off < 1e-14, "{off:e}");
+            let (is_close, off) = exponential(-20.0, 1.0, level);
+            assert!(is_close && off < 1e-10, "{off:e}");
+            // for a quantity that is small the same is not close
+            assert!(!exponential(-20.0, 1e-4, level).0);
+            assert!(!exponential(-200.0, 1.0, level).0);
+        }
     }
 
     #[test]

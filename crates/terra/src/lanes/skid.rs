@@ -144,6 +144,13 @@ struct Carried {
     is_only: bool,
 }
 
+/// Where the search for a skid begins.
+struct Start {
+    place: Pair,
+    slopes: [Pair; 2],
+    within: [(f64, f64); 2],
+}
+
 impl<'a> SkidTable<'a> {
     fn new(on_soil: &'a WheelOnSoil) -> Self {
         let rough = on_soil.with_accuracy(Accuracy::Simulation);
@@ -227,18 +234,22 @@ impl<'a> SkidTable<'a> {
         )
     }
 
+    fn wanted(&self, load: f64, bearing_torque: f64) -> Wanted {
+        let last = self.first + (ANGLES - 1) as f64 * self.step;
+        let first = Real::ln(self.on_soil.scan_start(load, Real::exp(last)));
+        Wanted {
+            load,
+            turn: -bearing_torque / (load * self.on_soil.size().radius),
+            samples: (first, (last - first) / f64::from(SCAN_STEPS)),
+        }
+    }
+
     /// The skid of one point.
     fn skid(&self, load: f64, bearing_torque: f64) -> End<f64> {
         if !(load > 0.0 && (0.0..=MAX_BEARING_TORQUE_NM).contains(&bearing_torque)) {
             return End::Unsure;
         }
-        let last = self.first + (ANGLES - 1) as f64 * self.step;
-        let first = Real::ln(self.on_soil.scan_start(load, Real::exp(last)));
-        let wanted = Wanted {
-            load,
-            turn: -bearing_torque / (load * self.on_soil.size().radius),
-            samples: (first, (last - first) / f64::from(SCAN_STEPS)),
-        };
+        let wanted = self.wanted(load, bearing_torque);
         let mut before: Option<Carried> = None;
         for k in 0..SLIPS {
             let now = match (self.carried(k, &wanted), before) {
@@ -273,8 +284,9 @@ impl<'a> SkidTable<'a> {
         End::Unsure
     }
 
-    /// The slip between two of the table at which the wheel carries the wanted load and turns as wanted.
-    fn root(&self, (low, high): (&Carried, &Carried), wanted: &Wanted) -> Option<f64> {
+    /// Where a search between two slips of the table begins: slip and ln θ_1, the derivatives of ln W and of T/(r W) by both, and
+    /// what it is held within.
+    fn start(&self, (low, high): (&Carried, &Carried), wanted: &Wanted) -> Start {
         let ((ln_low, slopes_low), (ln_high, slopes_high)) =
             (self.place(low, wanted.load), self.place(high, wanted.load));
         let share = (wanted.turn - low.turn) / (high.turn - low.turn);
@@ -286,23 +298,30 @@ impl<'a> SkidTable<'a> {
             -by_angle[0] * deeper,
             (high.turn - low.turn) / SLIP_STEP - by_angle[1] * deeper,
         ];
-        // what the table's interpolation lacks is less than these
-        let within = [
-            (low.slip - 0.1 * SLIP_STEP, high.slip + 0.1 * SLIP_STEP),
-            (
-                ln_low.min(ln_high) - self.step,
-                ln_low.max(ln_high) + self.step,
-            ),
-        ];
+        Start {
+            place: [between(low.slip, high.slip), between(ln_low, ln_high)],
+            slopes: [0, 1].map(|j| [by_slip[j], by_angle[j]]),
+            // what the table's interpolation lacks is less than these
+            within: [
+                (low.slip - 0.1 * SLIP_STEP, high.slip + 0.1 * SLIP_STEP),
+                (
+                    ln_low.min(ln_high) - self.step,
+                    ln_low.max(ln_high) + self.step,
+                ),
+            ],
+        }
+    }
+
+    /// The slip between two of the table at which the wheel carries the wanted load and turns as wanted.
+    fn root(&self, between: (&Carried, &Carried), wanted: &Wanted) -> Option<f64> {
+        let start = self.start(between, wanted);
         let ln_load = Real::ln(wanted.load);
         let off = |is_rough: bool, place: Pair| {
             let on_soil = if is_rough { &self.rough } else { self.on_soil };
             let [force, torque] = forces(on_soil, place)?;
             (force > 0.0).then(|| [Real::ln(force) - ln_load, torque / force - wanted.turn])
         };
-        let start = [between(low.slip, high.slip), between(ln_low, ln_high)];
-        let inverse = inverse([[by_slip[0], by_angle[0]], [by_slip[1], by_angle[1]]]);
-        broyden((start, inverse), within, off).map(|[slip, _]| slip)
+        broyden((start.place, inverse(start.slopes)), start.within, off).map(|[slip, _]| slip)
     }
 }
 

@@ -1,3 +1,4 @@
+use std::vec;
 use std::vec::Vec;
 
 use super::super::Motion;
@@ -155,4 +156,236 @@ fn what_the_quick_kernel_serves() {
         front: None,
     });
     assert!(!serves(&other));
+}
+
+/// Newton's method alone, from where it begins, at contacts that it is fit for and others.
+#[test]
+fn how_many_cuts_newtons_method_finds() {
+    /// Cuts within half of the precision, as the estimate of the error promises, those beyond, where the displacement is nearly
+    /// stationary, and those that it leaves to the secant.
+    const COUNTS: [u32; 3] = [88, 3, 5];
+    let mut counts = [0; 3];
+    for i in 0..400 {
+        let share = |factor: f64| (f64::from(i) * factor).fract();
+        let theta_1 = 0.05 + 0.98 * share(0.618_034);
+        let skid = 1e-3 + 0.5 * share(0.754_878).powi(2);
+        let contact = contact(0.1, share(0.569_840), -skid, 0.0, theta_1);
+        let Some(plan) = plan_of(&contact) else {
+            continue;
+        };
+        let (q, of) = (1.0 / (1.0 - skid), &plan.contact);
+        let arc = of.theta_1 - of.theta_2;
+        let close = CUT_PRECISION * arc;
+        let turn = (1.0 / q).acos();
+        let ends = [(theta_1 - turn).max(0.0), (theta_1 + turn).min(arc), arc];
+        for (near, ends) in vanishing_arcs(theta_1, 1.0 - 1.0 / q)
+            .into_iter()
+            .zip(ends.windows(2))
+        {
+            let (mut low, mut high) = (ends[0], ends[1]);
+            let rises = of.along(high) > 0.0;
+            if (of.along(low) > 0.0) == rises || low == 0.0 {
+                continue;
+            }
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if (of.along(middle) > 0.0) == rises {
+                    high = middle;
+                } else {
+                    low = middle;
+                }
+            }
+            let found = of.newton(near, [ends[0], ends[1]], close);
+            counts[match found {
+                Some(w) if (w - low).abs() <= 0.5 * close => 0,
+                Some(w) if (w - low).abs() <= 2.0 * close => 1,
+                Some(w) => panic!("{w} {low} {theta_1} {skid}"),
+                None => 2,
+            }] += 1;
+            let ends = [ends[0], ends[1]].map(|w| (w, of.along(w)));
+            // beside the entry the displacement hardly differs from 0, wherever the cut is
+            let cut = of.cut(near, ends);
+            let is_close = (cut - low).abs() <= 3.0 * close || low < 0.02 * arc;
+            assert!(is_close, "{cut} {low} {found:?}");
+        }
+    }
+    assert_eq!(counts, COUNTS);
+}
+
+#[test]
+fn where_the_search_for_a_cut_begins() {
+    for (degrees, off) in [(10.0_f64, 1e-7), (30.0, 2e-6), (60.0, 2e-4)] {
+        let angle = degrees.to_radians();
+        let series = turning_angle(1.0 - angle.cos());
+        assert!((series - angle).abs() < off, "{degrees}: {series}");
+    }
+    for (theta_1, over) in [(0.4, 0.05), (0.7, 0.2), (0.9, 0.11)] {
+        let third = |x: f64| x - x.powi(3) / 6.0;
+        for w in vanishing_arcs(theta_1, over) {
+            // q = 1/(1 − over)
+            let j = w - (third(theta_1) - third(theta_1 - w)) / (1.0 - over);
+            assert!(j.abs() < 1e-15, "{j}");
+        }
+    }
+    // they would be complex
+    assert_eq!(vanishing_arcs(0.9, 0.1), [1.35; 2]);
+}
+
+/// Contacts of which one piece is empty.
+#[test]
+fn a_single_piece() {
+    let parts = |slip: f64, theta_m: fn(&Contact<f64>) -> f64| {
+        let mut contact = contact(0.1, 0.0, slip, 0.0, 0.6);
+        contact.angles.theta_m = theta_m(&contact);
+        let plan = plan_of(&contact).unwrap();
+        let is_front = plan.parts().iter().map(|part| part.is_front);
+        (is_front.collect::<Vec<_>>(), plan.is_whole())
+    };
+    assert_eq!(
+        parts(0.2, |contact| contact.angles.theta_2),
+        (vec![true], false)
+    );
+    assert_eq!(
+        parts(0.2, |contact| contact.angles.theta_1),
+        (vec![false], false)
+    );
+    assert_eq!(
+        parts(0.2, |contact| contact.angles.theta_m),
+        (vec![true, false], true)
+    );
+    // cut where the displacement changes its sign
+    assert_eq!(
+        parts(-0.1, |contact| contact.angles.theta_2),
+        (vec![true; 2], false)
+    );
+    assert_eq!(
+        parts(-0.1, |contact| contact.angles.theta_1),
+        (vec![false; 2], false)
+    );
+}
+
+/// A plan of both pieces, and its strength times arc by hand, Pa.
+fn plan_and_strength() -> (QuickPlan, f64) {
+    let plan = plan_of(&contact(0.1, 0.3, 0.2, 0.1, 0.6)).unwrap();
+    let of = &plan.contact;
+    let drop = (of.theta_1 - of.front).cos() - of.theta_1.cos();
+    let strength = of.amplitude * drop.powf(of.n) * of.tan_phi + of.cohesion;
+    (plan, strength * (of.theta_1 - of.theta_2))
+}
+
+/// Parts whose rule does not agree with itself by 1e-10 of strength and arc are halved, and their halves.
+#[test]
+fn parts_are_halved_until_the_rule_agrees_with_itself() {
+    let (plan, strength) = plan_and_strength();
+    let close = 1e-10 * strength;
+    let force = Integrals {
+        sigma_cos: strength,
+        ..Integrals::zero()
+    };
+    // (τ, |τ_y|) of the whole, the lower and the upper half of the front piece, over the limit; 0 elsewhere
+    let calls = |whole: [f64; 2], low: [f64; 2], high: [f64; 2]| {
+        let calls = core::cell::RefCell::new(Vec::new());
+        plan.halved(|part| {
+            calls.borrow_mut().push((part.is_front, part.from, part.to));
+            let [tau, tau_side] = match (part.is_front, part.from, part.to) {
+                (true, 0.0, 1.0) => whole,
+                (true, 0.0, 0.5) => low,
+                (true, 0.5, 1.0) => high,
+                _ => [0.0; 2],
+            };
+            Integrals {
+                tau: tau * close,
+                tau_side: tau_side * close,
+                ..force
+            }
+        })
+        .unwrap();
+        calls.into_inner()
+    };
+    let once = |is_front: bool| {
+        [
+            (is_front, 0.0, 1.0),
+            (is_front, 0.0, 0.5),
+            (is_front, 0.5, 1.0),
+        ]
+    };
+    let both = [once(true), once(false)].concat();
+    for (whole, low, high) in [
+        ([0.999, 0.0], [0.0; 2], [0.0; 2]),
+        ([7.0, 0.0], [4.5, 0.0], [1.501, 0.0]),
+        ([0.0, 7.0], [0.0, 4.5], [0.0, 3.499]),
+        ([7.0, 6.0], [4.5, 3.5], [2.0, 2.999]),
+    ] {
+        assert_eq!(calls(whole, low, high), both, "{whole:?}");
+    }
+    let front = [
+        (0.0, 1.0),
+        (0.0, 0.5),
+        (0.5, 1.0),
+        (0.0, 0.25),
+        (0.25, 0.5),
+        (0.5, 0.75),
+        (0.75, 1.0),
+    ];
+    let front = front.map(|(from, to)| (true, from, to));
+    let deeper = [&front[..], &once(false)].concat();
+    for (whole, low, high) in [
+        ([1.001, 0.0], [0.0; 2], [0.0; 2]),
+        ([-0.6, 0.401], [0.0; 2], [0.0; 2]),
+        ([0.401, -0.6], [0.0; 2], [0.0; 2]),
+    ] {
+        assert_eq!(calls(whole, low, high), deeper, "{whole:?}");
+    }
+}
+
+/// What does not agree is halved sixteen times below the first halves: 2 (2¹⁸ − 1) parts.
+#[test]
+fn halving_ends() {
+    let (plan, strength) = plan_and_strength();
+    let calls = core::cell::Cell::new(0);
+    let sums = plan.halved(|_| {
+        calls.set(calls.get() + 1);
+        Integrals {
+            sigma_cos: strength,
+            tau: 1.0,
+            ..Integrals::zero()
+        }
+    });
+    assert_eq!(calls.get(), 2 * ((1 << 18) - 1));
+    // all of the last halves, and each once
+    assert_eq!(sums.unwrap().tau, f64::from(1 << 18));
+}
+
+/// The greatest of vertical force, pull and torque has to be 0.4 of strength times arc.
+#[test]
+fn shear_that_cancels_is_left_to_the_panels() {
+    let (plan, strength) = plan_and_strength();
+    let is_served = |share: f64, forces: [f64; 5]| {
+        let [sigma_cos, sigma_sin, tau_cos, tau_sin, tau] =
+            forces.map(|force| share * strength * force);
+        plan.halved(|part| {
+            // both pieces have the length 1 in v
+            let length = 0.5 * (part.to - part.from);
+            Integrals {
+                sigma_cos,
+                sigma_sin,
+                tau_cos,
+                tau_sin,
+                tau,
+                tau_side: 0.0,
+                lost: 0.0,
+            }
+            .map(|x| length * x)
+        })
+        .is_some()
+    };
+    for forces in [
+        [5.0, 3.0, 2.5, -6.0, 0.7],
+        [-3.0, -2.0, -2.5, 2.0, -0.7],
+        [1.0, -3.0, -2.0, -0.3, -0.7],
+        [3.0, 2.0, 1.2, -2.5, 1.0],
+    ] {
+        assert!(is_served(0.401, forces), "{forces:?}");
+        assert!(!is_served(0.399, forces), "{forces:?}");
+    }
 }

@@ -211,3 +211,6 @@ impl<V: Vector> Searched<V> {
 fn step_number<V: Vector>(step: Step) -> V {
     V::from_f64(f64::from(u32::try_from(step.index()).unwrap_or(u32::MAX)))
 }
+
+#[cfg(test)]
+mod tests;

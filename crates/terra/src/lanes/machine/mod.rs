@@ -265,3 +265,6 @@ fn quick_part_avx2(contact: &QuickContact<f64>, part: QuickPart) -> Integrals<f6
 fn quick_part_avx512(contact: &QuickContact<f64>, part: QuickPart) -> Integrals<f64> {
     nodes::quick_part::<avx512::Avx512>(contact, part)
 }
+
+#[cfg(test)]
+pub(super) mod tests;

@@ -220,9 +220,9 @@ fn where_the_table_carries_a_load() {
 #[test]
 fn where_a_force_begins() {
     let on_soil = sand();
-    // W = 40 (i − 6) N, T/r = −2 W + 30 N
+    // W = 40 (i − 6.25) N, T/r = −2 W + 30 N
     let table = table_of(&on_soil, |_, i, _| {
-        let force = 40.0 * (i as f64 - 6.0);
+        let force = 40.0 * (i as f64 - 6.25);
         [force, -2.0 * force + 30.0]
     });
     let samples = (table.first, 3.1 * table.step);
@@ -239,7 +239,7 @@ fn where_a_force_begins() {
     assert_eq!((carried.below, carried.slip), (6, -0.375));
     assert!((carried.turn - 1.0).abs() < 1e-12);
     let (place, slopes) = table.place(&carried, 10.0);
-    assert!((place - (table.first + 6.25 * table.step)).abs() < 1e-12);
+    assert!((place - (table.first + 6.5 * table.step)).abs() < 1e-12);
     // d(W/load) = 4 a step, and d(T/(r W)) = (−80/10 − 1 · 4) a step
     assert!((slopes[0] * table.step - 4.0).abs() < 1e-9);
     assert!((slopes[1] * table.step + 12.0).abs() < 1e-9);
@@ -285,6 +285,69 @@ fn where_a_force_rises_and_falls_again() {
     assert_eq!(at(40.0, (node(5.001), far)), Some((2, false)));
 }
 
+/// With ln W = 2.3 x + 0.7 s + 5 and T/(r W) = −0.02 x + 0.4 s + 0.03, x = ln θ_1, all is straight: the search begins where it ends.
+#[test]
+fn where_a_search_for_a_skid_begins() {
+    let on_soil = sand();
+    let table = SkidTable::new(&on_soil);
+    let (load, share) = (30.0_f64, 0.3);
+    let x = |slip: f64| (load.ln() - 0.7 * slip - 5.0) / 2.3;
+    let turn = |slip: f64, x: f64| -0.02 * x + 0.4 * slip + 0.03;
+    let carried = |k: i32| {
+        let slip = f64::from(k) / 8.0 - 1.0;
+        let below = ((x(slip) - table.first) / table.step).floor();
+        let node = |i: f64| {
+            let at = table.first + i * table.step;
+            let force = (2.3 * at + 0.7 * slip + 5.0).exp();
+            [force, force * turn(slip, at)]
+        };
+        Carried {
+            slip,
+            below: below as usize,
+            nodes: [node(below), node(below + 1.0)],
+            turn: turn(slip, x(slip)),
+            is_only: true,
+        }
+    };
+    let (low, high) = (carried(5), carried(6));
+    let slip = low.slip + share * 0.125;
+    let samples = (0.0, 1.0);
+    let turn = turn(slip, x(slip));
+    let Start {
+        place,
+        slopes,
+        within,
+    } = table.start(
+        (&low, &high),
+        &Wanted {
+            load,
+            turn,
+            samples,
+        },
+    );
+    let near =
+        |found: f64, expected: f64| assert!((found - expected).abs() < 1e-11, "{found} {expected}");
+    near(place[0], slip);
+    near(place[1], x(slip));
+    for (found, expected) in slopes.as_flattened().iter().zip([0.7, 2.3, 0.4, -0.02]) {
+        near(*found, expected);
+    }
+    let ends = [
+        (low.slip - 0.0125, high.slip + 0.0125),
+        (x(high.slip) - table.step, x(low.slip) + table.step),
+    ];
+    for (found, expected) in within.into_iter().zip(ends) {
+        near(found.0, expected.0);
+        near(found.1, expected.1);
+    }
+    // what is wanted: eleven samples from a tenth of the expected entry angle to the hub, and −M/(W r)
+    let wanted = table.wanted(load, 0.6);
+    near(wanted.turn, -0.2);
+    let hub = core::f64::consts::FRAC_PI_2;
+    near(wanted.samples.0, on_soil.scan_start(load, hub).ln());
+    near(wanted.samples.0 + 10.0 * wanted.samples.1, hub.ln());
+}
+
 /// The forces of sand, of which some rows have a torque T/(r W) = c throughout.
 #[test]
 fn what_the_samples_of_the_torque_decide() {
@@ -317,6 +380,10 @@ fn what_the_samples_of_the_torque_decide() {
     // a torque that falls between two samples by d may have been greater between them by 2 d and the margin
     assert_eq!(end(&[wanted - 0.5, wanted - 0.744]), "found");
     assert_eq!(end(&[wanted - 0.5, wanted - 0.746]), "unsure");
+    // one that rises is looked at no further, however close it is
+    let mut rising = [wanted - 0.5; 8];
+    (rising[6], rising[7]) = (wanted - 0.005, wanted - 0.0049);
+    assert_eq!(end(&rising), "found");
     // it never suffices
     assert_eq!(end(&[wanted - 0.5; 9]), "unsure");
     // what the table does not know

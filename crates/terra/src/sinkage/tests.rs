@@ -1,0 +1,117 @@
+use super::*;
+use crate::{Bekker, Reece, RigidWheel, Settings, Slip, Soil, SoilParams, catalogue};
+
+const RADIUS_M: f64 = 0.125;
+const WIDTH_M: f64 = 0.1;
+
+fn on(change: impl Fn(&mut SoilParams)) -> WheelOnSoil {
+    let mut params = *catalogue::find("dry-sand")
+        .unwrap()
+        .soil()
+        .unwrap()
+        .params();
+    change(&mut params);
+    let wheel = RigidWheel::new(RADIUS_M, WIDTH_M).unwrap();
+    WheelOnSoil::new(wheel, Soil::new(params).unwrap(), Settings::default()).unwrap()
+}
+
+fn at(slip: f64) -> Kinematics {
+    Kinematics::straight(Slip::new(slip).unwrap())
+}
+
+fn near(found: f64, expected: f64) {
+    assert!((found / expected - 1.0).abs() < 1e-11, "{found} {expected}");
+}
+
+/// z = [3 W/((3 − n) b k √(2r))]^(2/(2n + 1)), and cos θ_1 = 1 − z/r.
+#[test]
+fn a_search_begins_with_bekkers_closed_form() {
+    let bekker = Pressure::Bekker(Bekker {
+        k_c: 2e3,
+        k_phi: 9e5,
+    });
+    let reece = Pressure::Reece(Reece {
+        k_c_prime: 3.0,
+        k_phi_prime: 400.0,
+    });
+    for (pressure, n, shape) in [(bekker, 0.8, 2.2), (bekker, 2.8, 0.5), (reece, 1.1, 1.9)] {
+        let on_soil = on(|params| {
+            (params.pressure, params.n, params.unit_weight) = (pressure, n, Some(15e3));
+        });
+        let modulus = on_soil.laws().modulus(WIDTH_M, n);
+        for z in [0.001, 0.02, 0.05] {
+            let per = shape * WIDTH_M * modulus * (2.0 * RADIUS_M).sqrt() / 3.0;
+            let load = per * f64::powf(z, (2.0 * n + 1.0) / 2.0);
+            near(on_soil.bekker_start(load), f64::acos(1.0 - z / RADIUS_M));
+        }
+        // at least 1e-9, at most a sinkage of the radius, and 0.9 of the greatest
+        assert_eq!(on_soil.bekker_start(1e-300), 1e-9);
+        near(
+            on_soil.bekker_start(1e12),
+            0.9 * core::f64::consts::FRAC_PI_2,
+        );
+        near(on_soil.scan_start(1e12, 0.4), 0.02);
+    }
+    // a search ends where the hub, or the soil behind the wheel, is reached
+    for (rebound, share) in [(0.0_f64, 1.0_f64), (0.5, 1.0), (1.0, 1.0), (2.0, 0.5)] {
+        let on_soil = on(|params| params.rebound = rebound);
+        near(on_soil.entry_limit(&at(0.1)), f64::acos(1.0 - share));
+    }
+}
+
+/// Eleven entry angles in equal ratios, from a tenth of the expected one to the limit.
+#[test]
+fn a_scan_brackets_the_load() {
+    let on_soil = on(|_| ());
+    let motion = at(0.1);
+    let top = on_soil.entry_limit(&motion);
+    let new = || Search {
+        low: 0.0,
+        high: top,
+        proven: false,
+        evaluations: 0,
+    };
+    let force = |theta_1: f64| on_soil.vertical_force(theta_1, &motion, &mut 0);
+    let load = 60.0;
+    let least = on_soil.scan_start(load, top);
+    let ratio = (top / least).powf(0.1);
+    let mut search = new();
+    assert_eq!(on_soil.scan(load, &motion, &mut search), Ok(false));
+    assert!(search.proven && search.evaluations == 11);
+    near(search.high / search.low, ratio);
+    let steps = (search.low / least).ln() / ratio.ln();
+    assert!((steps - steps.round()).abs() < 1e-9, "{steps}");
+    assert!(force(search.low) < load && load <= force(search.high));
+    // between the last two of great loads, and more than any
+    let ratio = 20.0_f64.powf(0.1);
+    let second = force(top / ratio);
+    for share in [0.001, 0.999] {
+        let load = second + share * (force(top) - second);
+        near(on_soil.scan_start(load, top), 0.05 * top);
+        let mut search = new();
+        on_soil.scan(load, &motion, &mut search).unwrap();
+        assert_eq!(search.high, top);
+        near(search.low, top / ratio);
+    }
+    let greatest = force(top);
+    assert_eq!(
+        on_soil.scan(1.001 * greatest, &motion, &mut new()),
+        Err(greatest)
+    );
+}
+
+#[test]
+fn the_middle_of_a_bracket() {
+    let middle = |low: f64, high: f64| {
+        let (proven, evaluations) = (true, 0);
+        Search {
+            low,
+            high,
+            proven,
+            evaluations,
+        }
+        .middle()
+    };
+    near(middle(0.1, 0.4), 0.2);
+    near(middle(0.0, 0.4), 0.04);
+}
