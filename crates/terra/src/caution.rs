@@ -270,7 +270,9 @@ mod tests {
     fn sets_are_joined() {
         let of = |of: &[Caution]| {
             let mut cautions = Cautions::default();
-            of.iter().for_each(|caution| cautions.insert(*caution));
+            for caution in of {
+                cautions.insert(*caution);
+            }
             cautions
         };
         let mut both = of(&[Caution::WorkGained, Caution::LugSpacing]);

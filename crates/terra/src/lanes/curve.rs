@@ -228,7 +228,17 @@ pub(super) struct CurveNodes<'a> {
     sizes: [f64; 3],
 }
 
-impl CurveNodes<'_> {
+impl<'a> CurveNodes<'a> {
+    /// Those of a wheel of this radius, m, under its load, N.
+    fn new(range: Range, solved: &'a Solved<ALL_NODES>, (load, radius): (f64, f64)) -> Self {
+        let least = solved.sinkage.iter().copied().fold(f64::INFINITY, f64::min);
+        Self {
+            range,
+            solved,
+            sizes: [least, load, load * radius],
+        }
+    }
+
     /// Coefficients of Chebyshev's polynomials.
     #[inline(always)]
     fn coefficients<V: Vector>(&self) -> [[f64; ALL_NODES]; 3] {
@@ -343,13 +353,7 @@ fn by_polynomials(
             all[place(k)] = *x;
         }
     }
-    let force = inputs.given[0];
-    let least = solved.sinkage.iter().copied().fold(f64::INFINITY, f64::min);
-    let nodes = CurveNodes {
-        range,
-        solved: &solved,
-        sizes: [least, force, force * inputs.radius[0]],
-    };
+    let nodes = CurveNodes::new(range, &solved, (inputs.given[0], inputs.radius[0]));
     let is_done = level.curve(&nodes, &inputs, &mut chunk.out);
     if is_done {
         // slips out of range are for the general kernel
@@ -430,6 +434,19 @@ mod tests {
             .zip(torque)
             .map(|(s, got)| (got - (rate * (s - 0.1)).exp()).abs());
         (is_close, off.fold(0.0, f64::max))
+    }
+
+    /// The least sinkage, the load, and the load at the radius.
+    #[test]
+    fn what_errors_of_a_curve_are_measured_by() {
+        let (low, high) = (0.1, 0.7);
+        let sinkage = core::array::from_fn(|i| 0.02 + (i as f64 - 7.0).powi(2));
+        let solved = Solved {
+            sinkage,
+            ..Solved::EMPTY
+        };
+        let nodes = CurveNodes::new(Range { low, high }, &solved, (30.0, 0.25));
+        assert_eq!(nodes.sizes, [0.02, 30.0, 7.5]);
     }
 
     #[test]

@@ -215,3 +215,6 @@ fn sort_in<V: Vector>(
         sheet.soil[1].store(at, soil.tan_phi);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -137,7 +137,7 @@ fn parts<V: Vector>(
 /// Eight nodes and weights of a rule from a place on; behind its end nodes at the middle without weight.
 #[inline(always)]
 fn group<V: Vector>(rule: RuleView<'_>, at: usize) -> (V, V) {
-    let eight = |list: &[f64]| list.get(at..at + 8).and_then(|part| part.try_into().ok());
+    let eight = |list: &[f64]| list.get(at..).and_then(<[f64]>::first_chunk).copied();
     if let (Some(nodes), Some(weights)) = (eight(rule.nodes), eight(rule.weights)) {
         return (V::from_array(nodes), V::from_array(weights));
     }

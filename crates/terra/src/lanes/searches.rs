@@ -163,3 +163,6 @@ impl<'a> Rounds<'a> {
         Ok(true)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -35,12 +35,11 @@ impl Column {
 /// Eight numbers of a slice from a place on, the last one repeated where it ends.
 #[inline(always)]
 pub(super) fn eight<V: Vector>(values: &[f64], at: usize) -> V {
-    if at + 8 <= values.len() {
-        V::load(values, at)
-    } else {
-        let mut eight = [values[values.len() - 1]; 8];
-        let rest = &values[at..];
-        eight[..rest.len()].copy_from_slice(rest);
-        V::from_array(eight)
+    let rest = &values[at..];
+    if let Some(whole) = rest.first_chunk() {
+        return V::from_array(*whole);
     }
+    let mut eight = [values[values.len() - 1]; 8];
+    eight[..rest.len()].copy_from_slice(rest);
+    V::from_array(eight)
 }

@@ -41,7 +41,7 @@ fn a_search_begins_with_bekkers_closed_form() {
         let modulus = on_soil.laws().modulus(WIDTH_M, n);
         for z in [0.001, 0.02, 0.05] {
             let per = shape * WIDTH_M * modulus * (2.0 * RADIUS_M).sqrt() / 3.0;
-            let load = per * f64::powf(z, (2.0 * n + 1.0) / 2.0);
+            let load = per * f64::powf(z, n + 0.5);
             near(on_soil.bekker_start(load), f64::acos(1.0 - z / RADIUS_M));
         }
         // at least 1e-9, at most a sinkage of the radius, and 0.9 of the greatest

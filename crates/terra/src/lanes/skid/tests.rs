@@ -295,16 +295,17 @@ fn where_a_search_for_a_skid_begins() {
     let turn = |slip: f64, x: f64| -0.02 * x + 0.4 * slip + 0.03;
     let carried = |k: i32| {
         let slip = f64::from(k) / 8.0 - 1.0;
-        let below = ((x(slip) - table.first) / table.step).floor();
-        let node = |i: f64| {
-            let at = table.first + i * table.step;
+        let place = |i: usize| table.first + i as f64 * table.step;
+        let below = (0..ANGLES).rfind(|i| place(*i) <= x(slip)).unwrap();
+        let node = |i: usize| {
+            let at = place(i);
             let force = (2.3 * at + 0.7 * slip + 5.0).exp();
             [force, force * turn(slip, at)]
         };
         Carried {
             slip,
-            below: below as usize,
-            nodes: [node(below), node(below + 1.0)],
+            below,
+            nodes: [node(below), node(below + 1)],
             turn: turn(slip, x(slip)),
             is_only: true,
         }

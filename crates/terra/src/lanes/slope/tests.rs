@@ -30,6 +30,7 @@ fn which_points_are_searched_on_lanes() {
     assert!(is_searched(1e12, 0.1) && !is_searched(1.01e12, 0.1));
     assert!(is_searched(1e-9, 0.1) && !is_searched(0.0, 0.1) && !is_searched(-1.0, 0.1));
     assert!(is_searched(1.0, 1e-9) && !is_searched(1.0, 0.0) && !is_searched(1.0, -0.1));
+    assert!(!is_searched(1.0, 89.9_f64.to_radians()));
     assert!(is_searched(1.0, 89.8_f64.to_radians()) && !is_searched(1.0, 89.95_f64.to_radians()));
     assert!(!is_searched(f64::NAN, 0.1) && !is_searched(1.0, f64::NAN));
 }
