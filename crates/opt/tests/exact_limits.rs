@@ -168,6 +168,7 @@ fn a_step_must_deliver_a_ten_thousandth_of_what_it_promises() {
     };
     assert_eq!(of(|x| [-0.5e-4 * x]), 0.0);
     assert_eq!(of(|x| [-2e-4 * x]), 0.01);
+    assert_eq!(of(|x| [if x == 0.01 { -(1e-4 * 0.01) } else { 0.0 }]), 0.01);
 }
 
 /// Beside a million a promise of 1e-10 squared over the least curvature is rounding: four such steps are taken, the fifth is not,
@@ -316,4 +317,31 @@ fn what_is_stopped_has_values() {
     });
     let x = stopped(ProblemParams::new(&[0.0; VARIABLES], 1, Calling).linear(rows));
     assert_eq!(x.len(), VARIABLES);
+}
+
+/// A level of −1e30 may be one; below it there is no end. Beside 1 a promise of sixteen units in its last place is rounding.
+#[test]
+fn a_level_may_be_large_and_a_promise_small() {
+    const SIXTEEN_UNITS: f64 = 16.0 * f64::EPSILON;
+    let of = |values| {
+        least(Variable::free("x", 0.0), &settings(|_| ()), values, |_| {
+            [1.0]
+        })
+        .status
+    };
+    assert_eq!(of(|_| [-1e30]), Status::Stalled);
+    assert_eq!(of(|_| [-1.000_000_000_000_001e30]), Status::Unbounded);
+    let exact = settings(|settings| settings.optimality_tolerance = 0.0);
+    let of = |room: f64| {
+        let variable = Variable::bounded("x", 0.0, 0.0, room);
+        least(
+            variable,
+            &exact,
+            |x| [if x == 0.0 { 1.0 } else { 2.0 }],
+            |_| [-1.0],
+        )
+        .status
+    };
+    assert_eq!(of(SIXTEEN_UNITS), Status::SmallDirectionalDerivative);
+    assert_eq!(of(2.0 * SIXTEEN_UNITS), Status::SmallStep);
 }

@@ -224,8 +224,8 @@ proptest! {
     /// Thinning one by one leaves what repeated sorting leaves; the better fronts stay whole.
     #[test]
     fn the_most_crowded_leave_first(
-        mut front in prop::collection::vec(prop::collection::vec(0.0..1.0_f64, 3), 2..16),
-        count in 1..16_usize,
+        mut front in prop::collection::vec(prop::collection::vec(0.0..1.0_f64, 3), 2..40),
+        count in 1..40_usize,
         flat in any::<bool>(),
     ) {
         // on the plane f1 + f2 + f3 = 3 none dominates another
