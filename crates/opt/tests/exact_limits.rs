@@ -80,7 +80,11 @@ fn a_start_is_moved_onto_rows_that_it_breaks() {
         });
         constant(start, &vec![limit; start.len()], &settings)
     };
-    let moved = |tolerance, start, limit| of(tolerance, &[start], limit).x[0];
+    let moved = |tolerance, start, limit| {
+        let found = of(tolerance, &[start], limit);
+        assert!(!matches!(found.status, Status::NoFeasiblePoint(_)));
+        found.x[0]
+    };
     assert_eq!(moved(1e3 * TINY, TINY, 0.0), TINY);
     assert_eq!(moved(1e3 * TINY, 2.0 * TINY, 0.0), 0.0);
     // of a row's tolerance its limit is the unit
@@ -344,4 +348,15 @@ fn a_level_may_be_large_and_a_promise_small() {
     };
     assert_eq!(of(SIXTEEN_UNITS), Status::SmallDirectionalDerivative);
     assert_eq!(of(2.0 * SIXTEEN_UNITS), Status::SmallStep);
+}
+
+/// Around the least point of a line through it each probe is put back onto the line, and what rounding leaves does not refuse it:
+/// four along each variable, two of each random pair, and a pair along each variable; one more is where the slopes are.
+#[test]
+fn rounding_refuses_no_probe() {
+    let line = LinearConstraint::equal("line", vec![0.3, 0.7], 0.0);
+    let params = ProblemParams::new(&[0.0; 2], 1, Calling).linear([line]);
+    let settings = Settings::default();
+    let found = solve(&Problem::new(params).unwrap(), &Method::Minimax, &settings).unwrap();
+    assert_eq!(found.counts.probes, 4 * 2 + 2 * settings.probes + 2 * 2 + 1);
 }

@@ -115,6 +115,7 @@ fn children_spread_as_the_polynomial_says() {
     };
     assert_eq!(crossed(2.0, 2.0, 0.0), [2.0; 2]);
     assert_eq!(crossed(0.0, 0.0, 0.0), [0.0; 2]);
+    assert_eq!(crossed(1e-14, 0.0, -4.0), [1e-14, 0.0]);
     assert!(crossed(-1.0, 1.0, -4.0)[0].abs() != 1.0);
 }
 
