@@ -352,3 +352,24 @@ fn rows_are_free_between_the_limits_of_their_multipliers() {
     pace.products = PRODUCTS_PER_CALL - 1;
     assert!(!pace.is_stopped(1) && pace.is_stopped(1) && pace.products == 0);
 }
+
+/// What is left of a row after a step, and the size of its terms: (2, −3) · (1/2, 1/4) − 1, of an objective less the level; of
+/// bounds the greatest of the bound and the step.
+#[test]
+fn residuals_and_their_sizes() {
+    let rows = Rows {
+        kinds: vec![RowKind::Objective, RowKind::Inequality { cap: 2.0 }],
+        gradients: vec![2.0, -3.0, 2.0, -3.0],
+        offsets: vec![-1.0, -1.0],
+        ..Rows::default()
+    };
+    let qp = Qp {
+        factor: &Factor::new(&[1.0, 0.0, 0.0, 1.0], 2).unwrap(),
+        rows: &rows,
+        lower: &[-1.0, 0.0],
+        upper: &[2.0, 0.75],
+    };
+    let of = |row| qp.residual(row, &[0.5, 0.25], 0.125);
+    assert_eq!((of(0), of(1)), ((-0.875, 2.875), (-0.75, 2.75)));
+    assert_eq!((of(2), of(5)), ((-1.5, 1.0), (-0.5, 0.75)));
+}
