@@ -427,4 +427,19 @@ mod tests {
         let numbers = |of: &WheelOnSoil| format!("{:?} {:?} {:?}", of.wheel, of.size, of.constants);
         assert_eq!(numbers(&exchanged), numbers(&new));
     }
+
+    /// rⁿ where the exponent is the same at every slip.
+    #[test]
+    fn a_constant_exponent_has_its_power_of_the_radius() {
+        let params = *catalogue::find("dry-sand").unwrap().soil().unwrap().params();
+        let power = |n_1: f64, n_2: f64| {
+            let soil = Soil::new(crate::SoilParams { n_1, n_2, ..params }).unwrap();
+            let wheel = RigidWheel::new(0.3, 0.1).unwrap();
+            let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+            on_soil.constants.radius_power
+        };
+        let constant = power(0.0, 0.0).unwrap();
+        assert!((constant - 0.3_f64.powf(params.n)).abs() < 1e-15);
+        assert_eq!([power(0.1, 0.0), power(0.0, 0.1), power(0.1, 0.1)], [None; 3]);
+    }
 }
