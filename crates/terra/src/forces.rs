@@ -126,3 +126,33 @@ impl<R: Real> Contact<R> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Motion, ShearLaw, WheelSize, catalogue};
+
+    /// Where the stress turns, the quick kernel's parts are halved for the standard accuracy, and panels for its check.
+    #[test]
+    fn which_way_a_stress_that_turns_is_integrated() {
+        let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
+        let motion = Motion {
+            slip: -0.1,
+            q_y: 0.02,
+            slip_angle: 0.02,
+        };
+        let size = WheelSize::smooth(0.1, 0.05);
+        let contact = Contact::new(&size, &soil.laws(), ShearLaw::Coupled, &motion, 0.5);
+        assert!(contact.shear.swings(contact.arc()));
+        let lanes = EightNodes::best();
+        let halved = contact
+            .quick(|plan| plan.halved(|part| lanes.quick_part(&plan.contact, part)))
+            .flatten()
+            .unwrap();
+        let halved = contact.assemble(&contact.with_lost_work(halved));
+        assert_eq!(contact.forces_by(soil.tables(), Order::Standard), halved);
+        let panels = contact.assemble(&contact.integrals(soil.tables(), Order::Check, &lanes));
+        assert_eq!(contact.forces_by(soil.tables(), Order::Check), panels);
+        assert_ne!(halved, panels);
+    }
+}

@@ -431,7 +431,11 @@ mod tests {
     /// rⁿ where the exponent is the same at every slip.
     #[test]
     fn a_constant_exponent_has_its_power_of_the_radius() {
-        let params = *catalogue::find("dry-sand").unwrap().soil().unwrap().params();
+        let params = *catalogue::find("dry-sand")
+            .unwrap()
+            .soil()
+            .unwrap()
+            .params();
         let power = |n_1: f64, n_2: f64| {
             let soil = Soil::new(crate::SoilParams { n_1, n_2, ..params }).unwrap();
             let wheel = RigidWheel::new(0.3, 0.1).unwrap();
@@ -440,6 +444,9 @@ mod tests {
         };
         let constant = power(0.0, 0.0).unwrap();
         assert!((constant - 0.3_f64.powf(params.n)).abs() < 1e-15);
-        assert_eq!([power(0.1, 0.0), power(0.0, 0.1), power(0.1, 0.1)], [None; 3]);
+        assert_eq!(
+            [power(0.1, 0.0), power(0.0, 0.1), power(0.1, 0.1)],
+            [None; 3]
+        );
     }
 }

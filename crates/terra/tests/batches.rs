@@ -83,7 +83,8 @@ pub(super) fn batch(
         mut drawbar_pull,
         mut torque,
     ] = [(); 4].map(|()| vec![f64::NAN; n]);
-    let mut status = vec![SolveStatus::default(); n];
+    // whatever stood there before is written anew
+    let mut status = vec![SolveStatus::Solved; n];
     solve(&mut BatchColumns {
         sinkage: &mut sinkage,
         vertical_force: &mut vertical_force,

@@ -3,10 +3,10 @@
 
 use grouser_real::Real;
 use grouser_terra::{
-    Accuracy, Angle, BatchInput, BatchKernel, BatchPoints, Bekker, BestOf, BestSlipColumns, Forces,
-    Kinematics, Lanes, LawChoice, Pressure, Reece, RigidWheel, Settings, Slip, SlipNorm,
-    SlopeOutcome, Soil, SoilColumns, SoilParams, SolveStatus, StressPosition, WheelOnSoil,
-    catalogue,
+    Accuracy, Angle, BatchColumns, BatchInput, BatchKernel, BatchPoints, Bekker, BestOf,
+    BestSlipColumns, Caution, Forces, Kinematics, Lanes, LawChoice, Pressure, Reece, RigidWheel,
+    Settings, Slip, SlipNorm, SlopeOutcome, Soil, SoilColumns, SoilParams, SolveStatus,
+    StressPosition, WheelOnSoil, catalogue,
 };
 
 use super::batches::{Solved, batch, done};
@@ -516,4 +516,51 @@ fn instructions_have_a_name() {
     assert_eq!(kernel.clone().portable().instructions(), "portable");
     let of_machine = grouser_terra::instructions();
     assert!([kernel.instructions(), "deterministic"].contains(&of_machine));
+}
+
+/// Soil that rises behind the wheel by more than it sank pushes it on.
+#[test]
+fn work_that_soil_gives_back_is_cautioned_of() {
+    const RADIUS_M: f64 = 0.1;
+    const SINKAGE_M: f64 = 0.02;
+    let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
+    let kernel = BatchKernel::new(soil);
+    let wheel = RigidWheel::new(RADIUS_M, 0.05).unwrap();
+    let gained = [
+        (0.0, 2.0),
+        (0.02, 1.6),
+        (0.3, 0.0),
+        (-0.05, 0.0),
+        (-0.05, 2.0),
+    ]
+    .map(|(slip, rebound)| {
+        let points = BatchPoints {
+            radius: RADIUS_M.into(),
+            width: 0.05.into(),
+            rebound: rebound.into(),
+            slip: slip.into(),
+        };
+        let [
+            mut sinkage,
+            mut vertical_force,
+            mut drawbar_pull,
+            mut torque,
+        ] = [[0.0]; 4];
+        let mut out = BatchColumns {
+            sinkage: &mut sinkage,
+            vertical_force: &mut vertical_force,
+            drawbar_pull: &mut drawbar_pull,
+            torque: &mut torque,
+            status: &mut [SolveStatus::default()],
+        };
+        kernel.forces(&points, SINKAGE_M, &mut out).unwrap();
+        let found = kernel.cautions(&points, &out, 0);
+        let soil = soil.with_rebound(rebound).unwrap();
+        let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+        let motion = Kinematics::straight(Slip::new(slip).unwrap());
+        let alone = on_soil.at_sinkage(SINKAGE_M, &motion).unwrap();
+        assert_eq!(found, alone.cautions, "{slip} {rebound}");
+        found.contains(Caution::WorkGained)
+    });
+    assert!(gained[0] && !gained[2]);
 }

@@ -80,11 +80,11 @@ mod tests {
         );
     }
 
-    /// x² − 1 between 0 and 3 by hand: 1/3 with −8/9, 3/5 with −16/25, and with 8 halved at the far end 27/29.
+    /// y² − 1, y = x − ½, between y = 0 and 3 by hand: 1/3 with −8/9, 3/5 with −16/25, and with 8 halved at the far end 27/29.
     #[test]
     fn it_ends_by_value_or_by_step() {
-        let f = |x: f64| x * x - 1.0;
-        let of = |close: (f64, f64)| root(f, (0.0, 3.0), close);
+        let f = |x: f64| (x - 0.5) * (x - 0.5) - 1.0;
+        let of = |close: (f64, f64)| root(f, (0.5, 3.5), close);
         for (close, expected, evaluations) in [
             ((0.889, 0.0), 1.0 / 3.0, 1),
             ((0.888, 0.0), 0.6, 2),
@@ -95,13 +95,13 @@ mod tests {
             ((0.0, 0.266), 1.0602, 4),
         ] {
             let (place, count, _) = of(close);
-            assert!((place - expected).abs() < 1e-4, "{place} {close:?}");
+            assert!((place - 0.5 - expected).abs() < 1e-4, "{place} {close:?}");
             assert_eq!(count, evaluations, "{close:?}");
         }
         let (place, _, value) = of((0.889, 0.0));
-        assert!(of((-value, 0.0)).1 == 1 && of((0.0, place)).1 == 1);
+        assert!(of((-value, 0.0)).1 == 1 && of((0.0, place - 0.5)).1 == 1);
         // from the other side the near end is the second one
-        assert_eq!(root(f, (3.0, 0.0), (0.0, 0.334)).1, 1);
+        assert_eq!(root(f, (3.5, 0.5), (0.0, 0.334)).1, 1);
         // and a function that never comes close
         let jump = |x: f64| if x < 0.3 { -1.0 } else { 1.0 };
         assert_eq!(root(jump, (0.0, 1.0), (0.5, -1.0)).1, MAX_STEPS);

@@ -37,6 +37,9 @@ const LN_SINC: [f64; 7] = [
 const MIN_LN_THETA_1: f64 = -3.507;
 const MAX_LN_THETA_1: f64 = 0.0461;
 
+/// Points of the groups that are searched side by side.
+const POINTS_ABREAST: usize = 8 * ABREAST;
+
 /// What does not depend on sinkage, and the state of the search.
 pub(super) struct LoadSheet {
     points: [Column; 6],
@@ -336,7 +339,7 @@ fn search<V: Vector>(
     let mut exponents = prepared.exponents::<V, ABREAST>(inputs);
     let mut loaded = [Loaded::<V>::nothing(); ABREAST];
     let (mut offs, mut slopes) = ([V::ZERO; ABREAST], [V::ZERO; ABREAST]);
-    for from in (0..n).step_by(8 * ABREAST) {
+    for from in (0..n).step_by(POINTS_ABREAST) {
         let abreast = || (from..n).step_by(8).take(ABREAST).enumerate();
         for (k, at) in abreast() {
             loaded[k] = set_up::<V>(prepared, inputs, (sheet, plan), at);

@@ -78,9 +78,7 @@ impl BatchKernel {
         load.check_length(n)?;
         bearing_torque.check_length(n)?;
         let on_soil = WheelOnSoil::new(*wheel, *self.soil(), Settings::default())?;
-        // where the force may fall as even a driven wheel sinks, several sinkages are the rule
-        let table = (!on_soil.may_fall(&Kinematics::straight(Slip::ZERO)))
-            .then(|| SkidTable::new(&on_soil));
+        let table = SkidTable::serving(&on_soil);
         for (i, (slip, status)) in slip.iter_mut().zip(status).enumerate() {
             let (load, bearing_torque) = (load.at(i), bearing_torque.at(i));
             let end = table
@@ -152,6 +150,11 @@ struct Start {
 }
 
 impl<'a> SkidTable<'a> {
+    /// `None` where the force may fall as even a driven wheel sinks: several sinkages are the rule there.
+    fn serving(on_soil: &'a WheelOnSoil) -> Option<Self> {
+        (!on_soil.may_fall(&Kinematics::straight(Slip::ZERO))).then(|| Self::new(on_soil))
+    }
+
     fn new(on_soil: &'a WheelOnSoil) -> Self {
         let rough = on_soil.with_accuracy(Accuracy::Simulation);
         let first = Real::ln(LEAST_ENTRY_RAD);

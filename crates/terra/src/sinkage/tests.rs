@@ -55,7 +55,10 @@ fn a_search_begins_with_bekkers_closed_form() {
     // a search ends where the hub, or the soil behind the wheel, is reached
     for (rebound, share) in [(0.0_f64, 1.0_f64), (0.5, 1.0), (1.0, 1.0), (2.0, 0.5)] {
         let on_soil = on(|params| params.rebound = rebound);
-        near(on_soil.entry_limit(&at(0.1)), f64::acos(1.0 - share));
+        let limit = on_soil.entry_limit(&at(0.1));
+        near(limit, f64::acos(1.0 - share));
+        // just below
+        assert!(limit < f64::acos(1.0 - share));
     }
 }
 
@@ -98,6 +101,39 @@ fn a_scan_brackets_the_load() {
         on_soil.scan(1.001 * greatest, &motion, &mut new()),
         Err(greatest)
     );
+}
+
+/// A force that rises and falls again meets a load twice.
+#[test]
+fn a_scan_sees_several_sinkages() {
+    let lunar = *catalogue::find("lunar").unwrap().soil().unwrap().params();
+    let on_soil = on(|params| {
+        *params = SoilParams {
+            rebound: 1.5,
+            ..lunar
+        }
+    });
+    let motion = at(-0.1);
+    let high = on_soil.entry_limit(&motion);
+    let force = |theta_1: f64| on_soil.vertical_force(theta_1, &motion, &mut 0);
+    let greatest = (1..400)
+        .map(|i| force(high * f64::from(i) / 400.0))
+        .fold(0.0, f64::max);
+    let scan = |load: f64| {
+        let (low, proven, evaluations) = (0.0, false, 0);
+        on_soil.scan(
+            load,
+            &motion,
+            &mut Search {
+                low,
+                high,
+                proven,
+                evaluations,
+            },
+        )
+    };
+    assert!(force(high) < 0.5 * greatest);
+    assert_eq!(scan(0.7 * greatest), Ok(true));
 }
 
 #[test]

@@ -66,6 +66,7 @@ fn ranges_have_their_ends_and_no_nan() {
     let expected = [false, false, true, true, true, false, false, false];
     assert_eq!(within(x, 1.0, 2.0).0, expected);
     assert_eq!(inside(x, (1.0, 2.0)).0, expected);
+    assert!(Lanes::any(within(x, 2.0, 2.0)) && !Lanes::any(within(x, 3.0, 4.0)));
 }
 
 fn sand(change: impl Fn(&mut SoilParams)) -> Soil {

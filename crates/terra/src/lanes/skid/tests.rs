@@ -149,6 +149,15 @@ fn the_table_decides_as_the_general_search() {
     assert_eq!(counts, [129, 7, 24]);
 }
 
+#[test]
+fn soil_that_springs_back_has_no_table() {
+    let on_soil = sand();
+    assert!(SkidTable::serving(&on_soil).is_some());
+    let soil = on_soil.soil().with_rebound(0.1).unwrap();
+    let rising = WheelOnSoil::new(*on_soil.wheel(), soil, Settings::default()).unwrap();
+    assert!(SkidTable::serving(&rising).is_none());
+}
+
 /// Forces in closed form, W and T/r by row, column and ln θ_1, in place of a soil's.
 fn table_of(on_soil: &WheelOnSoil, force: impl Fn(usize, usize, f64) -> Pair) -> SkidTable<'_> {
     let mut table = SkidTable::new(on_soil);
@@ -220,29 +229,30 @@ fn where_the_table_carries_a_load() {
 #[test]
 fn where_a_force_begins() {
     let on_soil = sand();
-    // W = 40 (i − 6.25) N, T/r = −2 W + 30 N
-    let table = table_of(&on_soil, |_, i, _| {
-        let force = 40.0 * (i as f64 - 6.25);
-        [force, -2.0 * force + 30.0]
-    });
-    let samples = (table.first, 3.1 * table.step);
-    let Carrying::At(carried) = table.carried(
-        5,
-        &Wanted {
-            load: 10.0,
-            turn: 0.0,
+    // W = 40 (i − begin) N, T/r = −2 W + 30 N
+    for begin in [6.0, 6.25] {
+        let table = table_of(&on_soil, |_, i, _| {
+            let force = 40.0 * (i as f64 - begin);
+            [force, -2.0 * force + 30.0]
+        });
+        let (load, turn) = (10.0, 0.0);
+        let samples = (table.first, 3.1 * table.step);
+        let wanted = Wanted {
+            load,
+            turn,
             samples,
-        },
-    ) else {
-        panic!("10 N are carried");
-    };
-    assert_eq!((carried.below, carried.slip), (6, -0.375));
-    assert!((carried.turn - 1.0).abs() < 1e-12);
-    let (place, slopes) = table.place(&carried, 10.0);
-    assert!((place - (table.first + 6.5 * table.step)).abs() < 1e-12);
-    // d(W/load) = 4 a step, and d(T/(r W)) = (−80/10 − 1 · 4) a step
-    assert!((slopes[0] * table.step - 4.0).abs() < 1e-9);
-    assert!((slopes[1] * table.step + 12.0).abs() < 1e-9);
+        };
+        let Carrying::At(carried) = table.carried(5, &wanted) else {
+            panic!("10 N are carried");
+        };
+        assert_eq!((carried.below, carried.slip), (6, -0.375));
+        assert!((carried.turn - 1.0).abs() < 1e-12);
+        let (place, slopes) = table.place(&carried, load);
+        assert!((place - (table.first + (begin + 0.25) * table.step)).abs() < 1e-12);
+        // d(W/load) = 4 a step, and d(T/(r W)) = (−80/10 − 1 · 4) a step
+        assert!((slopes[0] * table.step - 4.0).abs() < 1e-9);
+        assert!((slopes[1] * table.step + 12.0).abs() < 1e-9);
+    }
 }
 
 /// A vertical force that falls again: whether a sample of the general search lies where it exceeds the load.
