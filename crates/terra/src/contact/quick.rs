@@ -168,23 +168,23 @@ impl QuickContact<f64> {
             return cuts;
         }
         let near = vanishing_arcs(self.theta_1, over);
+        let close = CUT_PRECISION * arc;
         let top = at((self.theta_1 - turn).max(0.0));
         if top.1 > 0.0 {
-            cuts.0[cuts.1] = self.cut(near[0], [top, lowest]);
+            cuts.0[cuts.1] = self.cut(near[0], [top, lowest], close);
             cuts.1 += 1;
         }
         let exit = at(arc);
         if exit.1 > 0.0 {
-            cuts.0[cuts.1] = self.cut(near[1], [lowest, exit]);
+            cuts.0[cuts.1] = self.cut(near[1], [lowest, exit], close);
             cuts.1 += 1;
         }
         cuts
     }
 
     /// The arc at which the displacement vanishes between two ends (arc, displacement) of opposite sign: Newton's method from
-    /// `near`, else the secant in the bracket.
-    fn cut(&self, near: f64, ends: [(f64, f64); 2]) -> f64 {
-        let close = CUT_PRECISION * (self.theta_1 - self.theta_2);
+    /// `near`, else the secant in the bracket, to `close`.
+    fn cut(&self, near: f64, ends: [(f64, f64); 2], close: f64) -> f64 {
         let within = ends.map(|end| end.0);
         self.newton(near, within, close)
             .unwrap_or_else(|| crossing(|w| self.along(w), ends, (0.0, close)))

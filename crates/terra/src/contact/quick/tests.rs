@@ -204,7 +204,7 @@ fn how_many_cuts_newtons_method_finds() {
             }] += 1;
             let ends = [ends[0], ends[1]].map(|w| (w, of.along(w)));
             // beside the entry the displacement hardly differs from 0, wherever the cut is
-            let cut = of.cut(near, ends);
+            let cut = of.cut(near, ends, close);
             let is_close = (cut - low).abs() <= 3.0 * close || low < 0.02 * arc;
             assert!(is_close, "{cut} {low} {found:?}");
         }
@@ -237,7 +237,11 @@ fn a_single_piece() {
     let parts = |slip: f64, theta_m: fn(&Contact<f64>) -> f64| {
         let mut contact = contact(0.1, 0.0, slip, 0.0, 0.6);
         contact.angles.theta_m = theta_m(&contact);
+        contact.size.lug_gain = 0.25;
         let plan = plan_of(&contact).unwrap();
+        assert_eq!(plan.contact.lugs, 1.25);
+        // without a front there is no normal stress
+        assert_eq!(plan.contact.amplitude == 0.0, plan.contact.front == 0.0);
         let is_front = plan.parts().iter().map(|part| part.is_front);
         (is_front.collect::<Vec<_>>(), plan.is_whole())
     };
