@@ -457,3 +457,6 @@ impl WheelOnSoil {
         }))
     }
 }
+
+#[cfg(test)]
+mod tests;

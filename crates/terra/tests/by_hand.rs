@@ -8,8 +8,8 @@ use grouser_terra::{
     Kinematics, Mobilised, ModelOutcome, MohrCoulomb, MultiPass, OpenSoil, OperatingPoint,
     RigidWheel, Settings, ShearLaw, SinkageExponent, Slip, SlipNorm, SlipSinkage, Soil, SoilParams,
     SolveStatus, StressPosition, WheelMotion, WheelOnSoil, bulldozing_hegedus, catalogue,
-    gravity_of, level_off, lug_spacing_skonieczny, lug_thrust_gain, lug_transport_layer,
-    passive_pressure_coulomb, sinkage_from_entry_angle, slip_ani, slip_model,
+    entry_angle, gravity_of, level_off, lug_spacing_skonieczny, lug_thrust_gain,
+    lug_transport_layer, passive_pressure_coulomb, sinkage_from_entry_angle, slip_ani, slip_model,
     transition_angle_wong_reece, transport_depth_reece,
 };
 
@@ -513,6 +513,8 @@ fn the_slip_models_formula_as_printed() {
     }
     let outside = slip_model(Angle::from_deg(60.0), z, r, None).unwrap();
     assert!(matches!(outside, ModelOutcome::Slip(found) if !found.in_contact));
+    let last = slip_model(Angle::from_rad(-entry_angle(z, r)), z, r, None).unwrap();
+    assert!(matches!(last, ModelOutcome::Slip(found) if found.in_contact));
     let field = |theta: f64, z: f64, r: f64, mobilised| {
         let error = slip_model(Angle::from_rad(theta), z, r, mobilised).unwrap_err();
         error.field().unwrap()

@@ -198,6 +198,10 @@ fn a_steady_history_changes_nothing() {
         ..LawChoice::default()
     };
     let entry = Entry::new(0.02, RADIUS_M);
+    assert_eq!(
+        (entry.sinkage(), entry.theta_1()),
+        (0.02, entry_angle(0.02, RADIUS_M))
+    );
     for soil in [
         plain,
         SoilParams {
@@ -250,6 +254,9 @@ fn a_steady_history_changes_nothing() {
             }
             let by_shear = -forces.side_shear * (degrees / 75.0);
             assert_eq!(after(SideForce::Shear), (forces, by_shear));
+            if degrees == 0.0 {
+                assert!(after(SideForce::Shear).1.is_sign_positive());
+            }
             // drift to the left is pushed to the right
             assert_eq!(
                 side.signum(),

@@ -103,39 +103,6 @@ fn a_scan_brackets_the_load() {
     );
 }
 
-/// A force that rises and falls again meets a load twice.
-#[test]
-fn a_scan_sees_several_sinkages() {
-    let lunar = *catalogue::find("lunar").unwrap().soil().unwrap().params();
-    let on_soil = on(|params| {
-        *params = SoilParams {
-            rebound: 1.5,
-            ..lunar
-        }
-    });
-    let motion = at(-0.1);
-    let high = on_soil.entry_limit(&motion);
-    let force = |theta_1: f64| on_soil.vertical_force(theta_1, &motion, &mut 0);
-    let greatest = (1..400)
-        .map(|i| force(high * f64::from(i) / 400.0))
-        .fold(0.0, f64::max);
-    let scan = |load: f64| {
-        let (low, proven, evaluations) = (0.0, false, 0);
-        on_soil.scan(
-            load,
-            &motion,
-            &mut Search {
-                low,
-                high,
-                proven,
-                evaluations,
-            },
-        )
-    };
-    assert!(force(high) < 0.5 * greatest);
-    assert_eq!(scan(0.7 * greatest), Ok(true));
-}
-
 #[test]
 fn the_middle_of_a_bracket() {
     let middle = |low: f64, high: f64| {
