@@ -213,6 +213,26 @@ fn lugs_add_thrust_and_sinkage_when_driving() {
     assert!(with.forces.lost_work > 0.0);
     let (with, without) = (at(&lugged.on_soil, -0.6), at(&smooth, -0.6));
     assert!((with.sinkage - without.sinkage).abs() < 1e-12);
+    // steps in time know the thrust of lugs too
+    let mut params = *lugged.on_soil.soil().params();
+    params.laws.shear = Some(ShearLaw::Coupled);
+    let soil = Soil::new(params).unwrap();
+    let settings = Settings {
+        accuracy: Accuracy::Simulation,
+        ..Settings::default()
+    };
+    let quick = WheelOnSoil::new(*lugged.on_soil.wheel(), soil, settings).unwrap();
+    let exact = quick.with_accuracy(Accuracy::Reference);
+    for slip in [0.5, 0.05, -0.03, -0.4] {
+        let motion = Kinematics::straight(Slip::new(slip).unwrap());
+        let at = |on_soil: &WheelOnSoil| on_soil.forces_at(0.01, &motion).unwrap();
+        let (quick, exact) = (at(&quick), at(&exact));
+        let off = (quick.drawbar_pull - exact.drawbar_pull).abs();
+        assert!(
+            off < 1e-6 * exact.vertical_force.abs().max(exact.drawbar_pull.abs()),
+            "{slip} {off:e}"
+        );
+    }
     // the mean of the passage over one spacing is what the rim carries spread out
     let passage = lugged
         .on_soil
