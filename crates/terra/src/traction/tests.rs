@@ -4,6 +4,7 @@ use crate::{RigidWheel, Settings, catalogue};
 /// Skids that the rising torque of ordinary soils decides, and those that it leaves to the samples: a snapshot.
 #[test]
 fn where_the_torque_rises_with_slip() {
+    /// Decided, and left.
     const COUNTS: [u32; 2] = [47, 33];
     let mut counts = [0; 2];
     for key in ["dry-sand", "sandy-loam", "clayey-soil", "snow", "lunar"] {

@@ -2,6 +2,7 @@ use super::super::machine::tests::levels;
 use super::*;
 use crate::catalogue;
 
+/// Six lanes full, and one point more.
 const POINTS: usize = 49;
 
 #[test]

@@ -7,6 +7,7 @@ use super::*;
 use crate::contact::ladder::LIMITS;
 use crate::{Kinematics, RigidWheel, Settings, Slip, Soil, SoilParams, WheelOnSoil, catalogue};
 
+/// Twelve lanes full.
 const POINTS: usize = 96;
 
 /// Wheels under loads on one soil, whose sinkages are known.
@@ -302,6 +303,7 @@ fn which_points_lanes_serve() {
 /// Stiffness and depth just inside and outside their limits, at a wheel of which q is 0.6.
 #[test]
 fn which_rule_serves_where_a_search_is() {
+    /// 1 − s
     const Q: f64 = 0.6;
     let step = |x: f64, r_over_k: f64, sound: f64| {
         let (mut sheet, mut plan) = (LoadSheet::EMPTY, Plan::EMPTY);
