@@ -140,7 +140,7 @@ fn tolerances_may_be_zero() {
     assert_eq!((found.x[0], found.counts.values), (1.0, 2));
 }
 
-/// |x| but for points around 0, which are worse than any: the slope at 0 is said to be a ten-thousandth, and no step is found.
+/// |x| but for points around 0, which are worse than any: the slope given at 0 is a ten-thousandth, and no step is found.
 #[test]
 fn the_last_point_is_a_solution_to_a_ten_thousandth() {
     fn values(x: f64) -> [f64; 1] {
@@ -298,6 +298,7 @@ impl Model for Calling {
 /// Within derivatives, and within the first subproblem, that of a start which breaks a hundred rows.
 #[test]
 fn what_is_stopped_has_values() {
+    /// Enough products for a call within the first subproblem.
     const ROWS: usize = 120;
     const VARIABLES: usize = 300;
     let stopped = |params: ProblemParams<'_>| {

@@ -269,6 +269,7 @@ fn where_multipliers_begin() {
 /// more of its digits are rounding, by which some go round in circles: of a hundred each as many do not as did not.
 #[test]
 fn rows_that_meet_in_a_point_end_as_often_as_they_did() {
+    /// Where they meet.
     const POINT: [f64; 3] = [0.1, 0.7, -0.3];
     let ended = |curvature: f64| {
         let one = |seed: u64| {

@@ -2,6 +2,7 @@
 
 use super::*;
 
+/// Variables.
 const N: usize = 3;
 
 fn member(row: usize, vector: [f64; N], offset: f64, objective: bool) -> Member {
