@@ -58,11 +58,11 @@ fn the_best_of_a_stopped_search_is_feasible() {
 /// Points are the same to a share of the box.
 #[test]
 fn optima_are_apart_by_a_share_of_the_box() {
-    /// Of the box.
-    const WIDTH: f64 = 100.0;
+    /// Not 1, so that a share is no distance.
+    const BOX_WIDTH: f64 = 100.0;
     let of = |apart: f64| {
-        let runs = [0.0, apart * SAME_POINT * WIDTH].map(|x| run(Status::Converged, x, 0.0, x));
-        distinct(&runs, &[0.0], &[WIDTH]).len()
+        let runs = [0.0, apart * SAME_POINT * BOX_WIDTH].map(|x| run(Status::Converged, x, 0.0, x));
+        distinct(&runs, &[0.0], &[BOX_WIDTH]).len()
     };
     assert_eq!((of(0.5), of(1.5)), (1, 2));
 }

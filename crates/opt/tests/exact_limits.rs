@@ -66,8 +66,8 @@ fn constant(start: &[f64], limits: &[f64], settings: &Settings) -> Solution {
     solve(&Problem::new(params).unwrap(), &Method::Minimax, settings).unwrap()
 }
 
-/// A unit in the last place that all starts below have.
-const TINY: f64 = 1.0 / (1u64 << 30) as f64;
+/// 2⁻³⁰: a last place that all starts below have, so that sums of them are exact.
+const UNIT_OF_STARTS: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// What misses a row by a thousandth of its tolerance is left where it is. The passes over the rows pay 10³, 10⁶, 10⁹ and 10¹²
 /// for a unit of violation, and each moves a start by as much.
@@ -85,14 +85,29 @@ fn a_start_is_moved_onto_rows_that_it_breaks() {
         assert!(!matches!(found.status, Status::NoFeasiblePoint(_)));
         found.x[0]
     };
-    assert_eq!(moved(1e3 * TINY, TINY, 0.0), TINY);
-    assert_eq!(moved(1e3 * TINY, 2.0 * TINY, 0.0), 0.0);
+    assert_eq!(
+        moved(1e3 * UNIT_OF_STARTS, UNIT_OF_STARTS, 0.0),
+        UNIT_OF_STARTS
+    );
+    assert_eq!(moved(1e3 * UNIT_OF_STARTS, 2.0 * UNIT_OF_STARTS, 0.0), 0.0);
     // of a row's tolerance its limit is the unit
-    assert_eq!(moved(1e3 * TINY, 4.0 + 3.0 * TINY, 4.0), 4.0 + 3.0 * TINY);
-    assert_eq!(moved(1e3 * TINY, 4.0 + 5.0 * TINY, 4.0), 4.0);
+    assert_eq!(
+        moved(1e3 * UNIT_OF_STARTS, 4.0 + 3.0 * UNIT_OF_STARTS, 4.0),
+        4.0 + 3.0 * UNIT_OF_STARTS
+    );
+    assert_eq!(
+        moved(1e3 * UNIT_OF_STARTS, 4.0 + 5.0 * UNIT_OF_STARTS, 4.0),
+        4.0
+    );
     // the first pass
-    assert_eq!(moved(1e3 * TINY, 1e3 + TINY, 0.0), TINY);
-    assert_eq!(moved(1e3 * TINY, 1e3 + 2.0 * TINY, 0.0), 0.0);
+    assert_eq!(
+        moved(1e3 * UNIT_OF_STARTS, 1e3 + UNIT_OF_STARTS, 0.0),
+        UNIT_OF_STARTS
+    );
+    assert_eq!(
+        moved(1e3 * UNIT_OF_STARTS, 1e3 + 2.0 * UNIT_OF_STARTS, 0.0),
+        0.0
+    );
     // all passes, and what they leave is the tolerance
     let (passes, left) = (1_001_001_001_000.0, 1.0 / 1024.0);
     assert_eq!(moved(left, passes + left, 0.0), left);

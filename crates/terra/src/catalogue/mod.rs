@@ -149,3 +149,16 @@ impl Entry {
         self.open().missing()
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::find;
+    use crate::{Soil, SoilParams};
+
+    /// Dry sand with some numbers changed.
+    pub(crate) fn dry_sand_with(change: impl Fn(&mut SoilParams)) -> Soil {
+        let mut params = *find("dry-sand").unwrap().soil().unwrap().params();
+        change(&mut params);
+        Soil::new(params).unwrap()
+    }
+}

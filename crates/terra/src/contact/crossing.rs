@@ -51,7 +51,8 @@ mod tests {
     /// Two secant steps and one with a halved value multiply the digits by three: from a tenth to rounding within four such rounds.
     #[test]
     fn roots_in_closed_form() {
-        const ROUNDING: f64 = 1e-15;
+        /// Of places around 1: a few units in their last place.
+        const ROUNDING_OF_PLACE: f64 = 1e-15;
         const MAX_EVALUATIONS: u32 = 12;
         let check = |f: &dyn Fn(f64) -> f64, ends: (f64, f64), expected: f64| {
             let mirrored = |x: f64| -f(x);
@@ -60,9 +61,9 @@ mod tests {
                 ((ends.1, ends.0), f),
                 (ends, &mirrored as &dyn Fn(f64) -> f64),
             ] {
-                let (place, count, _) = root(f, ends, (0.0, ROUNDING));
+                let (place, count, _) = root(f, ends, (0.0, ROUNDING_OF_PLACE));
                 assert!(
-                    (place - expected).abs() < 2.0 * ROUNDING,
+                    (place - expected).abs() < 2.0 * ROUNDING_OF_PLACE,
                     "{place} {expected}"
                 );
                 assert!(count <= MAX_EVALUATIONS, "{count} for {expected}");

@@ -1,18 +1,13 @@
 use super::*;
-use crate::{Bekker, Reece, RigidWheel, Settings, Slip, Soil, SoilParams, catalogue};
+use crate::catalogue::tests::dry_sand_with;
+use crate::{Bekker, Reece, RigidWheel, Settings, Slip, SoilParams};
 
 const RADIUS_M: f64 = 0.125;
 const WIDTH_M: f64 = 0.1;
 
 fn on(change: impl Fn(&mut SoilParams)) -> WheelOnSoil {
-    let mut params = *catalogue::find("dry-sand")
-        .unwrap()
-        .soil()
-        .unwrap()
-        .params();
-    change(&mut params);
     let wheel = RigidWheel::new(RADIUS_M, WIDTH_M).unwrap();
-    WheelOnSoil::new(wheel, Soil::new(params).unwrap(), Settings::default()).unwrap()
+    WheelOnSoil::new(wheel, dry_sand_with(change), Settings::default()).unwrap()
 }
 
 fn at(slip: f64) -> Kinematics {

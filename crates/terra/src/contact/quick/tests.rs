@@ -3,20 +3,12 @@ use std::vec::Vec;
 
 use super::super::Motion;
 use super::*;
-use crate::{Soil, SoilParams, WheelSize, catalogue};
+use crate::WheelSize;
+use crate::catalogue::tests::dry_sand_with;
 
 /// A contact on dry sand with this K (m) and rebound ratio.
 fn contact(k_shear: f64, rebound: f64, slip: f64, q_y: f64, theta_1: f64) -> Contact<f64> {
-    let soil = Soil::new(SoilParams {
-        k_shear,
-        rebound,
-        ..*catalogue::find("dry-sand")
-            .unwrap()
-            .soil()
-            .unwrap()
-            .params()
-    })
-    .unwrap();
+    let soil = dry_sand_with(|params| (params.k_shear, params.rebound) = (k_shear, rebound));
     let motion = Motion {
         slip,
         q_y,

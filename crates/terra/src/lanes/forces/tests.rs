@@ -1,30 +1,13 @@
 use super::super::Lanes;
+use super::super::plan::tests::alike;
 use super::*;
+use crate::catalogue::tests::dry_sand_with;
 use crate::contact::ladder::LIMITS;
-use crate::{Kinematics, RigidWheel, Settings, Slip, Soil, SoilParams, WheelOnSoil, catalogue};
-
-fn sand(change: impl Fn(&mut SoilParams)) -> Soil {
-    let mut params = *catalogue::find("dry-sand")
-        .unwrap()
-        .soil()
-        .unwrap()
-        .params();
-    change(&mut params);
-    Soil::new(params).unwrap()
-}
+use crate::{Kinematics, RigidWheel, Settings, Slip, Soil, WheelOnSoil};
 
 fn placed(soil: &Soil, numbers: &[[f64; 8]; 5], per_k_shear: Option<f64>) -> Placed<Lanes> {
     let prepared = Prepared::new(soil).unwrap();
-    let empty = [0.0; 8];
-    let inputs = Inputs {
-        radius: &empty,
-        width: &empty,
-        rebound: &empty,
-        slip: &empty,
-        given: &empty,
-        soil: None,
-    };
-    let mut lanes = prepared.soil::<Lanes>(&inputs, 0);
+    let mut lanes = prepared.soil::<Lanes>(&alike(&[0.0; 8]), 0);
     if let Some(per_k_shear) = per_k_shear {
         lanes.per_k_shear = Lanes([per_k_shear; 8]);
     }
@@ -38,7 +21,7 @@ fn placed(soil: &Soil, numbers: &[[f64; 8]; 5], per_k_shear: Option<f64>) -> Pla
 /// Every number is that of the general contact; a stiffness just below and above each limit has its step.
 #[test]
 fn points_are_placed_as_contacts() {
-    let soil = sand(|params| params.cohesion = 700.0);
+    let soil = dry_sand_with(|params| params.cohesion = 700.0);
     for (radius, width, rebound, slip, z_over_r) in [
         (0.1, 0.05, 0.0, 0.3, 0.2),
         (0.4, 0.3, 0.5, 0.1, 0.03),
@@ -99,7 +82,7 @@ fn which_points_lanes_serve() {
             .0
             .map(|step| step == 0.0)
     };
-    let soil = sand(|_| ());
+    let soil = dry_sand_with(|_| ());
     let size = [1e-3, 0.999e-3, 100.0, 100.1, 0.2, 0.2, 0.2, f64::NAN];
     assert_eq!(is_served(&soil, &[(0, size)]), good);
     assert_eq!(is_served(&soil, &[(1, size)]), good);
@@ -128,7 +111,7 @@ fn which_points_lanes_serve() {
     ];
     assert_eq!(is_served(&soil, &[(2, [1.0; 8]), (4, arc)]), good);
     // a soil that does not carry a wheel so narrow: k_c/b + k_φ < 0
-    let weak = sand(|params| {
+    let weak = dry_sand_with(|params| {
         params.pressure = crate::Pressure::Bekker(crate::Bekker {
             k_c: -1e4,
             k_phi: 1e5,
@@ -137,7 +120,7 @@ fn which_points_lanes_serve() {
     let width = [0.101, 0.099, 0.11, 0.09, 1.0, 1.0, 1.0, 0.05];
     assert_eq!(is_served(&weak, &[(1, width)]), good);
     // a front of 0.07 n of the entry angle
-    let with_position = sand(|params| (params.c_1, params.c_2) = (0.523, 0.5));
+    let with_position = dry_sand_with(|params| (params.c_1, params.c_2) = (0.523, 0.5));
     let limit = (1.0 - 0.07 * soil.params().n - 0.523) / 0.5;
     let slip = [
         0.0,

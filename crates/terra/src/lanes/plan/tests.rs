@@ -1,7 +1,8 @@
 use super::super::Lanes;
 use super::super::columns::SoilInputs;
 use super::*;
-use crate::{Angle, Bekker, LawChoice, SoilParams, catalogue};
+use crate::catalogue::tests::dry_sand_with;
+use crate::{Angle, Bekker, LawChoice, SoilParams};
 
 /// Every place of a step is in one of its groups, in order, and a group that is not full repeats the last one.
 #[test]
@@ -69,14 +70,16 @@ fn ranges_have_their_ends_and_no_nan() {
     assert!(Lanes::any(within(x, 2.0, 2.0)) && !Lanes::any(within(x, 3.0, 4.0)));
 }
 
-fn sand(change: impl Fn(&mut SoilParams)) -> Soil {
-    let mut params = *catalogue::find("dry-sand")
-        .unwrap()
-        .soil()
-        .unwrap()
-        .params();
-    change(&mut params);
-    Soil::new(params).unwrap()
+/// The same for radius, width, rebound, slip and what is given.
+pub(in crate::lanes) fn alike(numbers: &[f64]) -> Inputs<'_> {
+    Inputs {
+        radius: numbers,
+        width: numbers,
+        rebound: numbers,
+        slip: numbers,
+        given: numbers,
+        soil: None,
+    }
 }
 
 /// ln((3 − n)/3 · 2⁻ⁿ), with 3 − n at least ½.
@@ -94,7 +97,7 @@ fn near(found: f64, expected: f64) {
 #[test]
 fn what_lanes_prepare_of_a_soil() {
     for n in [0.7, 1.3, 2.8] {
-        let soil = sand(|params| {
+        let soil = dry_sand_with(|params| {
             (params.n, params.cohesion, params.k_shear) = (n, 350.0, 0.013);
             params.phi = Angle::from_rad(0.6);
             params.pressure = Pressure::Bekker(Bekker {
@@ -104,15 +107,7 @@ fn what_lanes_prepare_of_a_soil() {
             (params.c_1, params.c_2) = (0.21, 0.34);
         });
         let prepared = Prepared::new(&soil).unwrap();
-        let empty = [0.0; 8];
-        let inputs = Inputs {
-            radius: &empty,
-            width: &empty,
-            rebound: &empty,
-            slip: &empty,
-            given: &empty,
-            soil: None,
-        };
+        let inputs = alike(&[0.0; 8]);
         let lanes: LaneSoil<Lanes> = prepared.soil(&inputs, 0);
         for (found, expected) in [
             (lanes.n, n),
@@ -135,7 +130,7 @@ fn what_lanes_prepare_of_a_soil() {
         }
         assert_eq!(lanes.sound.0, [true; 8]);
     }
-    let is_served = |change: fn(&mut SoilParams)| Prepared::new(&sand(change)).is_some();
+    let is_served = |change: fn(&mut SoilParams)| Prepared::new(&dry_sand_with(change)).is_some();
     assert!(is_served(|_| ()));
     assert!(!is_served(|params| params.rear_driving = 0.1));
     assert!(!is_served(|params| params.transport_layer = 0.001));
@@ -151,7 +146,7 @@ fn what_lanes_prepare_of_a_soil() {
 /// Each lane has another soil; then each lacks another number, in the order of the columns.
 #[test]
 fn soils_of_lanes() {
-    let prepared = Prepared::new(&sand(|_| ())).unwrap();
+    let prepared = Prepared::new(&dry_sand_with(|_| ())).unwrap();
     let legal: [[f64; 8]; 8] = [
         [900.0, 1e3, 2e3, 0.0, -100.0, 5.0, 6.0, -1e12],
         [7e5, 1e5, 2e5, 3e5, 4e5, 5e5, 6e5, 1e12],
@@ -165,15 +160,11 @@ fn soils_of_lanes() {
     let of = |numbers: &[[f64; 8]; 8]| -> (LaneSoil<Lanes>, [f64; 8]) {
         let empty = [0.05; 8];
         let inputs = Inputs {
-            radius: &empty,
-            width: &empty,
-            rebound: &empty,
-            slip: &empty,
-            given: &empty,
             soil: Some(SoilInputs {
                 numbers: numbers.each_ref().map(|column| &column[..]),
                 tables: None,
             }),
+            ..alike(&empty)
         };
         let soil = prepared.soil(&inputs, 0);
         (soil, prepared.modulus(&soil, Lanes(empty)).0)

@@ -303,15 +303,16 @@ fn which_points_lanes_serve() {
 /// Stiffness and depth just inside and outside their limits, at a wheel of which q is 0.6.
 #[test]
 fn which_rule_serves_where_a_search_is() {
-    /// 1 − s
-    const Q: f64 = 0.6;
+    /// 1 − s, q in the formulas: any wheel serves.
+    const SPEED_PER_RIM: f64 = 0.6;
     let step = |x: f64, r_over_k: f64, sound: f64| {
         let (mut sheet, mut plan) = (LoadSheet::EMPTY, Plan::EMPTY);
         sheet.x.store(8, Lanes([x; 8]));
-        for (column, value) in sheet
-            .points
-            .iter_mut()
-            .zip([Q, r_over_k, 0.7, 0.8, 0.9, sound])
+        for (column, value) in
+            sheet
+                .points
+                .iter_mut()
+                .zip([SPEED_PER_RIM, r_over_k, 0.7, 0.8, 0.9, sound])
         {
             column.store(8, Lanes([value; 8]));
         }
@@ -323,7 +324,8 @@ fn which_rule_serves_where_a_search_is() {
     let theta_1 = 0.7;
     let deeper = 1.005 * theta_1;
     for (k, limit) in LIMITS.into_iter().enumerate() {
-        let r_over_k = limit / (core::f64::consts::LN_2 * deeper * (1.0 - Q * deeper.cos()));
+        let r_over_k =
+            limit / (core::f64::consts::LN_2 * deeper * (1.0 - SPEED_PER_RIM * deeper.cos()));
         let at = |factor: f64, sound: f64| step(theta_1.ln(), factor * r_over_k, sound);
         assert_eq!(at(1.0 - 1e-8, 1.0), k as f64);
         assert_eq!(at(1.0 + 1e-8, 1.0), k as f64 + 1.0);
