@@ -89,7 +89,7 @@ impl WheelOnSoil {
     /// # Ok::<(), grouser_terra::Error>(())
     /// ```
     pub fn slip_of_maximum_pull(&self, load: f64) -> Result<Option<BestSlip>> {
-        Self::best_slip(|slip| self.forces_under(load, slip, |forces| forces.drawbar_pull))
+        best_slip(|slip| self.forces_under(load, slip, |forces| forces.drawbar_pull))
     }
 
     /// The slip in [0, 1] of the greatest tractive efficiency under `load` (N); `None` where no slip
@@ -99,7 +99,7 @@ impl WheelOnSoil {
     /// As [`WheelOnSoil::under_load`].
     pub fn slip_of_maximum_efficiency(&self, load: f64) -> Result<Option<BestSlip>> {
         let radius = self.wheel().radius();
-        Self::best_slip(|slip| {
+        best_slip(|slip| {
             let found = self.forces_under(load, slip, |f| {
                 tractive_efficiency(1.0 - slip, radius, f.drawbar_pull, f.torque)
             })?;
@@ -113,57 +113,9 @@ impl WheelOnSoil {
     /// # Errors
     /// As [`WheelOnSoil::under_load`]; [`Error::OutOfRange`] unless |α| < 90°.
     pub fn slip_demand(&self, weight: f64, slope: Angle) -> Result<SlopeOutcome> {
-        let steep = 89.9_f64.to_radians();
-        Error::check_range("slope", slope.rad(), -steep, steep, "rad")?;
-        Error::check_range("weight", weight, 0.0, 1e12, "N")?;
-        let load = weight * slope.cos();
-        let required = weight * slope.sin();
+        let (load, required) = on_slope(weight, slope)?;
         let pull = |slip: f64| self.forces_under(load, slip, |forces| forces.drawbar_pull);
-        let mut before: Option<(f64, f64)> = None;
-        let mut max_pull: Option<f64> = None;
-        for i in 0..=2 * SAMPLES {
-            let slip = f64::from(i) / f64::from(SAMPLES) - 1.0;
-            let Some(now) = pull(slip)? else {
-                before = None;
-                continue;
-            };
-            max_pull = Some(max_pull.map_or(now, |m| m.max(now)));
-            if now >= required {
-                let slip = match before {
-                    Some((low, at_low)) => root(
-                        (low, at_low - required),
-                        (slip, now - required),
-                        ROOT_PRECISION,
-                        |s| Ok(pull(s)?.map(|pull| pull - required)),
-                    )?,
-                    None => slip,
-                };
-                return Ok(SlopeOutcome::Holds {
-                    slip: Slip::new(slip)?,
-                });
-            }
-            before = Some((slip, now));
-        }
-        // Between two samples the pull may still reach the required pull.
-        if let Some(best) = self.slip_of_maximum_pull(load)? {
-            if best.value >= required {
-                let low = (best.slip.value() - 1.0 / f64::from(SAMPLES)).max(-1.0);
-                if let Some(at_low) = pull(low)? {
-                    let high = (best.slip.value(), best.value - required);
-                    let slip = root((low, at_low - required), high, ROOT_PRECISION, |s| {
-                        Ok(pull(s)?.map(|pull| pull - required))
-                    })?;
-                    return Ok(SlopeOutcome::Holds {
-                        slip: Slip::new(slip)?,
-                    });
-                }
-            }
-            max_pull = Some(max_pull.map_or(best.value, |m| m.max(best.value)));
-        }
-        Ok(SlopeOutcome::Immobilised {
-            max_pull,
-            required_pull: required,
-        })
+        least_slip(required, pull)
     }
 
     /// The skid of a free wheel: the slip at which the soil turns a wheel under `load` (N) against the
@@ -261,14 +213,12 @@ impl WheelOnSoil {
     /// # Ok::<(), grouser_terra::Error>(())
     /// ```
     pub fn slip_demand_near(&self, weight: f64, slope: Angle, near: Slip) -> Result<SlopeOutcome> {
-        let (load, required) = (weight * slope.cos(), weight * slope.sin());
-        if load >= 0.0 && required.is_finite() {
-            let surplus = |slip| self.forces_under(load, slip, |f| f.drawbar_pull - required);
-            if let Some(slip) = root_near(near.value(), &NEAR_REACHES, surplus)? {
-                return Ok(SlopeOutcome::Holds {
-                    slip: Slip::new(slip)?,
-                });
-            }
+        let (load, required) = on_slope(weight, slope)?;
+        let surplus = |slip| self.forces_under(load, slip, |f| f.drawbar_pull - required);
+        if let Some(slip) = root_near(near.value(), &NEAR_REACHES, surplus)? {
+            return Ok(SlopeOutcome::Holds {
+                slip: Slip::new(slip)?,
+            });
         }
         self.slip_demand(weight, slope)
     }
@@ -361,101 +311,172 @@ impl WheelOnSoil {
             let pull = on_soil.forces_under(weight * angle.cos(), slip, |f| f.drawbar_pull)?;
             Ok(pull.map(|pull| pull - weight * angle.sin()))
         };
-        let surplus = |alpha: f64, slip: f64| surplus_of(self, alpha, slip);
         // the scan and the first round need no more than 1e-6
         let quick = self.with_accuracy(Accuracy::Simulation);
-        let rough = |alpha: f64, slip: f64| surplus_of(&quick, alpha, slip);
-        let Some((mut slip, mut left)) = Self::best_of_scan(|slip| rough(0.0, slip))? else {
+        let found = steepest(
+            weight,
+            |alpha, slip| surplus_of(&quick, alpha, slip),
+            |alpha, slip| surplus_of(self, alpha, slip),
+        )?;
+        let Some((slope, slip)) = found else {
             return Ok(None);
         };
-        if left < ROUGH_RAD * weight {
-            // between two samples the wheel may still pull
-            (slip, left) = maximum(slip, (SCAN_STEP, LAST_ROUND.1), |slip| surplus(0.0, slip))?;
-            if left < 0.0 {
-                return Ok(None);
-            }
-        }
-        let mut slope = Self::slope_held(slip, (0.0, left), (weight, FIRST_ROUND.2), rough)?;
-        let (reach, precision, slope_precision) = FIRST_ROUND;
-        let best = maximum(slip, (reach, precision), |slip| rough(slope, slip))?;
-        slip = best.0;
-        slope = Self::slope_held(
-            slip,
-            (slope, best.1.max(0.0)),
-            (weight, slope_precision),
-            rough,
-        )?;
-        slope = (slope - ROUGH_RAD).max(0.0);
-        for _ in 0..SLOPE_ROUNDS {
-            let (reach, precision, slope_precision) = LAST_ROUND;
-            let best = maximum(slip, (reach, precision), |slip| surplus(slope, slip))?;
-            let moved = (best.0 - slip).abs();
-            slip = best.0;
-            let from = (slope, best.1.max(0.0));
-            slope = Self::slope_held(slip, from, (weight, slope_precision), surplus)?;
-            if moved < FIRST_ROUND.1 {
-                break;
-            }
-        }
         Ok(Some(SteepestSlope {
             slope: Angle::from_rad(slope),
             slip: Slip::new(slip)?,
         }))
     }
+}
 
-    /// The slope (rad) above `from` at which `surplus` at `slip` ends, its value at `from` being known and not negative.
-    fn slope_held(
-        slip: f64,
-        from: (f64, f64),
-        (weight, precision): (f64, f64),
-        surplus: impl Fn(f64, f64) -> Result<Option<f64>>,
-    ) -> Result<f64> {
-        // no slope takes less pull than its sine
-        let (mut low, mut step) = (from, (from.1 / weight).max(precision).max(1e-9));
-        loop {
-            let alpha = (low.0 + step).min(MAX_GRADE_RAD);
-            let Some(left) = surplus(alpha, slip)? else {
-                return Ok(low.0);
-            };
-            if left < 0.0 {
-                let mirrored = |x: f64| surplus(-x, slip);
-                return Ok(-root((-alpha, left), (-low.0, low.1), precision, mirrored)?);
-            }
-            if alpha >= MAX_GRADE_RAD {
-                return Ok(alpha);
-            }
-            (low, step) = ((alpha, left), 2.0 * step);
-        }
-    }
+/// What a wheel of `weight` carries on `slope`, and the drawbar pull that it requires there, N.
+fn on_slope(weight: f64, slope: Angle) -> Result<(f64, f64)> {
+    let steep = 89.9_f64.to_radians();
+    Error::check_range("slope", slope.rad(), -steep, steep, "rad")?;
+    Error::check_range("weight", weight, 0.0, 1e12, "N")?;
+    Ok((weight * slope.cos(), weight * slope.sin()))
+}
 
-    /// The best of some samples in [0, 1], with its slip first; `None` where there is no value at all.
-    fn best_of_scan(of: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<(f64, f64)>> {
-        let mut best: Option<(f64, f64)> = None;
-        for i in 0..=SCAN_STEPS {
-            let slip = f64::from(i) * SCAN_STEP;
-            if let Some(value) = of(slip)?
-                && best.is_none_or(|best| value > best.1)
-            {
-                best = Some((slip, value));
-            }
-        }
-        Ok(best)
-    }
-
-    /// The greatest of `quantity` over slip in [0, 1].
-    fn best_slip(quantity: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<BestSlip>> {
-        let mut search = BestSearch::new();
-        while let Some(slip) = search.next_slip() {
-            search.feed(quantity(slip)?);
-        }
-        let Some((slip, value)) = search.best() else {
-            return Ok(None);
-        };
-        Ok(Some(BestSlip {
+/// The least slip at which `pull` (N) is what is `required`: where the first of some samples in [−1, 1] reaches it, or else at or
+/// below the greatest pull.
+fn least_slip(required: f64, pull: impl Fn(f64) -> Result<Option<f64>>) -> Result<SlopeOutcome> {
+    let surplus = |slip| Ok(pull(slip)?.map(|pull| pull - required));
+    let holds = |slip| {
+        Ok(SlopeOutcome::Holds {
             slip: Slip::new(slip)?,
-            value,
-        }))
+        })
+    };
+    let mut before: Option<(f64, f64)> = None;
+    let mut most = f64::NEG_INFINITY;
+    for i in 0..=2 * SAMPLES {
+        let slip = f64::from(i) / f64::from(SAMPLES) - 1.0;
+        let Some(now) = surplus(slip)? else {
+            before = None;
+            continue;
+        };
+        if now >= 0.0 {
+            return holds(match before {
+                Some(low) => root(low, (slip, now), ROOT_PRECISION, surplus)?,
+                None => slip,
+            });
+        }
+        most = most.max(now);
+        before = Some((slip, now));
     }
+    // between two samples the pull may still suffice
+    if let Some(best) = best_slip(surplus)? {
+        let slip = best.slip.value();
+        if best.value >= 0.0 {
+            let low = slip - 1.0 / f64::from(SAMPLES);
+            let at_low = surplus(low)?.unwrap_or(f64::NEG_INFINITY);
+            return holds(root(
+                (low, at_low),
+                (slip, best.value),
+                ROOT_PRECISION,
+                surplus,
+            )?);
+        }
+        most = most.max(best.value);
+    }
+    Ok(SlopeOutcome::Immobilised {
+        max_pull: most.is_finite().then_some(most + required),
+        required_pull: required,
+    })
+}
+
+/// The steepest slope (rad) at which `surplus`, of slope and slip, is not negative at the slip in [0, 1] where it is greatest,
+/// and that slip; `rough` is the same to 1e-6 of the weight. `None` where it is negative on the level.
+fn steepest(
+    weight: f64,
+    rough: impl Fn(f64, f64) -> Result<Option<f64>>,
+    surplus: impl Fn(f64, f64) -> Result<Option<f64>>,
+) -> Result<Option<(f64, f64)>> {
+    let Some((mut slip, mut left)) = best_of_scan(|slip| rough(0.0, slip))? else {
+        return Ok(None);
+    };
+    if left < ROUGH_RAD * weight {
+        // between two samples the wheel may still pull
+        (slip, left) = maximum(slip, (SCAN_STEP, LAST_ROUND.1), |slip| surplus(0.0, slip))?;
+        if left < 0.0 {
+            return Ok(None);
+        }
+    }
+    let mut slope = slope_held(slip, (0.0, left), (weight, FIRST_ROUND.2), &rough)?;
+    let (reach, precision, slope_precision) = FIRST_ROUND;
+    let best = maximum(slip, (reach, precision), |slip| rough(slope, slip))?;
+    slip = best.0;
+    slope = slope_held(
+        slip,
+        (slope, best.1.max(0.0)),
+        (weight, slope_precision),
+        &rough,
+    )?;
+    slope = (slope - ROUGH_RAD).max(0.0);
+    for _ in 0..SLOPE_ROUNDS {
+        let (reach, precision, slope_precision) = LAST_ROUND;
+        let best = maximum(slip, (reach, precision), |slip| surplus(slope, slip))?;
+        let moved = (best.0 - slip).abs();
+        slip = best.0;
+        let from = (slope, best.1.max(0.0));
+        slope = slope_held(slip, from, (weight, slope_precision), &surplus)?;
+        if moved < FIRST_ROUND.1 {
+            break;
+        }
+    }
+    Ok(Some((slope, slip)))
+}
+
+/// The slope (rad) above `from` at which `surplus` at `slip` ends, its value at `from` being known and not negative.
+fn slope_held(
+    slip: f64,
+    from: (f64, f64),
+    (weight, precision): (f64, f64),
+    surplus: impl Fn(f64, f64) -> Result<Option<f64>>,
+) -> Result<f64> {
+    // no slope takes less pull than its sine
+    let (mut low, mut step) = (from, (from.1 / weight).max(precision).max(1e-9));
+    loop {
+        let alpha = (low.0 + step).min(MAX_GRADE_RAD);
+        let Some(left) = surplus(alpha, slip)? else {
+            return Ok(low.0);
+        };
+        if left < 0.0 {
+            let mirrored = |x: f64| surplus(-x, slip);
+            return Ok(-root((-alpha, left), (-low.0, low.1), precision, mirrored)?);
+        }
+        if alpha >= MAX_GRADE_RAD {
+            return Ok(alpha);
+        }
+        (low, step) = ((alpha, left), 2.0 * step);
+    }
+}
+
+/// The best of some samples in [0, 1], with its slip first; `None` where there is no value at all.
+fn best_of_scan(of: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<(f64, f64)>> {
+    let mut best: Option<(f64, f64)> = None;
+    for i in 0..=SCAN_STEPS {
+        let slip = f64::from(i) * SCAN_STEP;
+        if let Some(value) = of(slip)?
+            && best.is_none_or(|best| value > best.1)
+        {
+            best = Some((slip, value));
+        }
+    }
+    Ok(best)
+}
+
+/// The greatest of `quantity` over slip in [0, 1].
+fn best_slip(quantity: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<BestSlip>> {
+    let mut search = BestSearch::new();
+    while let Some(slip) = search.next_slip() {
+        search.feed(quantity(slip)?);
+    }
+    let Some((slip, value)) = search.best() else {
+        return Ok(None);
+    };
+    Ok(Some(BestSlip {
+        slip: Slip::new(slip)?,
+        value,
+    }))
 }
 
 #[cfg(test)]

@@ -449,4 +449,63 @@ mod tests {
             [None; 3]
         );
     }
+
+    /// Work that the soil gains counts against the greater of the torque and the pull at the rim.
+    #[test]
+    fn a_gain_of_work_is_judged_by_the_greater_work() {
+        const RADIUS_M: f64 = 0.3;
+        // of the greater work, as `Cautions::judge` has it
+        const ROUNDING: f64 = 1e-9;
+        let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
+        let wheel = RigidWheel::new(RADIUS_M, 0.1).unwrap();
+        let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+        let motion = Kinematics::straight(crate::Slip::new(0.2).unwrap());
+        let contact = on_soil.contact(0.4, &motion);
+        let plain = contact.forces_by(on_soil.tables(), on_soil.order());
+        for (torque, pull, greater) in [(2.0, -30.0, 9.0), (-20.0, 30.0, 20.0)] {
+            for (share, gains) in [(0.9, false), (1.1, true)] {
+                let forces = Forces {
+                    torque,
+                    drawbar_pull: pull,
+                    lost_work: -share * ROUNDING * greater,
+                    ..plain
+                };
+                let mut cautions = Cautions::default();
+                on_soil.add_cautions(&contact, &forces, &motion, &mut cautions);
+                assert_eq!(cautions.contains(Caution::WorkGained), gains, "{torque}");
+            }
+        }
+    }
+
+    /// The estimated error is the greatest difference to a finer rule, a torque's as a force at the rim.
+    #[test]
+    fn the_error_is_the_greatest_of_three_forces() {
+        let mut decides = [0; 3];
+        for radius in [0.02, 0.3, 4.0] {
+            for key in ["dry-sand", "snow", "clayey-soil"] {
+                let soil = catalogue::find(key).unwrap().soil().unwrap();
+                let wheel = RigidWheel::new(radius, 0.4 * radius).unwrap();
+                let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+                for (slip, theta_1) in [(-0.7, 0.3), (0.0, 0.8), (0.3, 1.2), (0.9, 0.5)] {
+                    let motion = Kinematics::straight(crate::Slip::new(slip).unwrap());
+                    let contact = on_soil.contact(theta_1, &motion);
+                    let by = |order| {
+                        let f = contact.forces_by(on_soil.tables(), order);
+                        [f.vertical_force, f.drawbar_pull, f.torque]
+                    };
+                    let (used, finer) = (by(Order::Standard), by(Order::Check));
+                    let off: [f64; 3] = core::array::from_fn(|i| {
+                        (used[i] - finer[i]).abs() / [1.0, 1.0, radius][i]
+                    });
+                    let greatest = off.into_iter().fold(0.0, f64::max);
+                    let estimate = on_soil.point(theta_1, &motion).error_estimate;
+                    assert_eq!(estimate, greatest, "{key} {slip}");
+                    for (count, off) in decides.iter_mut().zip(off) {
+                        *count += u32::from(off == greatest && greatest > 0.0);
+                    }
+                }
+            }
+        }
+        assert!(decides.iter().all(|count| *count > 0), "{decides:?}");
+    }
 }
