@@ -217,14 +217,23 @@ impl WheelOnSoil {
                 theta_1: 0.0,
             });
         }
+        let force = |theta_1| {
+            self.contact(theta_1, kinematics)
+                .forces_by(self.tables(), self.order())
+                .vertical_force
+        };
         let mut several = false;
         if self.may_fall(kinematics) {
-            match self.scan(load, kinematics, search) {
+            let least = self.scan_start(load, search.high);
+            match search.scan(load, least, &force) {
                 Ok(more) => several = more,
                 Err(max_load) => return LoadOutcome::NoSolution { max_load },
             }
         }
-        self.secant(load, kinematics, search)
+        let start = self.bekker_start(load);
+        let slope = 2.0 * self.laws().exponent.n_0 + 1.0;
+        search
+            .secant(load, (start, slope), &force)
             .map(|theta_1| Sinkage {
                 sinkage: sinkage_from_entry_angle(theta_1, self.size().radius),
                 several,
@@ -259,16 +268,34 @@ impl WheelOnSoil {
         0.1 * self.bekker_start(load).min(0.5 * top)
     }
 
-    /// Narrows `search` to the lowest interval of a coarse scan in which the vertical force rises through
+    /// Entry angle by Bekker's z = [3 W/((3 − n) b k √(2r))]^(2/(2n + 1)), held inside the model.
+    fn bekker_start(&self, load: f64) -> f64 {
+        let laws = self.laws();
+        let n = laws.exponent.n_0;
+        let (radius, width) = (self.size().radius, self.size().width);
+        let modulus = match laws.pressure {
+            Pressure::Bekker(law) => law.modulus(width),
+            Pressure::Reece(_) => laws.modulus(width, n),
+        };
+        let shape = (3.0 - n).max(0.5);
+        let base = 3.0 * load / (shape * width * modulus * Real::sqrt(2.0 * radius));
+        let sinkage = Real::powf(base, 2.0 / (2.0 * n + 1.0));
+        let limit = self.angle_limit(1.0);
+        let relative = (0.5 * sinkage / radius).min(0.5);
+        (2.0 * Real::asin(Real::sqrt(relative))).clamp(1e-9, 0.9 * limit)
+    }
+}
+
+impl Search {
+    /// Narrows the bracket to the lowest interval of a coarse scan from `least` on in which the vertical force (N) rises through
     /// `load`; returns whether there is another. `Err` with the greatest force seen if there is none.
     fn scan(
-        &self,
+        &mut self,
         load: f64,
-        kinematics: &Kinematics,
-        search: &mut Search,
+        least: f64,
+        force: &impl Fn(f64) -> f64,
     ) -> core::result::Result<bool, f64> {
-        let top = search.high;
-        let least = self.scan_start(load, top);
+        let top = self.high;
         // a geometric ladder from there to the limit
         let ratio = Real::powf(top / least, 1.0 / f64::from(SCAN_STEPS));
         let (mut below, mut found, mut crossings, mut most) = (true, None, 0, f64::NEG_INFINITY);
@@ -279,7 +306,7 @@ impl WheelOnSoil {
             } else {
                 least * Real::powi(ratio, i)
             };
-            let force = self.vertical_force(theta_1, kinematics, &mut search.evaluations);
+            let force = self.look(theta_1, force);
             most = most.max(force);
             let now_below = !(force >= load);
             if below != now_below {
@@ -292,35 +319,38 @@ impl WheelOnSoil {
             before = theta_1;
         }
         let (low, high) = found.ok_or(most)?;
-        search.low = low;
-        search.high = high;
-        search.proven = true;
+        self.low = low;
+        self.high = high;
+        self.proven = true;
         Ok(crossings > 1)
     }
 
     /// The secant method in (ln θ_1, ln W), inside the bracket; bisection where W is not positive or not
     /// rising. Source of the start and of its slope: Bekker's closed form for a wheel without shear \[Bekker69\].
-    fn secant(&self, load: f64, kinematics: &Kinematics, search: &mut Search) -> LoadOutcome<f64> {
-        let mut theta_1 = self.bekker_start(load);
-        let mut slope = 2.0 * self.laws().exponent.n_0 + 1.0;
+    fn secant(
+        &mut self,
+        load: f64,
+        (mut theta_1, mut slope): (f64, f64),
+        force: &impl Fn(f64) -> f64,
+    ) -> LoadOutcome<f64> {
         let mut before: Option<(f64, f64)> = None;
         for _ in 0..STEPS {
-            if theta_1 >= search.high && !search.proven {
-                let top = self.vertical_force(search.high, kinematics, &mut search.evaluations);
+            if theta_1 >= self.high && !self.proven {
+                let top = self.look(self.high, force);
                 if !(top >= load) {
                     return LoadOutcome::NoSolution { max_load: top };
                 }
-                search.proven = true;
+                self.proven = true;
             }
-            if !(theta_1 > search.low && theta_1 < search.high) {
-                theta_1 = search.middle();
+            if !(theta_1 > self.low && theta_1 < self.high) {
+                theta_1 = self.middle();
             }
-            let force = self.vertical_force(theta_1, kinematics, &mut search.evaluations);
+            let force = self.look(theta_1, force);
             if force >= load {
-                search.high = theta_1;
-                search.proven = true;
+                self.high = theta_1;
+                self.proven = true;
             } else {
-                search.low = theta_1;
+                self.low = theta_1;
             }
             let off = if force > 0.0 {
                 Real::ln(force / load)
@@ -341,41 +371,20 @@ impl WheelOnSoil {
                 }
                 theta_1 = next;
             } else {
-                theta_1 = search.middle();
+                theta_1 = self.middle();
             }
-            if search.proven && search.high - search.low <= 2.0 * f64::EPSILON * search.high {
-                return LoadOutcome::Solved(search.high);
+            if self.proven && self.high - self.low <= 2.0 * f64::EPSILON * self.high {
+                return LoadOutcome::Solved(self.high);
             }
         }
         LoadOutcome::NotConverged
     }
 
-    fn vertical_force(&self, theta_1: f64, kinematics: &Kinematics, evaluations: &mut u32) -> f64 {
-        *evaluations += 1;
-        self.contact(theta_1, kinematics)
-            .forces_by(self.tables(), self.order())
-            .vertical_force
+    fn look(&mut self, theta_1: f64, force: &impl Fn(f64) -> f64) -> f64 {
+        self.evaluations += 1;
+        force(theta_1)
     }
 
-    /// Entry angle by Bekker's z = [3 W/((3 − n) b k √(2r))]^(2/(2n + 1)), held inside the model.
-    fn bekker_start(&self, load: f64) -> f64 {
-        let laws = self.laws();
-        let n = laws.exponent.n_0;
-        let (radius, width) = (self.size().radius, self.size().width);
-        let modulus = match laws.pressure {
-            Pressure::Bekker(law) => law.modulus(width),
-            Pressure::Reece(_) => laws.modulus(width, n),
-        };
-        let shape = (3.0 - n).max(0.5);
-        let base = 3.0 * load / (shape * width * modulus * Real::sqrt(2.0 * radius));
-        let sinkage = Real::powf(base, 2.0 / (2.0 * n + 1.0));
-        let limit = self.angle_limit(1.0);
-        let relative = (0.5 * sinkage / radius).min(0.5);
-        (2.0 * Real::asin(Real::sqrt(relative))).clamp(1e-9, 0.9 * limit)
-    }
-}
-
-impl Search {
     /// The bracket's geometric middle (its upper part while nothing is known below).
     fn middle(&self) -> f64 {
         if self.low > 0.0 {

@@ -1,3 +1,5 @@
+use std::vec::Vec;
+
 use super::*;
 use crate::catalogue::tests::dry_sand_with;
 use crate::{Bekker, Reece, RigidWheel, Settings, Slip, SoilParams};
@@ -69,12 +71,19 @@ fn a_scan_brackets_the_load() {
         proven: false,
         evaluations: 0,
     };
-    let force = |theta_1: f64| on_soil.vertical_force(theta_1, &motion, &mut 0);
+    let force = |theta_1: f64| {
+        let contact = on_soil.contact(theta_1, &motion);
+        contact
+            .forces_by(on_soil.tables(), on_soil.order())
+            .vertical_force
+    };
+    let scan =
+        |search: &mut Search, load: f64| search.scan(load, on_soil.scan_start(load, top), &force);
     let load = 60.0;
     let least = on_soil.scan_start(load, top);
     let ratio = (top / least).powf(0.1);
     let mut search = new();
-    assert_eq!(on_soil.scan(load, &motion, &mut search), Ok(false));
+    assert_eq!(scan(&mut search, load), Ok(false));
     assert!(search.proven && search.evaluations == 11);
     near(search.high / search.low, ratio);
     let steps = (search.low / least).ln() / ratio.ln();
@@ -87,15 +96,12 @@ fn a_scan_brackets_the_load() {
         let load = second + share * (force(top) - second);
         near(on_soil.scan_start(load, top), 0.05 * top);
         let mut search = new();
-        on_soil.scan(load, &motion, &mut search).unwrap();
+        scan(&mut search, load).unwrap();
         assert_eq!(search.high, top);
         near(search.low, top / ratio);
     }
     let greatest = force(top);
-    assert_eq!(
-        on_soil.scan(1.001 * greatest, &motion, &mut new()),
-        Err(greatest)
-    );
+    assert_eq!(scan(&mut new(), 1.001 * greatest), Err(greatest));
 }
 
 #[test]
@@ -112,4 +118,93 @@ fn the_middle_of_a_bracket() {
     };
     near(middle(0.1, 0.4), 0.2);
     near(middle(0.0, 0.4), 0.04);
+}
+
+/// A bracket in which the load may be, and where the force was looked at.
+fn looks<T>(
+    (low, high): (f64, f64),
+    force: &dyn Fn(f64) -> f64,
+    by: impl Fn(&mut Search, &dyn Fn(f64) -> f64) -> T,
+) -> (T, Vec<f64>) {
+    let seen = core::cell::RefCell::new(Vec::new());
+    let mut search = Search {
+        low,
+        high,
+        proven: low > 0.0,
+        evaluations: 0,
+    };
+    let found = by(&mut search, &|theta_1| {
+        seen.borrow_mut().push(theta_1);
+        force(theta_1)
+    });
+    let seen = seen.take();
+    assert_eq!(seen.len(), search.evaluations as usize);
+    (found, seen)
+}
+
+/// A force that rises by 1 N/rad, falls between 0.2 and 0.4 rad and rises again carries 0.15 N at three entry angles.
+#[test]
+fn a_scan_tells_of_other_crossings() {
+    let force = |theta_1: f64| {
+        if theta_1 < 0.4 {
+            theta_1.min(0.3 - 0.5 * theta_1)
+        } else {
+            theta_1 - 0.3
+        }
+    };
+    for (load, several, at) in [(0.08, false, 0.08), (0.15, true, 0.15), (0.5, false, 0.8)] {
+        let (found, seen) = looks((0.0, 1.0), &force, |search, force| {
+            (search.scan(load, 0.05, &force), (search.low, search.high))
+        });
+        assert_eq!((found.0, seen.len()), (Ok(several), 11), "{load}");
+        let (low, high) = found.1;
+        assert!(low < at && at <= high, "{load}: {low} {high}");
+    }
+}
+
+/// By hand, in logarithms: a force of θ_1^p takes one secant, and a step that would leave the bracket takes its middle.
+#[test]
+fn a_load_is_sought_by_secants_in_logarithms() {
+    const LOAD_N: f64 = 8.0;
+    let seek = |bracket: (f64, f64), start: (f64, f64), force: &dyn Fn(f64) -> f64| {
+        let (found, seen) = looks(bracket, force, |search, force| {
+            search.secant(LOAD_N, start, &force)
+        });
+        let LoadOutcome::Solved(theta_1) = found else {
+            panic!("{found:?}");
+        };
+        near(theta_1, 0.3);
+        seen
+    };
+    let same = |seen: &[f64], expected: &[f64]| {
+        assert_eq!(seen.len(), expected.len(), "{seen:?}");
+        seen.iter()
+            .zip(expected)
+            .for_each(|(seen, expected)| near(*seen, *expected));
+    };
+    let open = (0.0, 1.5);
+    for power in [1.0, 2.5, 0.3] {
+        let force = |theta_1: f64| LOAD_N * f64::powf(theta_1 / 0.3, power);
+        same(&seek(open, (0.1, power), &force), &[0.1, 0.3]);
+        // ln θ_1 moves by a share of what it lacks
+        let short = 0.1 * f64::powf(3.0, 1.0 / 1.3);
+        same(&seek(open, (0.1, 1.3 * power), &force), &[0.1, short, 0.3]);
+        // below the bracket, above it
+        let middle = f64::sqrt(0.2 * 0.5);
+        same(&seek((0.2, 0.5), (0.1, power), &force), &[middle, 0.3]);
+        let middle = f64::sqrt(0.25 * 0.5);
+        same(
+            &seek((0.2, 0.5), (0.25, 0.05 * power), &force),
+            &[0.25, middle, 0.3],
+        );
+    }
+    // it ends where two steps in turn leave 1e-14: quadratic in the logarithm
+    for (bend, looked) in [(0.1, 6), (-0.2, 7)] {
+        let force = |theta_1: f64| {
+            let place = f64::ln(theta_1 / 0.3);
+            LOAD_N * f64::exp(place + bend * place * place)
+        };
+        let seen = seek(open, (0.1, 1.0), &force);
+        assert_eq!(seen.len(), looked, "{bend}");
+    }
 }

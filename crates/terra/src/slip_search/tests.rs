@@ -188,6 +188,17 @@ fn a_maximum_is_sought_where_brents_method_looks() {
     ];
     let flat = |x: f64| 3.0 + x * (1.0 - x) * (1.0 - x);
     close(&looked_at(flat, 0.4, (0.2, 1e-9), 1e-6).0, &expected);
+    // whatever their unit
+    for unit in [1e-3, 1e3] {
+        let flat = |x: f64| unit * flat(x);
+        close(&looked_at(flat, 0.4, (0.2, 1e-9), 1e-6).0, &expected);
+    }
+    // the first step, golden section's, finds the same value again: that is no third one
+    let top = 0.4 - 0.5 * 0.2 * 0.5 * (3.0 - 5_f64.sqrt());
+    let even = |x: f64| 3.0 - (x - top) * (x - top);
+    let (places, best) = looked_at(even, 0.4, (0.2, 1e-9), 1e-6);
+    assert!((even(places[0]) - even(0.4)).abs() < 1e-15);
+    assert!((best.0 - top).abs() < 1e-3, "{best:?} {top}");
 
     let expected = [
         0.347_213_595_5,
