@@ -152,30 +152,26 @@ impl Core {
         }
     }
 
-    /// Attributes the innovation of a window to the powered wheels' common slip where theirs oppose it, else to the
-    /// accelerometer.
+    /// Attributes the innovation of a window to the powered wheels' common slip, which has changed by about as much, where their
+    /// innovations oppose it or the free wheel stands while they turn; else to the accelerometer.
     fn attribute(&mut self, w: &WheelWindow, is_used: bool) {
-        let mean_weight = self.wheels.mean_weight;
-        let mean = &mut self.wheels.channels[w.index].mean_innovation;
-        if is_used && w.has_slip {
-            *mean += mean_weight * (w.clamped_innovation() - *mean);
-        } else {
-            *mean = 0.0;
-        }
-        if self.wheels.slips_oppose(w.index) {
-            self.doubt_common_slip(w);
-        } else {
-            self.accelerometer.learn_noise(w.innovation, w.variance);
-        }
-    }
-
-    /// The powered wheels' common slip has changed by about as much as this window shows.
-    fn doubt_common_slip(&mut self, w: &WheelWindow) {
         let settings = &self.settings;
         let rims = self.wheels.mean_powered_rim(w.to_ns, settings.dropout);
-        if let Some(rims) = rims.filter(|rims| rims.abs() > settings.low_speed) {
-            let step = w.innovation / rims;
-            self.state.inflate(COMMON_SLIP, step * step, 1.0);
+        let rims = rims.filter(|rims| rims.abs() > settings.low_speed);
+        let mean_weight = self.wheels.mean_weight;
+        let wheel = &mut self.wheels.channels[w.index];
+        if is_used && w.has_slip {
+            wheel.mean_innovation += mean_weight * (w.clamped_innovation() - wheel.mean_innovation);
+        } else {
+            wheel.mean_innovation = 0.0;
+        }
+        let stands = is_used && !wheel.turns();
+        match rims {
+            Some(rims) if stands || self.wheels.slips_oppose(w.index) => {
+                let step = w.innovation / rims;
+                self.state.inflate(COMMON_SLIP, step * step, 1.0);
+            }
+            _ => self.accelerometer.learn_noise(w.innovation, w.variance),
         }
     }
 

@@ -338,6 +338,7 @@ fn what_a_window_does_not_show_is_considered() {
     with_gyro(&mut core);
     slope(&mut core);
     core.state.set_mean(own_slip(2), 0.0);
+    roll(&mut core, 2, NOW_NS, &[0.39; 2]);
     ran(&mut core, 2, 0.3, 0.2);
     let mut window = Window::of(&core, 2, 0.39, false);
     window.considered = vec![own_slip(2)];
