@@ -198,6 +198,21 @@ fn a_load_is_sought_by_secants_in_logarithms() {
             &[0.25, middle, 0.3],
         );
     }
+    // no force at all says nothing of the slope: the middle of the bracket, before its end is looked at
+    let lifted = |theta_1: f64| LOAD_N * (theta_1 - 0.2) / 0.1;
+    let seen = seek(open, (0.1, 1.0), &lifted);
+    near(seen[1], f64::sqrt(0.1 * 1.5));
+    // a force that jumps over the load
+    let jump = 1e-3;
+    let (found, _) = looks(
+        open,
+        &|theta_1| if theta_1 < jump { 4.0 } else { 16.0 },
+        |search, force| search.secant(LOAD_N, (0.1, 1.0), &force),
+    );
+    let LoadOutcome::Solved(theta_1) = found else {
+        panic!("{found:?}");
+    };
+    assert!((0.0..1e-18).contains(&(theta_1 - jump)), "{theta_1:e}");
     // it ends where two steps in turn leave 1e-14: quadratic in the logarithm
     for (bend, looked) in [(0.1, 6), (-0.2, 7)] {
         let force = |theta_1: f64| {

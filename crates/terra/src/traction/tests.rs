@@ -180,7 +180,9 @@ fn the_least_slip_by_hand() {
     let peak = |slip: f64| PEAK_N - 4000.0 * (slip - PEAK_SLIP) * (slip - PEAK_SLIP);
     let required = PEAK_N - 0.01;
     let expected = PEAK_SLIP - f64::sqrt(0.01 / 4000.0);
-    near(holds(required, &|slip| Some(peak(slip))).0, expected);
+    let (slip, looks) = holds(required, &|slip| Some(peak(slip)));
+    near(slip, expected);
+    assert!(looks <= 123, "{looks}");
     let carried = |slip: f64| (slip >= PEAK_SLIP - 0.02).then(|| peak(slip));
     near(holds(required, &carried).0, expected);
     // too little anywhere
@@ -252,4 +254,6 @@ fn the_steepest_slope_by_hand() {
         assert!(slope.is_none(), "{most} {at}");
         assert!(looked[1] <= looks, "{most} {at}: {looked:?}");
     }
+    // what the rough one alone holds
+    assert!(found(&bend(-1e-6, 0.5), 2e-6).0.is_none());
 }
