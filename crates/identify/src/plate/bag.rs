@@ -341,3 +341,29 @@ fn read_heights(depth: &DepthColumn) -> Result<(Vec<f64>, Vec<f64>)> {
     }
     Ok((times, height))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plate that sinks by 0.1 m/s, with readings of 40 z² that scatter by 10 % of themselves, each of them `times` times.
+    fn rough(times: usize) -> f64 {
+        let read = |i: usize| f64::from(u32::try_from(i / times).unwrap()) * 1e-3;
+        let clock: Vec<f64> = (0..300 * times).map(read).collect();
+        let force: Vec<f64> = clock
+            .iter()
+            .map(|t| (0.1 * t).powi(2) * 40.0 * (1.0 + 0.1 * f64::sin(1e3 * t)))
+            .collect();
+        let height: Vec<f64> = clock.iter().map(|t| -0.1 * t).collect();
+        roughness(&clock, &force, (&clock, &height), (0, 0.0))
+    }
+
+    #[test]
+    fn a_record_is_as_rough_with_each_reading_twice() {
+        let once = rough(1);
+        // the mean square of 0.1 sin
+        assert!((once / 0.005 - 1.0).abs() < 0.1, "{once}");
+        let twice = rough(2);
+        assert!((twice / once - 1.0).abs() < 0.05, "{twice} {once}");
+    }
+}
