@@ -219,16 +219,19 @@ fn a_gyro_that_turns_against_the_wheels_fails_until_both_agree_and_slip_alike() 
 /// mean over half a second is near.
 #[test]
 fn a_turn_that_nothing_on_the_robot_makes_is_the_gyro_s() {
-    for (rate, is_confirmed, contradicts) in [
-        (0.45, false, true),
-        (0.45, true, false),
-        (0.4, false, false),
+    for (rate, bias, is_confirmed, contradicts) in [
+        (0.45, 0.01, false, true),
+        (0.45, 0.01, true, false),
+        (0.4, 0.01, false, false),
+        // what counts is the turn, without the bias
+        (0.45, 0.06, false, false),
+        (0.4, -0.04, false, true),
     ] {
         let mut cart = Cart::new(0.0);
         cart.state.set_mean(FORWARD, 0.6);
         for step in 0..100 {
-            cart.state.set_mean(YAW, rate);
-            cart.state.set_mean(GYRO_BIAS, 0.01);
+            cart.state.set_mean(YAW, rate - bias);
+            cart.state.set_mean(GYRO_BIAS, bias);
             let change = 1e-6 * step as f64;
             cart.update(NOW_NS + 20 * MS * step, rate + change, is_confirmed)
                 .unwrap();
