@@ -460,6 +460,8 @@ fn a_turn_that_drags_one_side_and_holds_the_other_back_is_forced() {
         (0.0, 0.3, -0.26, true),
         (0.0, 0.3, 0.24, false),
         (0.0, 0.3, -0.24, false),
+        // by both wheels of each side
+        (0.0, 0.3, 0.35, true),
         // one side slips, the other rolls
         (0.0, 0.2, 0.26, false),
         (0.0, 0.4, 0.26, false),
@@ -473,7 +475,20 @@ fn a_turn_that_drags_one_side_and_holds_the_other_back_is_forced() {
         assert_eq!(found, forced, "{by_rims} {speed} {turn}");
     }
     let mut core = turning(0.0);
-    assert!(!core.wheels.are_forced((0.3, 0.26), RIM_M_PER_S + 1e-9));
+    let rim = |wheel: usize| core.wheels.channels[wheel].rim.unwrap().0.value;
+    assert!((0..4).all(|wheel| rim(wheel) == rim(0)));
+    assert!(!core.wheels.are_forced((0.3, 0.26), rim(0)));
+    // 0.2, 0.38, 0.21, 0.42 m/s of ground under them, and 0.4, 0.22, 0.39, 0.18 the other way round
+    let unequal = four([0.35, 0.411_67, 0.3, 0.27]);
+    assert!(unequal.wheels.are_forced((0.3, 0.26), 0.05));
+    assert!(!unequal.wheels.are_forced((0.3, -0.26), 0.05));
+    // rims that turn it as little as the gyro: not at all
+    let mut straight = core_of(at(&[(0.0, 0.5), (0.0, -0.5), (1.0, 0.5), (1.0, -0.5)]));
+    for (wheel, rim) in [0.25, 0.25, 1.0, 1.0].into_iter().enumerate() {
+        roll(&mut straight, wheel, NOW_NS, &[rim; 3]);
+    }
+    assert!(!straight.wheels.are_forced((0.5, 0.0), 0.05));
+    assert!(straight.wheels.are_forced((0.5, 1e-9), 0.05));
     // backwards, and with a wheel that a wrong turn has running against the travel
     let back = four([-RIM_M_PER_S; 4]);
     assert!(back.wheels.are_forced((-0.3, 0.26), 0.05));
