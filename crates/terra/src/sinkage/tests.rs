@@ -144,7 +144,7 @@ fn looks<T>(
 
 /// A force that rises by 1 N/rad, falls between 0.2 and 0.4 rad and rises again carries 0.15 N at three entry angles.
 #[test]
-fn a_scan_tells_of_other_crossings() {
+fn a_scan_finds_other_crossings() {
     let force = |theta_1: f64| {
         if theta_1 < 0.4 {
             theta_1.min(0.3 - 0.5 * theta_1)
@@ -198,7 +198,7 @@ fn a_load_is_sought_by_secants_in_logarithms() {
             &[0.25, middle, 0.3],
         );
     }
-    // no force at all says nothing of the slope: the middle of the bracket, before its end is looked at
+    // without a force there is no slope: the middle of the bracket, before its end is looked at
     let lifted = |theta_1: f64| LOAD_N * (theta_1 - 0.2) / 0.1;
     let seen = seek(open, (0.1, 1.0), &lifted);
     near(seen[1], f64::sqrt(0.1 * 1.5));
