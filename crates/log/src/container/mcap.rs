@@ -270,18 +270,20 @@ impl Container {
             return Ok(false);
         };
         let until = *until;
-        while records.offset() < here.min(until) {
+        if here >= until {
+            self.read_before = None;
+            return Ok(false);
+        }
+        while records.offset() < here {
             let mut head = Fields(records.peek(9)?);
             let length = head.bytes(1).and_then(|_| head.u64()).unwrap_or(0);
             records.go_to(records.offset().saturating_add(HEAD + length));
         }
-        let was_read = records.offset() == here && here < until;
+        let was_read = records.offset() == here;
         if was_read {
             // another one may have swallowed more
             self.passed_over = Some(here);
             self.scan.go_to(until);
-        }
-        if was_read || here >= until {
             self.read_before = None;
         }
         Ok(was_read)
