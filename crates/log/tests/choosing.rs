@@ -883,6 +883,7 @@ fn a_live_source_says_what_it_measures() {
     assert_eq!(live.wheels(), ["left", "right"]);
     assert_eq!(live.channel(&channel("/other", JOINTS)), None);
     let measures: &dyn Measures = &live;
+    assert!(!measures.is_of_tables());
     assert_eq!(measures.wheels(), ["left", "right"]);
     assert_eq!(
         [Meaning::WheelRate, Meaning::WheelAngle].map(|meaning| measures.measures(meaning)),

@@ -347,6 +347,77 @@ fn a_date_that_jumps_back_is_an_error_with_its_place() {
     );
 }
 
+/// Of a table's rows, by its columns.
+fn table(columns: &str, rows: &str) -> Log {
+    let map = map(&format!(
+        "time = {{ column = \"t\", unit = \"s\" }}\n{columns}"
+    ));
+    let bytes = std::io::Cursor::new(rows.to_owned());
+    Log::over("log.csv".as_ref(), bytes, Some(map), &robot("").topics).unwrap()
+}
+
+const PLACE: &str = "columns = [{ column = \"x\", meaning = \"pose_x\", unit = \"m\" }, \
+     { column = \"y\", meaning = \"pose_y\", unit = \"m\" }, { column = \"yaw\", meaning = \"pose_yaw\", unit = \"rad\" }]";
+
+#[test]
+fn a_clock_is_set_back_by_more_than_a_minute() {
+    let error = |rows: &str| {
+        table(WHEEL, rows)
+            .samples(&[])
+            .unwrap()
+            .find_map(Result::err)
+    };
+    assert!(error("t,left\n100,1\n40.001,1\n").is_none());
+    let more = error("t,left\n100,1\n39.999,1\n").unwrap();
+    assert!(matches!(more, Error::SetBack { .. }), "{more}");
+}
+
+/// A pose of zeros far from there, in a table that is filled up with them, is none: from 0.05 m on.
+#[test]
+fn zeros_beside_a_pose_that_is_far_are_none() {
+    for (x, poses) in [("0.05", 2), ("0.051", 1)] {
+        let log = table(PLACE, &format!("t,x,y,yaw\n1,{x},0,0\n2,0,0,0\n"));
+        assert_eq!(readings(&log).len(), poses, "{x}");
+    }
+}
+
+/// Of two tables of places without a heading one is followed, and the other is as if it were not there.
+#[test]
+fn one_table_of_places_is_followed() {
+    let folder = Folder::new("places");
+    let place = "{ column = \"x\", meaning = \"pose_x\", unit = \"m\" }, { column = \"y\", meaning = \"pose_y\", unit = \"m\" }";
+    let gyro = "{ column = \"g\", meaning = \"yaw_rate\", unit = \"rad/s\" }";
+    let rows = |by: f64| {
+        let row = |k: i32| format!("{},{},{by},0\n", 0.1 * f64::from(k), 0.05 * f64::from(k));
+        format!("t,x,y,g\n{}", (0..100).map(row).collect::<String>())
+    };
+    let read = |second: &str| {
+        let paths = [("a.csv", 0.0), ("b.csv", 0.3)].map(|(name, by)| {
+            let path = folder.0.join(name);
+            fs::write(&path, rows(by)).unwrap();
+            path
+        });
+        let time = "time = { column = \"t\", unit = \"s\" }";
+        let map = map(&format!(
+            "file = \"a.csv\"\n{time}\ncolumns = [{place}, {gyro}]\n[[table]]\nfile = \"b.csv\"\n{time}\ncolumns = [{second}]"
+        ));
+        readings(&Log::find_any(&paths, Some(map), &robot("").topics).unwrap())
+    };
+    assert_eq!(
+        read(place).len(),
+        read("{ column = \"g\", meaning = \"acceleration_forward\", unit = \"m/s2\" }").len()
+            - 100
+    );
+}
+
+#[test]
+fn a_log_of_tables_is_known() {
+    use grouser_log::Measures as _;
+    assert!(table(WHEEL, "t,left\n1,1\n").is_of_tables());
+    let folder = Folder::new("messages");
+    assert!(!log(&folder, "", &[imu(SECOND_NS, [0.0; 3], [0.0, 0.0, 9.8])]).is_of_tables());
+}
+
 #[test]
 fn one_axis_of_an_accelerometer_is_a_measurement() {
     let map = map("time = { column = \"t\", unit = \"s\" }\ncolumns = [\

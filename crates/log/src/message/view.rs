@@ -367,3 +367,30 @@ impl<'a> View<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::message::build;
+
+    /// A transform of 1970 has no stamp: the message's time counts.
+    #[test]
+    fn a_transform_without_a_stamp() {
+        let of = |stamp_ns: i64| {
+            let shift = build::message([
+                ("translation", build::vector([1.0, 2.0, 3.0])),
+                ("rotation", build::turn(0.0)),
+            ]);
+            let value = build::message([
+                ("header", build::header(stamp_ns, "map")),
+                ("child_frame_id", Value::Text("odom".into())),
+                ("transform", shift),
+            ]);
+            transform(&value).unwrap().stamp_ns
+        };
+        assert_eq!(
+            [of(0), of(1), of(2_000_000_000)],
+            [None, Some(1), Some(2_000_000_000)]
+        );
+    }
+}
