@@ -284,3 +284,29 @@ impl Slots {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half of a quarter turn to the left: what was ahead is ahead and to the right.
+    #[test]
+    fn a_way_is_turned_by_half_the_turn() {
+        let quarter = core::f64::consts::FRAC_PI_2;
+        let half = core::f64::consts::FRAC_1_SQRT_2;
+        for (way, expected) in [
+            ((2.0, 0.0), (2.0 * half, -2.0 * half)),
+            ((0.0, 3.0), (3.0 * half, 3.0 * half)),
+            ((2.0, 3.0), (5.0 * half, half)),
+        ] {
+            let (forward, left) = in_frame_halfway((way, quarter));
+            let off = (forward - expected.0).abs() + (left - expected.1).abs();
+            assert!(off < 1e-15, "{way:?}: {forward} {left}");
+        }
+        // a turn of which half has another sine than cosine
+        let (sin, cos) = f64::sin_cos(0.5 * 0.8);
+        let (forward, left) = in_frame_halfway(((2.0, 3.0), 0.8));
+        assert!((forward - (2.0 * cos + 3.0 * sin)).abs() < 1e-15);
+        assert!((left - (3.0 * cos - 2.0 * sin)).abs() < 1e-15);
+    }
+}

@@ -405,8 +405,7 @@ fn one_table_of_places_is_followed() {
     };
     assert_eq!(
         read(place).len(),
-        read("{ column = \"g\", meaning = \"acceleration_forward\", unit = \"m/s2\" }").len()
-            - 100
+        read("{ column = \"g\", meaning = \"acceleration_forward\", unit = \"m/s2\" }").len() - 100
     );
 }
 

@@ -474,3 +474,50 @@ fn the_place_of_an_antenna_is_not_that_of_the_robot() {
     );
     assert_eq!(Track::new([0.4, 0.3]).take(S, [5.0, 7.0], 0.02), [None; 2]);
 }
+
+/// The same while a gyro has turned the robot on since its heading was known.
+#[test]
+fn a_gyro_turns_the_antenna_between_places() {
+    let mut track = known([0.4, 0.3], 0.3, None);
+    for tenth in 0..=10 {
+        track.turn(tenth * S / 10, 0.2);
+    }
+    let Some(Measurement::Position { x, y }) = track.origin_at(S, [5.0, 7.0]) else {
+        panic!("a place")
+    };
+    let (sin, cos) = f64::sin_cos(0.5);
+    assert!((x - (5.0 - 0.4 * cos + 0.3 * sin)).abs() < 1e-12, "{x}");
+    assert!((y - (7.0 - 0.4 * sin - 0.3 * cos)).abs() < 1e-12, "{y}");
+    for place in [[f64::NAN, 7.0], [5.0, f64::NAN]] {
+        assert_eq!(track.origin_at(S, place), None);
+    }
+}
+
+/// An angle whose rate has an error and wanders, over two seconds: P ← F P Fᵀ + Q.
+#[test]
+fn a_heading_is_predicted_beside_its_bias() {
+    let mut heading = Heading {
+        angle: 1.0,
+        bias: 0.1,
+        angle_variance: 0.01,
+        bias_variance: 0.04,
+        covariance: 0.003,
+    };
+    heading.predict(2.0, true);
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-15, "{found}");
+    near(heading.angle, 0.8);
+    near(heading.bias, 0.1);
+    let noise = 2.0 * GYRO_NOISE_RAD_SQRT_S * GYRO_NOISE_RAD_SQRT_S;
+    near(
+        heading.angle_variance,
+        0.01 - 4.0 * 0.003 + 4.0 * 0.04 + noise,
+    );
+    near(heading.covariance, 0.003 - 2.0 * 0.04);
+    let drift = 2.0 * GYRO_DRIFT_RAD_PER_S * GYRO_DRIFT_RAD_PER_S;
+    near(heading.bias_variance, 0.04 + drift);
+    let before = heading.angle_variance;
+    heading.predict(2.0, false);
+    let noise = 2.0 * TURN_NOISE_RAD_SQRT_S * TURN_NOISE_RAD_SQRT_S;
+    near(heading.angle_variance, before + noise);
+    near(heading.angle, 0.8);
+}
