@@ -215,12 +215,10 @@ impl WheelOnSoil {
     pub fn slip_demand_near(&self, weight: f64, slope: Angle, near: Slip) -> Result<SlopeOutcome> {
         let (load, required) = on_slope(weight, slope)?;
         let surplus = |slip| self.forces_under(load, slip, |f| f.drawbar_pull - required);
-        if let Some(slip) = root_near(near.value(), &NEAR_REACHES, surplus)? {
-            return Ok(SlopeOutcome::Holds {
-                slip: Slip::new(slip)?,
-            });
+        match root_near(near.value(), &NEAR_REACHES, surplus)? {
+            Some(slip) => holds(slip),
+            None => self.slip_demand(weight, slope),
         }
-        self.slip_demand(weight, slope)
     }
 
     /// [`WheelOnSoil::free_slip`] where a slip is known that is nearly right, as [`WheelOnSoil::slip_demand_near`].
@@ -336,15 +334,15 @@ fn on_slope(weight: f64, slope: Angle) -> Result<(f64, f64)> {
     Ok((weight * slope.cos(), weight * slope.sin()))
 }
 
+fn holds(slip: f64) -> Result<SlopeOutcome> {
+    let slip = Slip::new(slip)?;
+    Ok(SlopeOutcome::Holds { slip })
+}
+
 /// The least slip at which `pull` (N) is what is `required`: where the first of some samples in [−1, 1] reaches it, or else at or
 /// below the greatest pull.
 fn least_slip(required: f64, pull: impl Fn(f64) -> Result<Option<f64>>) -> Result<SlopeOutcome> {
     let surplus = |slip| Ok(pull(slip)?.map(|pull| pull - required));
-    let holds = |slip| {
-        Ok(SlopeOutcome::Holds {
-            slip: Slip::new(slip)?,
-        })
-    };
     let mut before: Option<(f64, f64)> = None;
     let mut most = f64::NEG_INFINITY;
     for i in 0..=2 * SAMPLES {
@@ -401,28 +399,29 @@ fn steepest(
         }
     }
     let mut slope = slope_held(slip, (0.0, left), (weight, FIRST_ROUND.2), &rough)?;
-    let (reach, precision, slope_precision) = FIRST_ROUND;
-    let best = maximum(slip, (reach, precision), |slip| rough(slope, slip))?;
-    slip = best.0;
-    slope = slope_held(
-        slip,
-        (slope, best.1.max(0.0)),
-        (weight, slope_precision),
-        &rough,
-    )?;
+    (slope, slip) = round((slope, slip), weight, FIRST_ROUND, &rough)?;
     slope = (slope - ROUGH_RAD).max(0.0);
     for _ in 0..SLOPE_ROUNDS {
-        let (reach, precision, slope_precision) = LAST_ROUND;
-        let best = maximum(slip, (reach, precision), |slip| surplus(slope, slip))?;
-        let moved = (best.0 - slip).abs();
-        slip = best.0;
-        let from = (slope, best.1.max(0.0));
-        slope = slope_held(slip, from, (weight, slope_precision), &surplus)?;
-        if moved < FIRST_ROUND.1 {
+        let before = slip;
+        (slope, slip) = round((slope, slip), weight, LAST_ROUND, &surplus)?;
+        if (slip - before).abs() < FIRST_ROUND.1 {
             break;
         }
     }
     Ok(Some((slope, slip)))
+}
+
+/// The slip of the greatest surplus beside `slip` on `slope`, and the slope that it holds, first.
+fn round(
+    (slope, slip): (f64, f64),
+    weight: f64,
+    (reach, precision, slope_precision): (f64, f64, f64),
+    surplus: &impl Fn(f64, f64) -> Result<Option<f64>>,
+) -> Result<(f64, f64)> {
+    let (slip, left) = maximum(slip, (reach, precision), |slip| surplus(slope, slip))?;
+    let from = (slope, left.max(0.0));
+    let slope = slope_held(slip, from, (weight, slope_precision), surplus)?;
+    Ok((slope, slip))
 }
 
 /// The slope (rad) above `from` at which `surplus` at `slip` ends, its value at `from` being known and not negative.

@@ -454,8 +454,8 @@ mod tests {
     #[test]
     fn a_gain_of_work_is_judged_by_the_greater_work() {
         const RADIUS_M: f64 = 0.3;
-        // of the greater work, as `Cautions::judge` has it
-        const ROUNDING: f64 = 1e-9;
+        /// Of the greater work: the rounding of the balance's terms, which may cancel (`Cautions::judge`).
+        const ROUNDING_SHARE: f64 = 1e-9;
         let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
         let wheel = RigidWheel::new(RADIUS_M, 0.1).unwrap();
         let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
@@ -467,7 +467,7 @@ mod tests {
                 let forces = Forces {
                     torque,
                     drawbar_pull: pull,
-                    lost_work: -share * ROUNDING * greater,
+                    lost_work: -share * ROUNDING_SHARE * greater,
                     ..plain
                 };
                 let mut cautions = Cautions::default();
