@@ -51,6 +51,22 @@ fn up_goes_through_a_chain_of_frames() {
     assert_eq!(axes_by_transforms(&frames.tree(), "a"), None);
 }
 
+/// As many links as a chain may have lead to the base, and one more does not.
+#[test]
+fn a_chain_is_as_long_as_it_may_be() {
+    let names: Vec<String> = (0..=MAX_CHAIN + 1).map(|k| format!("link{k}")).collect();
+    for (links, is_known) in [(MAX_CHAIN, true), (MAX_CHAIN + 1, false)] {
+        let mut frames = Frames::default();
+        let mut parent = "base_link";
+        for name in &names[..links] {
+            frames.enter(&transform(parent, name, [0.0, 0.0, 0.0, 1.0]));
+            parent = name;
+        }
+        let axes = axes_by_transforms(&frames.tree(), parent);
+        assert_eq!(axes.is_some(), is_known, "{links}");
+    }
+}
+
 #[test]
 fn gravity_tells_up_and_free_fall_does_not() {
     let mut mean = Accelerations::default();
