@@ -15,6 +15,7 @@ mod any_bytes;
 mod bag_damages;
 mod built_messages;
 mod choosing;
+mod column_meanings;
 mod container_faults;
 mod csv_faults;
 mod decode_again;

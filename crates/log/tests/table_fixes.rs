@@ -408,9 +408,49 @@ fn plain_names_of_fixes_are_known() {
             ["46.5,8.1,14"; 2],
             vec!["latitude deg", "longitude deg"],
         ),
+        (
+            "lat,lon,hAcc",
+            ["46.5,8.1,0"; 2],
+            vec!["latitude deg", "longitude deg", "fix_sigma m"],
+        ),
+        // a kind of fix is a whole number; of one that is never above 0 none is a position, and a status up to 2 may be a kind
+        (
+            "lat,lon,fix_type",
+            ["46.5,8.1,2"; 2],
+            vec!["latitude deg", "longitude deg", "fix_type 1"],
+        ),
+        (
+            "lat,lon,fix_type",
+            ["46.5,8.1,0"; 2],
+            vec!["latitude deg", "longitude deg"],
+        ),
+        (
+            "lat,lon,fix_type",
+            ["46.5,8.1,2.5"; 2],
+            vec!["latitude deg", "longitude deg"],
+        ),
+        (
+            "lat,lon,gps_status",
+            ["46.5,8.1,0", "46.5,8.1,2"],
+            vec!["latitude deg", "longitude deg"],
+        ),
+        // south of the equator and west of Greenwich
+        (
+            "lat,lon",
+            ["-334500000,-705000000"; 2],
+            vec!["latitude 1e-7 deg", "longitude 1e-7 deg"],
+        ),
+        (
+            "lat,lon",
+            ["46.5,-180.0"; 2],
+            vec!["latitude deg", "longitude deg"],
+        ),
         // one alone; degrees and minutes; what is no place
         ("lat", ["46.5"; 2], vec![]),
         ("lat,lon", ["4630.123,00806.123"; 2], vec![]),
+        ("lat,lon", ["4630,806"; 2], vec![]),
+        ("lat,lon", ["1000000,1000000"; 2], vec![]),
+        ("lat,lon", ["46500000.5,8100000.5"; 2], vec![]),
         ("lat_acc,long_acc,lateral,long_v", ["1,2,3,4"; 2], vec![]),
         // an odometry gives way, a pose does not
         (

@@ -112,7 +112,6 @@ pub(super) fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -
         "acc",
         "acceleration",
         "accel",
-        "orientation",
     ];
     let of_a_wheel = is(&["wheel", "motor", "left", "right", "joint"])
         || words.iter().any(|word| is_numbered(word))
@@ -123,7 +122,8 @@ pub(super) fn by_name(words: &[String], stated: Option<Quantity>, whole: bool) -
     if !command && let Some(found) = stated.and_then(|stated| by_unit(words, stated, of_a_wheel)) {
         return Some(found);
     }
-    if is(&other) {
+    let of_quaternion = words.iter().any(|word| is_quaternion(word));
+    if is(&other) || (of_quaternion && !of_a_wheel) {
         return None;
     }
     if command {
@@ -260,7 +260,7 @@ fn of_fix(words: &[String]) -> Option<(Meaning, &'static str)> {
 
 /// The guess for a column of a fix by its numbers; `None` where they do not fit.
 pub(super) fn of_fix_numbers(column: &SheetColumn, mut guess: Guess) -> Option<Guess> {
-    let size = column.max.max(-column.min);
+    let size = column.size();
     match guess.meaning {
         Meaning::Latitude | Meaning::Longitude if guess.unit == "deg" && size > 180.0 => {
             // degrees and minutes in one number are no angle
@@ -341,6 +341,11 @@ fn is_gyro(words: &[String]) -> bool {
         "s",
     ];
     words.iter().all(|word| WORDS.contains(&word.as_str()))
+}
+
+/// Does a word name a quaternion?
+pub(super) fn is_quaternion(word: &str) -> bool {
+    ["orientation", "quat", "quaternion", "rotation", "q"].contains(&word)
 }
 
 /// How people shorten the places of wheels.
@@ -428,6 +433,7 @@ mod tests {
             ("m1enc", None, true, M::WheelCount, "tick"),
             ("right_motor_speed", None, false, M::WheelRate, "rad/s"),
             ("left_rate_deg", None, false, M::WheelRate, "deg/s"),
+            ("left_rate_rad", None, false, M::WheelRate, "rad/s"),
             ("w2_omega", None, true, M::WheelRate, "rad/s"),
             ("m1pos", None, false, M::WheelAngle, "rad"),
             ("left_angle", None, true, M::WheelAngle, "rad"),
@@ -454,6 +460,10 @@ mod tests {
             ("pose_heading_deg", None, false, M::PoseYaw, "deg"),
             ("odom_x", None, false, M::PoseX, "m"),
             ("gps.y", None, false, M::PoseY, "m"),
+            ("gps_fix", None, true, M::FixType, "1"),
+            ("fixtype", None, true, M::FixType, "1"),
+            ("gps_quality", None, true, M::FixType, "1"),
+            ("gps_status", None, true, M::FixStatus, "1"),
         ] {
             let found = guess(name, unit, whole).map(|guess| (guess.meaning, guess.unit));
             assert_eq!(found, Some((meaning, own)), "{name}");
@@ -466,8 +476,12 @@ mod tests {
             ("yaw_rate", Some("m"), false),
             ("gyro_x", None, false),
             ("ang_vel_x", None, false),
+            ("ang_z", None, false),
+            ("vel_z", None, false),
             ("gyro_rad[1]", None, false),
             ("temperature[2]", None, false),
+            // the axes of a place may point north and east
+            ("pose[0]", None, false),
             ("left_arm_rad", None, false),
             ("enc1", None, false),
             ("current1", None, false),
@@ -488,6 +502,11 @@ mod tests {
             ("x", None, false),
             ("pose_z", None, false),
             ("pose_x_covariance", None, false),
+            ("pose_quat_x", None, false),
+            ("imu_quat_z", None, false),
+            ("gps", None, true),
+            ("quality", None, true),
+            ("status", None, true),
         ] {
             assert_eq!(guess(name, unit, whole), None, "{name}");
         }
@@ -508,6 +527,12 @@ mod tests {
             ("wheel_speed_fl_kmh", M::WheelSpeed, Some("fl"), "km/h"),
             ("fr_wheel_speed_mm_s", M::WheelSpeed, Some("fr"), "mm/s"),
             ("fl_speed_m_s", M::WheelSpeed, Some("fl"), "m/s"),
+            (
+                "left_speed_forward_m_s",
+                M::WheelSpeed,
+                Some("left_forward"),
+                "m/s",
+            ),
             ("left_vel (in/s)", M::WheelSpeed, Some("left"), "in/s"),
             ("v_l(ips)", M::WheelSpeed, Some("l"), "in/s"),
             ("v_r [m/s]", M::WheelSpeed, Some("r"), "m/s"),
@@ -570,6 +595,12 @@ mod tests {
             "left_vel [wheel/s]",
             "left_camera_fps",
             "acc_x_mg",
+            "acc_z_m_s2",
+            "go_speed_m_s",
+            "speed_m_s",
+            "forward_m_s",
+            "left_load_nm",
+            "arm_torque_nm",
             "pose_x_deg",
             "pose_heading_mm",
         ] {

@@ -107,30 +107,31 @@ impl Layout {
             .iter()
             .map(|line| fields(names(line), separator))
             .collect();
-        // The last line that names every column differently.
-        let names = header.iter().rposition(|fields| {
-            fields.len() == width && {
-                let given: Vec<&String> = fields.iter().filter(|name| !name.is_empty()).collect();
-                let mut unique = given.clone();
-                unique.sort_unstable();
-                unique.dedup();
-                unique.len() == given.len() && given.len() + 1 >= width
-            }
-        });
+        let is_of_units = |fields: &[String]| {
+            let is_unit = |field: &String| matches!(field.as_str(), "ms" | "s" | "m/s" | "rad/s");
+            fields.len() == width && fields.iter().any(is_unit)
+        };
+        let is_of_names = |fields: &[String]| {
+            let given: Vec<&String> = fields.iter().filter(|name| !name.is_empty()).collect();
+            let mut unique = given.clone();
+            unique.sort_unstable();
+            unique.dedup();
+            fields.len() == width && unique.len() == given.len() && given.len() + 1 >= width
+        };
+        // The last line that names every column differently, and rather none of units.
+        let last = |is: &dyn Fn(&[String]) -> bool| header.iter().rposition(|line| is(line));
+        let names = last(&|line| is_of_names(line) && !is_of_units(line));
+        let names = names.or_else(|| last(&is_of_names));
         let names = names.ok_or_else(|| empty(NO_NAMES))?;
-        let units = header.iter().position(|fields| {
-            fields.len() == width
-                && fields
-                    .iter()
-                    .any(|field| matches!(field.as_str(), "ms" | "s" | "m/s" | "rad/s"))
-        });
+        let mut lines = header.iter().enumerate();
+        let units = lines.find(|(at, line)| *at != names && is_of_units(line));
         Ok(Self {
             separator,
             decimal,
             header_lines,
             names_line: names + 1,
             names: header[names].clone(),
-            units: units.map_or_else(Vec::new, |line| header[line].clone()),
+            units: units.map_or_else(Vec::new, |(_, line)| line.clone()),
         })
     }
 }

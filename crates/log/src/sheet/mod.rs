@@ -165,7 +165,7 @@ impl Sheet {
         while lines.advance()? {
             progress(count.load(std::sync::atomic::Ordering::Relaxed));
             let text = match lines.text() {
-                Err(_) if sheet.rows > 0 && !lines.is_ended() => CUT,
+                Err(_) if !lines.is_ended() => CUT,
                 text => text?,
             };
             if text.is_empty() {
@@ -292,7 +292,7 @@ fn time_candidates(names: &[String], pair: Option<(usize, usize)>) -> Vec<usize>
 /// What each column but that of time means by its name and unit.
 fn guess_columns(columns: &mut [SheetColumn], time: Option<usize>, units: &[String]) {
     for (index, column) in columns.iter_mut().enumerate() {
-        if Some(index) == time || column.others > 0 || column.numbers == 0 {
+        if Some(index) == time || !column.is_numeric() {
             continue;
         }
         let unit = units.get(index).map(String::as_str);
@@ -357,6 +357,21 @@ impl SheetColumn {
             self.whole && fits && self.max_step > 0.5 * range
         };
         [8, 16, 32].into_iter().find(wraps)
+    }
+
+    /// Is all that it holds numbers?
+    const fn is_numeric(&self) -> bool {
+        self.others == 0 && self.numbers > 0
+    }
+
+    /// Is it numeric, and without a meaning so far?
+    const fn is_free(&self) -> bool {
+        self.is_numeric() && self.guess.is_none()
+    }
+
+    /// The maximum of its numbers in size.
+    fn size(&self) -> f64 {
+        self.max.max(-self.min)
     }
 
     fn new(name: &str) -> Self {

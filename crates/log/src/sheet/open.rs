@@ -17,7 +17,7 @@ const OF_GROUND: &str =
 /// What a column means on a condition, and the condition.
 pub(crate) fn perhaps(column: &SheetColumn) -> Option<(Guess, &'static str)> {
     let name = &column.name;
-    if column.others > 0 || column.numbers == 0 {
+    if !column.is_numeric() {
         return None;
     }
     // tools name columns by topics
@@ -32,7 +32,6 @@ pub(crate) fn perhaps(column: &SheetColumn) -> Option<(Guess, &'static str)> {
         wheel: wheel.map(str::to_owned),
         unit,
     };
-    let size = column.max.max(-column.min);
     let known = |own: Quantity, unit: Option<&'static str>| {
         let units = own.units().into_iter();
         unit.filter(|unit| units.map(|(known, _)| known).any(|known| known == *unit))
@@ -48,7 +47,11 @@ pub(crate) fn perhaps(column: &SheetColumn) -> Option<(Guess, &'static str)> {
             "if it is the way of the wheels since some start: `wheel` names one",
         )),
         ["heading" | "yaw" | "theta"] => {
-            let by_size = if size > MAX_YAW_RAD { "deg" } else { "rad" };
+            let by_size = if column.size() > MAX_YAW_RAD {
+                "deg"
+            } else {
+                "rad"
+            };
             let unit = known(Quantity::Angle, stated.or(Some(by_size)))?;
             Some((
                 of(Meaning::PoseYaw, None, unit),
@@ -90,8 +93,7 @@ pub(crate) fn open_question(column: &SheetColumn) -> Option<(String, &'static st
     let words = words(&column.name);
     let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
     let says_unit = split_unit(&column.name).1.is_some() || is(&["rad", "deg", "rpm", "m"]);
-    let size = column.max.max(-column.min);
-    if column.others > 0 || column.numbers == 0 {
+    if !column.is_numeric() {
         return None;
     }
     if is(&["odo", "odometer", "distance", "dist"])
@@ -108,7 +110,7 @@ pub(crate) fn open_question(column: &SheetColumn) -> Option<(String, &'static st
     let rate = Some(Meaning::WheelRate);
     if by_name(&words, None, column.whole).map(|guess| guess.meaning) == rate
         && is(&["vel", "velocity", "speed"])
-        && size <= RIM_SPEED_M_PER_S
+        && column.size() <= RIM_SPEED_M_PER_S
     {
         let question = "`wheel_rate` in rad/s or `wheel_speed` in m/s? its numbers may be either";
         return Some((wheel(&words)?, question));

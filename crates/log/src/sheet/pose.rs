@@ -4,7 +4,7 @@ use grouser_files::columns::Meaning;
 use grouser_files::unit::Quantity;
 use grouser_real::Real;
 
-use super::guess::Guess;
+use super::guess::{Guess, is_quaternion};
 use super::words::{bare_unit, words};
 use super::{MAX_YAW_RAD, SheetColumn};
 use crate::csv::finite;
@@ -52,18 +52,14 @@ pub(super) fn guess_pose(columns: &mut [SheetColumn]) {
     };
     let find = |names: &[&str], default| {
         columns.iter().enumerate().find_map(|(index, column)| {
-            let is_number = column.others == 0 && column.numbers > 0 && column.guess.is_none();
-            let unit = bare_unit(&column.name, names, default).filter(|_| is_number)?;
+            let unit = bare_unit(&column.name, names, default).filter(|_| column.is_free())?;
             Some((index, unit))
         })
     };
     // `TX_mm`, `TY_mm`, `RZ_deg`: how Vicon exports a pose
     let yaw = find(&["theta", "yaw", "heading", "rz"], None);
     // in degrees, or counted on over several turns: the numbers do not say which
-    let in_radians = |(index, _): &(usize, _)| {
-        let column: &SheetColumn = &columns[*index];
-        column.max.max(-column.min) <= MAX_YAW_RAD
-    };
+    let in_radians = |(index, _): &(usize, _)| columns[*index].size() <= MAX_YAW_RAD;
     let yaw = yaw.or_else(|| find(&["theta", "yaw", "heading"], Some("rad")).filter(in_radians));
     let found = if has(columns, Meaning::PoseX) {
         let yaw = find(&["theta", "yaw"], None).filter(|_| !has(columns, Meaning::PoseYaw));
@@ -149,10 +145,7 @@ pub(super) fn guess_orientation(columns: &mut [SheetColumn]) {
         return;
     };
     let place = words(&place.name);
-    let is_part = |column: &SheetColumn| {
-        let is_free = column.guess.is_none() && column.others == 0 && column.numbers > 0;
-        is_free && column.max.max(-column.min) <= MAX_QUATERNION_PART
-    };
+    let is_part = |column: &SheetColumn| column.is_free() && column.size() <= MAX_QUATERNION_PART;
     let parts: Vec<(usize, Vec<String>, Meaning)> = (columns.iter().enumerate())
         .filter(|(_, column)| is_part(column))
         .filter_map(|(index, column)| {
@@ -179,12 +172,9 @@ pub(super) fn guess_orientation(columns: &mut [SheetColumn]) {
 fn orientation_part(name: &str) -> Option<(Vec<String>, Meaning)> {
     let mut words = words(name);
     let last = words.pop()?;
-    let is_quaternion = |word: &String| {
-        ["orientation", "quat", "quaternion", "rotation", "q"].contains(&word.as_str())
-    };
     let part = match last.strip_prefix('q') {
         Some(part) => part,
-        None if words.iter().any(is_quaternion) => &last,
+        None if words.iter().any(|word| is_quaternion(word)) => &last,
         None => return None,
     };
     let meaning = match part {
