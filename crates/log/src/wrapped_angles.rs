@@ -80,7 +80,7 @@ impl Angle {
 pub(crate) struct Angles(Vec<Angle>);
 
 impl Angles {
-    /// Of wheels of which it is known whether they are read as ways.
+    /// Of all wheels of a log, of which it is known whether they are read as ways.
     pub(crate) fn new(are_ways: impl Iterator<Item = bool>) -> Self {
         let of = |is_way| if is_way { Angle::WAY } else { Angle::default() };
         Self(are_ways.map(of).collect())
@@ -88,11 +88,10 @@ impl Angles {
 
     /// Puts a wheel's angle together; other samples stay as they are.
     pub(crate) fn unwrap(&mut self, sample: &mut Sample) {
-        if let Measurement::WheelAngle { wheel, angle } = &mut sample.measurement {
-            if self.0.len() <= *wheel {
-                self.0.resize(*wheel + 1, Angle::default());
-            }
-            *angle = self.0[*wheel].unwrapped(*angle);
+        if let Measurement::WheelAngle { wheel, angle } = &mut sample.measurement
+            && let Some(own) = self.0.get_mut(*wheel)
+        {
+            *angle = own.unwrapped(*angle);
         }
     }
 }

@@ -1296,6 +1296,14 @@ fn a_speed_of_unknown_origin_is_named() {
 }
 
 #[test]
+fn a_velocity_on_the_earth_is_used_where_it_is_known() {
+    let of = |variance| readings(&log(&[twist_of("/gps/vel", variance)], ""));
+    let left = None;
+    assert_eq!(of(0.01), [M::Speed { forward: 0.5, left }]);
+    assert_eq!([of(f64::MAX), of(-1.0)], [vec![], vec![]]);
+}
+
+#[test]
 fn places_without_a_heading_are_ways_along_the_course() {
     // north-east, from the third place on the course is known: over 0.2 m
     let step = 0.15 * std::f64::consts::FRAC_1_SQRT_2;

@@ -252,15 +252,15 @@ fn a_status_is_that_of_a_bag() {
     }
 }
 
-#[test]
-fn fixes_in_the_fields_of_a_message_are_fixes() {
+/// A drive to the north whose fixes are the fields of a message, with their standard deviations, mm; the last is none.
+fn of_fields(sigma_mm: impl Fn(i64) -> f64) -> Log {
     let mut writer = McapWriter::new(Vec::new(), "ros2").unwrap();
     let mut topic = writer.topic("/nav", "geometry_msgs/PointStamped").unwrap();
     let mut send = |row: i64, latitude: f64| {
         let time_ns = 1 + 100_000_000 * row;
         let value = build::message([
             ("header", build::header(time_ns, "")),
-            ("point", build::vector([latitude, 9e7, 20.0])),
+            ("point", build::vector([latitude, 9e7, sigma_mm(row)])),
         ]);
         writer.send(&mut topic, time_ns, &value).unwrap();
     };
@@ -276,30 +276,35 @@ fn fixes_in_the_fields_of_a_message_are_fixes() {
     let wanted = field("x", "latitude", "1e-7 deg")
         + &field("y", "longitude", "1e-7 deg")
         + &field("z", "fix_sigma", "mm");
-    let bytes = writer.finish().unwrap();
-    let log = Log::over(
-        "run.mcap".as_ref(),
-        Cursor::new(bytes),
-        None,
-        &topics(&wanted),
-    )
-    .unwrap();
-    assert_eq!(log.position_sigma(), Some(0.02));
-    let ways = samples(&log)
-        .into_iter()
-        .filter_map(|sample| match sample.measurement {
+    let bytes = Cursor::new(writer.finish().unwrap());
+    Log::over("run.mcap".as_ref(), bytes, None, &topics(&wanted)).unwrap()
+}
+
+#[test]
+fn fixes_in_the_fields_of_a_message_are_fixes() {
+    let ways = |log: &Log| -> Vec<[f64; 2]> {
+        let ways = samples(log).into_iter();
+        let way = |sample: Sample| match sample.measurement {
             M::Displacement { forward, left, .. } => Some([forward, left]),
             _ => None,
-        });
-    let ways: Vec<[f64; 2]> = ways.collect();
+        };
+        ways.filter_map(way).collect()
+    };
+    let log = of_fields(|_| 20.0);
+    assert_eq!(log.position_sigma(), Some(0.02));
+    let found = ways(&log);
     let expected = 1e-5 * 111_131.78;
-    assert!(ways.len() >= 18, "{ways:?}");
+    assert!(found.len() >= 18, "{found:?}");
     assert!(
-        ways.iter()
+        found
+            .iter()
             .all(|[forward, left]| (forward - expected).abs() < 1e-6 && left.abs() < 1e-6)
     );
     assert_eq!(log.left_out().excluded, 1);
     assert!(log.left_out().exclusion.unwrap().contains("out of range"));
+    // where the standard deviation grows tenfold the receiver changed its kind of solution: that way is none
+    let changed = of_fields(|row| if row < 10 { 20.0 } else { 200.0 });
+    assert_eq!(ways(&changed).len(), found.len() - 1);
 }
 
 #[test]

@@ -271,6 +271,80 @@ fn an_odometry_alone_is_named_and_not_used() {
 }
 
 #[test]
+fn an_odometry_beside_a_measured_speed_needs_no_note() {
+    let mut writer = McapWriter::new(Vec::new(), "ros2").unwrap();
+    let mut tf = writer.topic("/tf", "tf2_msgs/TFMessage").unwrap();
+    let mut speeds = writer
+        .topic("/radar", "geometry_msgs/TwistStamped")
+        .unwrap();
+    for k in 0..5 {
+        let time_ns = START + 20 * k * MS;
+        let value = transforms(&[moved(k, "odom", "base_link")]);
+        writer.send(&mut tf, time_ns, &value).unwrap();
+        let header = build::header(time_ns, "base_link");
+        let value = build::twist_stamped(header, [0.3, 0.0, 0.0], [0.0; 3]);
+        writer.send(&mut speeds, time_ns, &value).unwrap();
+    }
+    let bytes = writer.finish().unwrap();
+    let notes = |wanted: &str| opened(bytes.clone(), wanted).unwrap().notes().join("\n");
+    assert!(notes("").contains("the transforms hold a pose"));
+    assert_eq!(notes("speed = \"/radar\"\n"), "");
+}
+
+#[test]
+fn transforms_of_other_topics_are_not_those_that_are_named() {
+    // a localisation on a topic of its own; the odometry that is named counts without it, but with what never moves
+    let (messages, _) = localised();
+    let apart = messages.into_iter().map(|(topic, time, all)| {
+        let is_map = all[0].1 == "map";
+        (if is_map { "/tf_map" } else { topic }, time, all)
+    });
+    let apart: Vec<Message> = apart.collect();
+    let expected: Vec<_> = (0..50)
+        .map(|k| {
+            let all = [odometry(k), MOUNTED].map(|(place, turn)| matrix(place, turn));
+            (20 * k, composed(&all))
+        })
+        .collect();
+    assert_close(&poses(&log(&apart, "pose = \"/tf\"\n")), &expected);
+}
+
+#[test]
+fn transforms_that_are_ignored_move_nothing() {
+    let (mut messages, expected) = localised();
+    // another localisation between: of the same frames, elsewhere
+    for k in 11..50 {
+        let wrong = (
+            20 * k,
+            "map",
+            "odom",
+            [90.0, 0.0, 0.0],
+            [0.0, 0.0, 0.01 * k as f64],
+        );
+        messages.push(("/other/tf", 20 * k + 1, vec![wrong]));
+    }
+    messages.sort_by_key(|message| message.1);
+    let found = log(&messages, "ignore = [\"/other/tf\"]\n");
+    assert_close(&poses(&found), &expected);
+    assert!(found.topics().all(|topic| topic.topic != "/other/tf"));
+    assert!(poses(&log(&messages, "")).len() > expected.len());
+}
+
+#[test]
+fn a_transform_that_comes_too_late_is_counted() {
+    // more than are held back before one of long ago
+    let mut messages: Vec<Message> = (0..5000)
+        .map(|k| ("/tf", 20 * k, vec![moved(k, "map", "base_link")]))
+        .collect();
+    messages.push(("/tf", 20 * 5000, vec![moved(1, "map", "base_link")]));
+    let found = log(&messages, "");
+    let poses = found.samples(&[]).unwrap().map(Result::unwrap);
+    let is_pose = |sample: &grouser_slip::Sample| matches!(sample.measurement, M::Pose { .. });
+    assert_eq!(poses.filter(is_pose).count(), 5000);
+    assert_eq!(found.left_out().late, 1);
+}
+
+#[test]
 fn of_several_robots_that_of_the_wheels_counts() {
     let both = |k: i64| {
         let (place, turn) = odometry(k);

@@ -62,22 +62,63 @@ pub struct Intake {
     /// What is added to the times of each topic, ns.
     shifts_ns: Vec<i64>,
     /// The track of an antenna or a prism, where places without a heading are used.
-    track: Track,
-    has_places: bool,
+    track: Option<Track>,
     /// Fixes that are numbers of a message.
     fixes: FixColumns,
     frame_pose: Option<FramePose>,
     channels: Vec<Known>,
     decoders: Decoders,
-    ordered: Ordered<Sample>,
-    /// Is the source live: may its clock be set?
-    is_live: bool,
-    /// Messages in a row that stand far before those already used.
-    far_back: u32,
-    left_out: LeftOut,
+    rows: Rows,
     is_finished: bool,
     /// Where no reader of files does it, wrapped angles are put together here.
     angles: Option<Angles>,
+}
+
+/// Samples in the order of time, and what is left out of them.
+struct Rows {
+    ordered: Ordered<Sample>,
+    /// Messages in a row that stand far before those already used, of a live source: its clock may be set.
+    far_back: Option<u32>,
+    left_out: LeftOut,
+}
+
+impl Rows {
+    /// Announces a message; false for one that comes too late, which is counted.
+    fn begin(&mut self, time_ns: i64) -> bool {
+        let is_begun = self.begin_row(time_ns);
+        self.left_out.late += u64::from(!is_begun);
+        is_begun
+    }
+
+    fn begin_row(&mut self, time_ns: i64) -> bool {
+        let begun = self.ordered.begin_row(time_ns);
+        let Some(far_back) = &mut self.far_back else {
+            return begun.is_ok();
+        };
+        match begun {
+            Ok(()) => *far_back = 0,
+            Err(behind_s) if behind_s < CLOCK_STEP_S => return false,
+            Err(_) => {
+                *far_back += 1;
+                if *far_back < STEP_MESSAGES {
+                    return false;
+                }
+                *far_back = 0;
+                self.ordered.clear();
+                self.ordered.forget_time();
+                return self.ordered.begin_row(time_ns).is_ok();
+            }
+        }
+        true
+    }
+
+    /// Takes what the message that was announced measures.
+    fn push(&mut self, time_ns: i64, measurement: Measurement) {
+        self.ordered.push(Sample {
+            time_ns,
+            measurement,
+        });
+    }
 }
 
 /// A channel of a topic that is used, with the value into which its messages are decoded.
@@ -92,22 +133,21 @@ struct Known {
 
 impl Intake {
     pub(crate) fn new(choice: Arc<Choice>, shifts_ns: Vec<i64>) -> Self {
+        let mut jobs = choice.topics.iter().flat_map(|topic| &topic.jobs);
+        let has_places = jobs.any(|job| matches!(job, Job::Fix(_)) || job.gives_places());
         Self {
-            track: Track::new(choice.antenna),
-            has_places: choice.topics.iter().any(|topic| {
-                let mut jobs = topic.jobs.iter();
-                jobs.any(|job| matches!(job, Job::Fix(_)) || job.gives_places())
-            }),
+            track: has_places.then(|| Track::new(choice.antenna)),
             fixes: FixColumns::new(choice.stated_sigma),
             frame_pose: choice.frame_pose.clone(),
             choice,
             shifts_ns,
             channels: Vec::new(),
             decoders: Decoders::default(),
-            ordered: Ordered::new(LOOK_AHEAD),
-            is_live: false,
-            far_back: 0,
-            left_out: LeftOut::default(),
+            rows: Rows {
+                ordered: Ordered::new(LOOK_AHEAD),
+                far_back: None,
+                left_out: LeftOut::default(),
+            },
             is_finished: false,
             angles: None,
         }
@@ -128,8 +168,8 @@ impl Intake {
     #[must_use]
     pub fn with_hold(mut self, hold: Duration) -> Self {
         let hold_ns = i64::try_from(hold.as_nanos()).unwrap_or(i64::MAX);
-        self.ordered = Ordered::with_limit(Limit::Time(hold_ns));
-        self.is_live = true;
+        self.rows.ordered = Ordered::with_limit(Limit::Time(hold_ns));
+        self.rows.far_back = Some(0);
         self
     }
 
@@ -180,11 +220,21 @@ impl Intake {
             return;
         };
         let known = &mut self.channels[index];
-        if let Err(problem) = decode(&known.decoder, bytes, &mut known.value) {
-            self.left_out.undecoded += 1;
-            self.left_out.problem.get_or_insert(problem);
-            return;
+        match decode(&known.decoder, bytes, &mut known.value) {
+            Ok(()) => self.take(index, log_time_ns),
+            Err(problem) => {
+                self.rows.left_out.undecoded += 1;
+                self.rows.left_out.problem.get_or_insert(problem);
+            }
         }
+        if !is_spare(index, bytes.len()) {
+            self.channels[index].value = Value::Null;
+        }
+    }
+
+    /// Takes what was decoded of a channel.
+    fn take(&mut self, channel: usize, log_time_ns: u64) {
+        let known = &self.channels[channel];
         let is_stamped = self.choice.clock == Clock::Header;
         let recorded = i64::try_from(log_time_ns).unwrap_or(i64::MAX);
         let shift_ns = self.shifts_ns.get(known.topic).copied().unwrap_or(0);
@@ -196,90 +246,73 @@ impl Intake {
         let chosen = &self.choice.topics[known.topic];
         let gives_frames = (chosen.jobs.iter()).any(|job| matches!(job, Job::Transforms));
         let frame_pose = self.frame_pose.as_mut().filter(|_| gives_frames);
+        let rows = &mut self.rows;
         if let (Some(View::Transforms(all)), Some(pose)) = (&view, frame_pose) {
             // each has its own time, and what never changes that of long ago
             for (stamp, measurement) in pose.follow(all, is_static(&chosen.topic)) {
                 let time_ns = time(stamp);
-                let far_back = self.is_live.then_some(&mut self.far_back);
-                if begin_row(&mut self.ordered, time_ns, far_back) {
-                    self.ordered.push(Sample {
-                        time_ns,
-                        measurement,
-                    });
-                } else {
-                    self.left_out.late += 1;
+                if rows.begin(time_ns) {
+                    rows.push(time_ns, measurement);
                 }
-            }
-            if !is_spare(index, bytes.len()) {
-                known.value = Value::Null;
             }
             return;
         }
         let time_ns = time(stamp_of(&known.value));
-        if !begin_row(
-            &mut self.ordered,
-            time_ns,
-            self.is_live.then_some(&mut self.far_back),
-        ) {
-            self.left_out.late += 1;
+        if !rows.begin(time_ns) {
             return;
         }
         for job in &chosen.jobs {
-            if let (Job::Fix(limit), Some(View::NavSatFix(fix))) = (job, &view) {
-                match fix.fault(*limit) {
-                    Some(fault) => self.left_out.exclude(fault),
-                    None => {
-                        for measurement in self.track.take_fix(time_ns, fix).into_iter().flatten() {
-                            self.ordered.push(Sample {
-                                time_ns,
-                                measurement,
-                            });
-                        }
+            if let (Job::Fix(limit), Some(View::NavSatFix(fix)), Some(track)) =
+                (job, &view, &mut self.track)
+            {
+                if let Some(fault) = fix.fault(*limit) {
+                    rows.left_out.exclude(fault);
+                } else {
+                    for measurement in track.take_fix(time_ns, fix).into_iter().flatten() {
+                        rows.push(time_ns, measurement);
                     }
                 }
             }
-            let (track, has_places) = (&mut self.track, self.has_places);
             let (are_places, sigma) = (job.gives_places(), self.choice.position_sigma);
-            let (fixes, left_out) = (&mut self.fixes, &mut self.left_out);
+            let (track, fixes) = (&mut self.track, &mut self.fixes);
+            let left_out = &mut rows.left_out;
             let mut fix = |fix: NavSatFix| {
                 let place = fixes.place(fix);
                 place.map_err(|fault| left_out.exclude(fault)).ok()
             };
+            let ordered = &mut rows.ordered;
             job.measurements(view.as_ref(), &known.value, &mut fix, &mut |measurement| {
-                let measurements = match measurement {
+                let measurements = match (measurement, &mut *track) {
                     // the yaw of a fix is its standard deviation
-                    Measurement::Pose { x, y, yaw } if are_places => {
+                    (Measurement::Pose { x, y, yaw }, Some(track)) if are_places => {
                         let sigma = Some(yaw).filter(|yaw| *yaw > 0.0).or(sigma);
                         sigma.map_or([None; 2], |sigma| track.take(time_ns, [x, y], sigma))
                     }
-                    Measurement::YawRate { rate } if has_places => {
+                    (Measurement::YawRate { rate }, Some(track)) => {
                         track.turn(time_ns, rate);
                         [Some(measurement), None]
                     }
                     _ => [Some(measurement), None],
                 };
                 for measurement in measurements.into_iter().flatten() {
-                    self.ordered.push(Sample {
+                    ordered.push(Sample {
                         time_ns,
                         measurement,
                     });
                 }
             });
         }
-        if !is_spare(index, bytes.len()) {
-            known.value = Value::Null;
-        }
     }
 
     /// The next sample in the order of time; `None` until more messages come.
     pub fn pop(&mut self) -> Option<Sample> {
-        let is_due = self.is_finished || self.ordered.is_ripe();
+        let is_due = self.is_finished || self.rows.ordered.is_ripe();
         is_due.then(|| self.pop_held()).flatten()
     }
 
     /// The next sample, held back or not: nothing more of its time is expected.
     pub fn pop_held(&mut self) -> Option<Sample> {
-        let mut sample = self.ordered.pop()?;
+        let mut sample = self.rows.ordered.pop()?;
         if let Some(angles) = &mut self.angles {
             angles.unwrap(&mut sample);
         }
@@ -294,38 +327,14 @@ impl Intake {
     /// What was left out so far.
     #[must_use]
     pub const fn left_out(&self) -> &LeftOut {
-        &self.left_out
+        &self.rows.left_out
     }
 
     /// A part of the file was lost.
     pub(crate) const fn lose(&mut self, bytes: u64) {
-        self.left_out.damages += 1;
-        self.left_out.bytes_lost += bytes;
+        self.rows.left_out.damages += 1;
+        self.rows.left_out.bytes_lost += bytes;
     }
-}
-
-/// Announces a message to the ordering; false for one that comes too late. `far_back` counts messages in a row of a live
-/// source that stand far before those already used.
-fn begin_row(ordered: &mut Ordered<Sample>, time_ns: i64, far_back: Option<&mut u32>) -> bool {
-    let begun = ordered.begin_row(time_ns);
-    let Some(far_back) = far_back else {
-        return begun.is_ok();
-    };
-    match begun {
-        Ok(()) => *far_back = 0,
-        Err(behind_s) if behind_s < CLOCK_STEP_S => return false,
-        Err(_) => {
-            *far_back += 1;
-            if *far_back < STEP_MESSAGES {
-                return false;
-            }
-            *far_back = 0;
-            ordered.clear();
-            ordered.forget_time();
-            return ordered.begin_row(time_ns).is_ok();
-        }
-    }
-    true
 }
 
 impl Measures for Intake {

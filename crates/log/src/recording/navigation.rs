@@ -143,7 +143,7 @@ impl Fixes {
         let mut sorted = self.sigmas.clone();
         sorted.sort_unstable_by(f64::total_cmp);
         let accurate = sorted.partition_point(|sigma| *sigma <= ACCURATE_SIGMA_M);
-        let limit = if accurate > 0 && 10 * accurate >= sorted.len() {
+        let limit = if 10 * accurate >= sorted.len() {
             sorted.truncate(accurate);
             ACCURATE_SIGMA_M
         } else {

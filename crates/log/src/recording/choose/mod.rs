@@ -179,6 +179,11 @@ impl<'a> Choosing<'a> {
         all.any(|(own, _)| *own == meaning)
     }
 
+    /// A speed over ground, with its sign or without.
+    fn measures_speed(&self) -> bool {
+        self.measures(Meaning::SpeedForward) || self.measures(Meaning::SpeedSize)
+    }
+
     fn measures_wheels(&self) -> bool {
         let mut all = self.choice.topics.iter().flat_map(|c| &c.measures);
         let turns = |meaning: Meaning| {

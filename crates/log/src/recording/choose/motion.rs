@@ -138,9 +138,7 @@ impl Choosing<'_> {
                     .to_owned(),
             );
         }
-        if ![Meaning::SpeedForward, Meaning::SpeedSize]
-            .iter()
-            .any(|meaning| self.measures(*meaning))
+        if !self.measures_speed()
             && let Some(seen) = first(|view, topic| {
                 matches!(view, View::Odometry(_) | View::Twist { .. })
                     && is_over_ground(topic)
@@ -226,9 +224,7 @@ impl Choosing<'_> {
             .free()
             .into_iter()
             .filter(|seen| !used.iter().any(|chosen| chosen.topic == seen.channel.topic));
-        let has_speed = [Meaning::SpeedForward, Meaning::SpeedSize]
-            .iter()
-            .any(|meaning| self.measures(*meaning));
+        let has_speed = self.measures_speed();
         let notes: Vec<String> = unused
             .filter_map(|seen| {
                 let topic = &seen.channel.topic;
@@ -299,7 +295,6 @@ impl Choosing<'_> {
             return;
         }
         let is_placed = measures(Meaning::DisplacementForward);
-        let has_speed = measures(Meaning::SpeedForward) || measures(Meaning::SpeedSize);
         let own = self.of_this_robot(&found);
         let (is, hint) = if let Some(pair) = own.filter(|_| is_absolute && !is_placed) {
             let pose = FramePose::new(self.tree.clone(), pair.clone());
@@ -311,7 +306,7 @@ impl Choosing<'_> {
                 "of several robots",
                 "name their topic as `pose`, and the robot's as `pose_child_frame`",
             )
-        } else if !found.is_empty() && !is_placed && !has_speed {
+        } else if !found.is_empty() && !is_placed && !self.measures_speed() {
             (
                 "not used",
                 "name their topic as `pose` if it measures the ground; most odometry is made of the wheels",

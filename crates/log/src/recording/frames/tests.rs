@@ -84,6 +84,8 @@ fn frames_that_are_kept_are_limited() {
         (first.tree(|_| true).0.len(), pose.tree.0.len()),
         (MAX_FRAMES, MAX_FRAMES)
     );
+    let held = first.by_topic.iter().map(|tree| tree.0.len());
+    assert_eq!(held.sum::<usize>(), MAX_FRAMES);
     // a longer chain is a circle
     let chain: Vec<String> = (0..70).map(|number| number.to_string()).collect();
     let links = |length: usize| {
@@ -94,6 +96,33 @@ fn frames_that_are_kept_are_limited() {
     };
     assert_eq!(found(&links(64), None, Some("63")), ["63 in 0?"]);
     assert_eq!(found(&links(65), None, Some("64")), [""; 0]);
+}
+
+#[test]
+fn a_correction_counts_until_the_pose_is_given() {
+    let pair = FramePair {
+        fixed: "map".into(),
+        base: "base".into(),
+        is_absolute: true,
+    };
+    let mut pose = FramePose::new(Tree::default(), pair);
+    let mut given = |parent, child, x| match pose.take(&transform(parent, child, x), false) {
+        Some(Measurement::Pose { x, .. }) => Some(x),
+        _ => None,
+    };
+    // the odometry moves; two corrections before it moves again, and then none
+    for (parent, child, x, expected) in [
+        ("odom", "base", 0.0, None),
+        ("odom", "base", 0.25, None),
+        ("map", "odom", 1.0, None),
+        ("map", "odom", 2.0, None),
+        ("odom", "base", 0.5, Some(2.5)),
+        ("odom", "base", 0.75, None),
+        ("map", "odom", 2.0, None),
+        ("odom", "base", 1.0, None),
+    ] {
+        assert_eq!(given(parent, child, x), expected, "{parent} {child} {x}");
+    }
 }
 
 #[test]

@@ -158,6 +158,11 @@ fn bad_fixes_are_named() {
         };
         assert_eq!(poor.fault(limit).is_none(), is_used, "{variance} {limit}");
     }
+    // the equator, and the meridian of Greenwich; where they meet none is
+    for (latitude, longitude, is_used) in [(0.0, 7.5, true), (51.5, 0.0, true), (0.0, 0.0, false)] {
+        let fault = fix(latitude, longitude).fault(ACCURATE_SIGMA_M);
+        assert_eq!(fault.is_none(), is_used, "{latitude} {longitude}");
+    }
     // an unknown covariance is not exact
     let unknown = NavSatFix {
         status: 0,
@@ -256,6 +261,49 @@ fn faults_begin_behind_their_limits() {
             .unwrap()
             .contains("without a position")
     );
+}
+
+#[test]
+fn the_first_fixes_choose_a_standard_deviation() {
+    let of = |variance| NavSatFix {
+        variance,
+        ..fix(45.0, 9.0)
+    };
+    let choose = |groups: &[(usize, Option<f64>)]| {
+        let mut fixes = Fixes::default();
+        for (count, variance) in groups {
+            let one = of(*variance);
+            (0..*count).for_each(|_| fixes.add(&one));
+        }
+        let (found, note) = fixes.choose("/fix");
+        (found.map(|(sigma, _)| sigma), note.unwrap_or_default())
+    };
+    // one fix more than are looked at would change the median
+    let (half, wide, wider) = (MAX_FIXES / 2, Some(1.0), Some(4.0));
+    assert_eq!(
+        choose(&[(half, wider), (half, wide), (1, wide)]).0,
+        Some(2.0)
+    );
+    assert_eq!(
+        choose(&[(half, wider), (half - 1, wide), (1, wide)]).0,
+        Some(2.0)
+    );
+    assert_eq!(choose(&[(half - 1, wider), (half + 1, wide)]).0, Some(1.0));
+    // up to half a metre there is no note; how accurate they are is unknown if more than half do not say it
+    assert_eq!(choose(&[(3, Some(0.25))]), (Some(0.5), String::new()));
+    assert!(choose(&[(3, Some(0.26))]).1.contains("has fixes with"));
+    let unknown = |stated, unstated| {
+        let unstated_fix = NavSatFix {
+            status: 0,
+            ..of(None)
+        };
+        let mut fixes = Fixes::default();
+        (0..stated).for_each(|_| fixes.add(&of(Some(9.0))));
+        (0..unstated).for_each(|_| fixes.add(&unstated_fix));
+        fixes.choose("/fix").1.unwrap().contains("does not say")
+    };
+    assert!(!unknown(2, 2) && unknown(2, 3) && !unknown(3, 2) && unknown(0, 1));
+    assert_eq!(Fixes::default().choose("/fix").0, None);
 }
 
 #[test]
