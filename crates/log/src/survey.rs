@@ -11,7 +11,7 @@ use crate::message::known::TRUTH;
 use crate::message::{Decoders, Elements, SharedDecoder, Spare, Value, View, decode};
 use crate::messages::stamp_of;
 use crate::recording::{
-    FirstTransforms, is_asked_for, is_command, is_over_ground, is_static, poses,
+    FirstTransforms, is_command, is_over_ground, is_static, is_unmeasured, poses,
 };
 
 /// Intervals are counted in bins, this many to a doubling.
@@ -427,7 +427,7 @@ fn use_of(view: &View<'_>, topic: &str) -> Option<Use> {
             imu.angular_rate?;
             Use::YawRate
         }
-        View::Pose { .. } | View::Point(_) if is_asked_for(topic) => return None,
+        View::Pose { .. } | View::Point(_) if is_unmeasured(topic) => return None,
         View::Odometry(_) | View::Pose { .. } | View::Point(_) | View::Displacement { .. } => {
             Use::Motion
         }

@@ -338,6 +338,15 @@ fn proposed(header: &str, rows: &[&str]) -> Vec<(String, &'static str, &'static 
     found.collect()
 }
 
+fn assert_proposed(header: &str, rows: &[&str], expected: &[&str]) {
+    let found = proposed(header, rows);
+    let found: Vec<String> = found
+        .iter()
+        .map(|(_, meaning, unit)| format!("{meaning} {unit}"))
+        .collect();
+    assert_eq!(found, expected, "{header}");
+}
+
 #[test]
 fn plain_names_of_fixes_are_known() {
     for (header, rows, expected) in [
@@ -418,6 +427,29 @@ fn plain_names_of_fixes_are_known() {
             ["46.5,8.1,0"; 2],
             vec!["latitude deg", "longitude deg", "fix_sigma m"],
         ),
+        // one alone; degrees and minutes; what is no place
+        ("lat", ["46.5"; 2], vec![]),
+        ("lat,lon", ["4630.123,00806.123"; 2], vec![]),
+        ("lat_acc,long_acc,lateral,long_v", ["1,2,3,4"; 2], vec![]),
+        // an odometry gives way, a pose does not
+        (
+            "odom_x,odom_y,lat,lon",
+            ["1,2,46.5,8.1"; 2],
+            vec!["latitude deg", "longitude deg"],
+        ),
+        (
+            "vicon_x,vicon_y,lat,lon",
+            ["1,2,46.5,8.1"; 2],
+            vec!["pose_x m", "pose_y m"],
+        ),
+    ] {
+        assert_proposed(header, &rows, &expected);
+    }
+}
+
+#[test]
+fn numbers_of_fixes_show_their_units_and_kinds() {
+    for (header, rows, expected) in [
         // a kind of fix is a whole number; of one that is never above 0 none is a position, and a status up to 2 may be a kind
         (
             "lat,lon,fix_type",
@@ -450,30 +482,10 @@ fn plain_names_of_fixes_are_known() {
             ["46.5,-180.0"; 2],
             vec!["latitude deg", "longitude deg"],
         ),
-        // one alone; degrees and minutes; what is no place
-        ("lat", ["46.5"; 2], vec![]),
-        ("lat,lon", ["4630.123,00806.123"; 2], vec![]),
         ("lat,lon", ["4630,806"; 2], vec![]),
         ("lat,lon", ["1000000,1000000"; 2], vec![]),
         ("lat,lon", ["46500000.5,8100000.5"; 2], vec![]),
-        ("lat_acc,long_acc,lateral,long_v", ["1,2,3,4"; 2], vec![]),
-        // an odometry gives way, a pose does not
-        (
-            "odom_x,odom_y,lat,lon",
-            ["1,2,46.5,8.1"; 2],
-            vec!["latitude deg", "longitude deg"],
-        ),
-        (
-            "vicon_x,vicon_y,lat,lon",
-            ["1,2,46.5,8.1"; 2],
-            vec!["pose_x m", "pose_y m"],
-        ),
     ] {
-        let found = proposed(header, &rows);
-        let found: Vec<String> = found
-            .iter()
-            .map(|(_, meaning, unit)| format!("{meaning} {unit}"))
-            .collect();
-        assert_eq!(found, expected, "{header}");
+        assert_proposed(header, &rows, &expected);
     }
 }

@@ -23,7 +23,7 @@ fn robot() -> String {
 }
 
 /// What a verb says with `--json`, and whether it warns of deep wheels.
-fn said(arguments: &[&str]) -> (Value, bool) {
+fn answer(arguments: &[&str]) -> (Value, bool) {
     let said = grouser([arguments, &["--json"]].concat());
     let json = said.json();
     let warns = said.err.contains(DEEP);
@@ -36,7 +36,7 @@ fn climb_says_it_of_each_slope() {
     for (soil, is_deep) in [("snow", true), ("dry-sand", false)] {
         let robot = ["--robot", robot.as_str()];
         for of in [&WHEEL[..], &robot[..]] {
-            let (json, warns) = said(&[&["climb", "--soil", soil], of].concat());
+            let (json, warns) = answer(&[&["climb", "--soil", soil], of].concat());
             let level = &json["steps"][0]["cautions"];
             let keys: Vec<&str> = level
                 .as_array()
@@ -74,7 +74,7 @@ fn optimize_says_it_of_what_it_found() {
         )
         .unwrap();
         assert_eq!(
-            said(&["optimize", &path.display().to_string()]).1,
+            answer(&["optimize", &path.display().to_string()]).1,
             is_deep,
             "{soil} {method}"
         );
@@ -97,14 +97,14 @@ fn map_and_drive_say_for_how_much() {
         map.display().to_string(),
     );
     for (soil, is_deep) in [("snow", true), ("dry-sand", false)] {
-        let (json, warns) = said(&["map", &dem, "--robot", &robot, "--soil", soil, "-o", &map]);
+        let (json, warns) = answer(&["map", &dem, "--robot", &robot, "--soil", soil, "-o", &map]);
         assert_eq!(
             json["deep"].as_f64(),
             Some(f64::from(u8::from(is_deep))),
             "{soil}"
         );
         assert_eq!(warns, is_deep, "{soil}");
-        let (json, warns) = said(&["plan", &map, "--from", "2,2", "--to", "6,6"]);
+        let (json, warns) = answer(&["plan", &map, "--from", "2,2", "--to", "6,6"]);
         let share = json["route"]["deep_share"].as_f64();
         assert_eq!(
             (share, warns),
@@ -121,7 +121,7 @@ fn map_and_drive_say_for_how_much() {
             ),
         )
         .unwrap();
-        let (json, warns) = said(&["drive", &scenario.display().to_string()]);
+        let (json, warns) = answer(&["drive", &scenario.display().to_string()]);
         let share = json["runs"][0]["deep_share"].as_f64().unwrap();
         assert_eq!((share > 0.5, warns), (is_deep, is_deep), "{soil}: {share}");
     }

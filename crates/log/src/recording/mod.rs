@@ -19,7 +19,7 @@ use crate::error::Result;
 use crate::messages::LeftOut;
 use crate::source::Source;
 use choose::Choice;
-pub(crate) use choose::{is_asked_for, is_command, is_of_wheels, is_over_ground, speed_of_number};
+pub(crate) use choose::{is_command, is_of_wheels, is_over_ground, is_unmeasured, speed_of_number};
 pub(crate) use frames::{FirstTransforms, is_static, poses};
 pub use intake::Intake;
 pub use preview::Preview;

@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::message::known::{OUTPUT, TRUTH};
 use crate::messages::Clock;
 pub(super) use names::has_word;
-pub(crate) use names::{is_asked_for, is_command, is_of_wheels, is_over_ground, speed_of_number};
+pub(crate) use names::{is_command, is_of_wheels, is_over_ground, is_unmeasured, speed_of_number};
 
 /// One topic that is used.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use grouser_files::columns::Meaning;
 
 use super::names::{
-    has_word, is_asked_for, is_command, is_of_wheels, is_over_ground, speed_of_number,
+    has_word, is_command, is_of_wheels, is_over_ground, is_unmeasured, speed_of_number,
 };
 use super::{Choosing, Job, TopicPreview};
 use crate::error::{Error, Result};
@@ -92,7 +92,7 @@ impl Choosing<'_> {
             let mut all = free.iter();
             all.find(|seen| {
                 let (own, topic) = (short(&seen.channel.type_name), &seen.channel.topic);
-                seen.view().is_some() && own == type_name && !is_asked_for(topic) && fits(topic)
+                seen.view().is_some() && own == type_name && !is_unmeasured(topic) && fits(topic)
             })
             .copied()
         };
@@ -108,7 +108,7 @@ impl Choosing<'_> {
                     Some(View::Odometry(_)) => is_over_ground(&seen.channel.topic),
                     Some(View::Pose { .. }) => {
                         short(&seen.channel.type_name) == "geometry_msgs/PoseStamped"
-                            && !is_asked_for(&seen.channel.topic)
+                            && !is_unmeasured(&seen.channel.topic)
                     }
                     _ => false,
                 })
@@ -239,7 +239,7 @@ impl Choosing<'_> {
                     View::Odometry(_) => {
                         "`pose` or `speed` if it measures the ground, as `wheel_odometry` if it was made of the wheels"
                     }
-                    View::Pose { .. } | View::Point(_) if !is_asked_for(topic) => {
+                    View::Pose { .. } | View::Point(_) if !is_unmeasured(topic) => {
                         "`pose` if it measures where the robot is"
                     }
                     View::Twist { .. }

@@ -42,7 +42,7 @@ const OVER_GROUND: &[&str] = &[
     "total",
 ];
 /// Words in the name of a pose or a point at which nothing is yet: it is a wish, or a first guess.
-const ASKED_FOR: &[&str] = &[
+const UNMEASURED: &[&str] = &[
     "goal",
     "initialpose",
     "initial",
@@ -78,9 +78,9 @@ pub(crate) fn is_over_ground(topic: &str) -> bool {
     has_word(topic, OVER_GROUND)
 }
 
-/// Does a topic's name say that the robot is to go there, or that somebody guesses it to be there?
-pub(crate) fn is_asked_for(topic: &str) -> bool {
-    has_word(topic, ASKED_FOR)
+/// Does a topic's name say that nobody measured it: that the robot is to go there, or is guessed to be?
+pub(crate) fn is_unmeasured(topic: &str) -> bool {
+    has_word(topic, UNMEASURED)
 }
 
 /// Does a topic's name say that wheels have a part in it?
