@@ -1570,3 +1570,34 @@ fn places_of_a_table_give_way_to_better_references() {
         |way: &M| matches!(way, M::Displacement { forward, .. } if (forward - 0.15).abs() < 1e-12);
     assert!(ways.iter().all(is_way), "{ways:?}");
 }
+
+#[test]
+fn a_pose_beside_places_stays_a_pose() {
+    // one message is a pose with its heading, the other a place without one
+    let field = |topic: &str, axis: &str, meaning: &str| {
+        format!(
+            "[[topics.field]]\ntopic = \"{topic}\"\nfield = \"point.{axis}\"\nmeaning = \"{meaning}\"\nunit = \"{}\"\n",
+            if axis == "z" { "rad" } else { "m" }
+        )
+    };
+    let wanted = [
+        field("/pose", "x", "pose_x"),
+        field("/pose", "y", "pose_y"),
+        field("/pose", "z", "pose_yaw"),
+        field("/place", "x", "pose_x"),
+        field("/place", "y", "pose_y"),
+    ]
+    .concat();
+    let found = log(
+        &[
+            point("/pose", 5, [1.0, 2.0]),
+            point("/place", 7, [3.0, 4.0]),
+        ],
+        &wanted,
+    );
+    let (yaw, [x, y]) = (0.3, [1.0, 2.0]);
+    assert_eq!(
+        readings(&found),
+        [M::Pose { x, y, yaw }, M::Position { x: 3.0, y: 4.0 }]
+    );
+}
