@@ -191,6 +191,14 @@ fn seconds_and_nanoseconds_are_one_time() {
     assert_eq!((time.unit, time.nanoseconds), ("s", Some(1)));
     assert!((time.duration_s - 1.25).abs() < 1e-9, "{time:?}");
     assert_eq!(time.jumps, 0);
+    // and dates, by seconds since 1970 that are rounded
+    let day = "2024-05-06T23:59:";
+    let text =
+        format!("datetime,left_angle\n{day}58.5,1\n{day}59.0,1\n{day}59.5,1\n{day}59.75,1\n");
+    let time = read(text.as_bytes()).unwrap().time.unwrap();
+    assert_eq!((time.unit, time.jumps), ("date", 0));
+    assert!((time.duration_s - 1.25).abs() < 1e-6, "{time:?}");
+    assert!((time.rate_hz.unwrap() - 2.0).abs() < 1e-5, "{time:?}");
 }
 
 #[test]
