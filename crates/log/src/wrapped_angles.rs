@@ -162,4 +162,46 @@ mod tests {
         assert_eq!(own.unwrapped(1.5), 1.5);
         assert!(!own.wraps());
     }
+
+    /// The last of angles as it is put together, and what a driver sent.
+    fn last(angles: &[f64]) -> (f64, f64) {
+        let mut own = Angle::default();
+        let all = angles.iter().map(|angle| own.unwrapped(*angle));
+        (all.last().unwrap(), *angles.last().unwrap())
+    }
+
+    fn is_wrapped(angles: &[f64]) -> bool {
+        let (found, sent) = last(angles);
+        let turns = (found - sent) / TAU;
+        assert!(turns.abs() < 1e-12 || (turns.abs() - 1.0).abs() < 1e-12);
+        turns.abs() > 0.5
+    }
+
+    #[test]
+    fn a_jump_shows_a_wrap_within_its_limits() {
+        // of −π to π and a hundredth more, by less than half a radian
+        let (most, jump) = (PI + ROUNDING_RAD, TAU - 0.3);
+        let beyond = most.next_up();
+        assert!(is_wrapped(&[most, most - jump]) && is_wrapped(&[-most, jump - most]));
+        assert!(!is_wrapped(&[beyond, beyond - jump]) && !is_wrapped(&[-beyond, jump - beyond]));
+        assert!(!is_wrapped(&[3.0, 3.0 + SMALL_STEP_RAD - TAU]));
+        assert!(is_wrapped(&[3.0, 3.0 + SMALL_STEP_RAD - TAU - 1e-12]));
+        // of 0 to a turn and a hundredth more
+        let most = TAU + ROUNDING_RAD;
+        assert!(is_wrapped(&[0.0, most]) && is_wrapped(&[most, 0.0]));
+        assert!(!is_wrapped(&[0.0, most.next_up()]));
+        // half a turn is as well one backwards
+        assert!(!is_wrapped(&[2.0, 0.0, PI]));
+        assert!(is_wrapped(&[2.0, 0.0, PI.next_up()]));
+    }
+
+    #[test]
+    fn a_jump_that_continues_the_step_before_is_a_wrap() {
+        let jump = |before: f64, short: f64| is_wrapped(&[6.0 - before, 6.0, 6.0 + short - TAU]);
+        // up to twice the step, and half a radian
+        assert!(jump(0.25, 0.9) && !jump(0.25, 1.0) && jump(0.3, 1.0));
+        // not backwards, nor without a step before
+        assert!(!jump(-0.25, 0.9) && !jump(0.0, 0.3));
+        assert!(!is_wrapped(&[6.0, 6.3 - TAU]));
+    }
 }

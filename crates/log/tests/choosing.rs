@@ -1108,6 +1108,20 @@ fn twenty_thousand_messages_are_looked_at_for_a_fix_or_an_acceleration() {
     }
 }
 
+#[test]
+fn sixty_four_messages_are_looked_at_for_wheels() {
+    let ticks = |names: &[&str]| {
+        let header = build::header(5, "");
+        build::wheel_ticks(header, names, &vec![7; names.len()])
+    };
+    let (first, last) = (ticks(&["left"]), ticks(&["left", "right"]));
+    for (count, wheels) in [(63, 2), (64, 1), (65, 1)] {
+        let found = many("grouser_msgs/WheelTicks", &first, count, &last);
+        let used: Vec<String> = found.topics().map(|topic| topic.used_for).collect();
+        assert_eq!(used, [format!("wheels by {wheels} joints")], "{count}");
+    }
+}
+
 /// A file of these parts: joints, bytes that are of no use (up to a place, or 2 MiB), an IMU's message.
 fn parts(order: &str, padding: usize) -> Vec<u8> {
     let mut file = mcap::MAGIC.to_vec();

@@ -105,6 +105,23 @@ fn what_may_be_a_way_or_a_heading_has_a_unit_of_it() {
 }
 
 #[test]
+fn a_heading_beside_a_quaternion_is_not_proposed() {
+    let is_proposed = |names: &str, row: &str| {
+        let sheet = table(names, &[row, row]);
+        suggest_for_sheets([(&sheet, "log.csv")]).contains("{ column = \"heading\",")
+    };
+    assert!(is_proposed("pose_x,pose_y,heading", "1,2,0.5"));
+    assert!(!is_proposed(
+        "pose_x,pose_y,qx,qy,qz,qw,heading",
+        "1,2,0,0,0.6,0.8,0.5"
+    ));
+    assert!(!is_proposed(
+        "pose_x,pose_y,pose_yaw,heading",
+        "1,2,0.5,0.5"
+    ));
+}
+
+#[test]
 fn a_wheel_alone_is_an_open_question_where_it_is_no_counter() {
     for (name, numbers, is_open) in [
         ("wheel_fl", ["0.5", "1.5"], true),

@@ -262,7 +262,16 @@ fn numbers_of_wheels_are_fields() {
         text.contains("counter_bits = 16      # by the type of its topic"),
         "{text}"
     );
-    assert_eq!(file.robot.wheels().len(), 2);
+    let names = |text: &str| values(text, "name").join(" ");
+    assert_eq!(names(&text), "\"robot\" \"l\" \"r\"");
+    // one of each wheel
+    let (file, text) = proposed(&[
+        ("/left_ticks", "std_msgs/Int32"),
+        ("/left_rpm", "std_msgs/Float32"),
+        ("/yaw_rate", "std_msgs/Float64"),
+    ]);
+    assert_eq!(file.topics.fields.len(), 1);
+    assert_eq!(names(&text), "\"robot\" \"left\"");
     let (_, text) = proposed(&[
         ("/left/rpm", "std_msgs/Float64"),
         ("/right/rpm", "std_msgs/Float64"),
@@ -271,7 +280,9 @@ fn numbers_of_wheels_are_fields() {
         text.contains(&field("/left/rpm", "wheel_rate", "left", "rpm")),
         "{text}"
     );
-    // one that the robot's computer sends is no sensor
+    // what is no number, and what the robot's computer sends, are no sensors
+    let (_, text) = proposed(&[("/left_wheel_rpm", "std_msgs/String")]);
+    assert!(!text.contains("[[topics.field]]"), "{text}");
     let (_, text) = proposed(&[("/left_wheel/cmd_vel", "std_msgs/Float64")]);
     assert!(!text.contains("[[topics.field]]"), "{text}");
     // a speed is a comment, which is a field without its marks

@@ -347,3 +347,38 @@ fn the_first_message_says_what_a_topic_is() {
         (["left".to_owned()].as_slice(), true)
     );
 }
+
+#[test]
+fn topics_without_messages_are_listed() {
+    let mut file = mcap::MAGIC.to_vec();
+    mcap::schema(&mut file, 1, b"std_msgs/Float32", b"float32 data");
+    for (id, topic) in (1..).zip(["/first", "/silent", "/last"]) {
+        mcap::channel(&mut file, id, 1, topic.as_bytes(), b"ros1");
+    }
+    for time in 1..4 {
+        mcap::message(&mut file, 3, time, &[0; 4]);
+    }
+    let folder = Folder::new("silent");
+    let found = Survey::read(&folder.file("log.mcap", &file), |_| ()).unwrap();
+    let counts = found.topics.iter();
+    let counts: Vec<_> = counts
+        .map(|topic| (topic.channel.topic.as_str(), topic.messages))
+        .collect();
+    assert_eq!(counts, [("/last", 3), ("/first", 0), ("/silent", 0)]);
+}
+
+#[test]
+fn a_pose_that_nobody_measured_has_no_use() {
+    let of = |name: &str| {
+        let found = survey(|writer| {
+            let mut topic = writer.topic(name, "geometry_msgs/PoseStamped").unwrap();
+            let header = build::header(5, "map");
+            let pose = build::pose(1.0, 2.0, 0.5);
+            let value = build::message([("header", header), ("pose", pose)]);
+            writer.send(&mut topic, 5, &value).unwrap();
+        });
+        found.topics[0].use_for
+    };
+    assert_eq!(of("/move_base_simple/goal"), None);
+    assert_eq!(of("/vicon/pose"), Some(Use::Motion));
+}
