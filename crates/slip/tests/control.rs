@@ -71,6 +71,23 @@ fn following(commands: &[WheelCommand]) -> [WheelObservation; 4] {
 }
 
 #[test]
+fn the_usual_acceleration_is_a_share_of_gravity() {
+    let usual = ControlSettings::default();
+    let under = ControlSettings::under_gravity;
+    let share = |gravity: f64| under(gravity).max_acceleration / gravity;
+    let expected = usual.max_acceleration / 9.806_65;
+    assert!(
+        [1.62, 3.71, 9.806_65, 25.0]
+            .iter()
+            .all(|gravity| (share(*gravity) / expected - 1.0).abs() < 1e-12)
+    );
+    // and nothing else
+    let mut moon = under(1.62);
+    moon.max_acceleration = usual.max_acceleration;
+    assert_eq!(moon, usual);
+}
+
+#[test]
 fn a_reversed_encoder_never_gets_full_torque_for_long() {
     let mut controller = Controller::new(&robot(), ControlSettings::default()).unwrap();
     let log = run(&mut controller, (0, 6), |time, commands| {

@@ -96,6 +96,10 @@ fn it_estimates_and_commands() {
     assert!((slip - 0.2).abs() < 0.03, "{slip}");
     assert!(rim_speed > 0.1, "{rim_speed}");
     assert!(on_board.start_fault().is_none());
+    // six seconds at 0.25 m/s
+    let body = on_board.body();
+    assert!((body.distance - 1.5).abs() < 0.05, "{body:?}");
+    assert_eq!(on_board.estimate().body, body);
 }
 
 #[test]
@@ -353,7 +357,13 @@ fn poses_reach_the_filter_where_they_are_used_and_nowhere_else() {
             measurement: Measurement::Pose { x, y, yaw },
         });
         let refused = on_board.estimate().rejected.total() - before;
-        assert_eq!(refused > 0, uses_poses);
+        assert_eq!(refused, u64::from(uses_poses));
+        on_board.update(Sample {
+            time_ns: 401 * PERIOD_NS,
+            measurement: Measurement::Pose { x, y, yaw },
+        });
+        assert_eq!(on_board.estimate().rejected.total(), on_board.refused());
+        assert_eq!(on_board.refused() - before, 2 * refused);
     }
 }
 

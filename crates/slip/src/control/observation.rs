@@ -290,3 +290,24 @@ impl RobotObservation {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_angle_has_its_limit() {
+        let most = MAX_ANGLE_RAD;
+        assert_eq!(
+            [Some(most), Some(-most)].map(angle),
+            [Some(most), Some(-most)]
+        );
+        let none = [
+            Some(most.next_up()),
+            Some(f64::NAN),
+            Some(f64::NEG_INFINITY),
+            None,
+        ];
+        assert_eq!(none.map(angle), [None; 4]);
+    }
+}

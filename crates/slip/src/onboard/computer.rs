@@ -298,8 +298,7 @@ impl OnBoard {
         });
         self.decision = output.decision;
         if request.speed != 0.0 {
-            let is_backing_out = output.mode == Mode::BackOut;
-            self.direction = request.direction() * if is_backing_out { -1.0 } else { 1.0 };
+            self.direction = direction(&request, output.mode);
         }
         output.commands
     }
@@ -502,5 +501,32 @@ impl OnBoard {
         }
         self.attitude.set_heading(state.heading);
         Ok(())
+    }
+}
+
+/// Which way a robot drives along its nose in that mode, 1 or -1.
+fn direction(request: &Request, mode: Mode) -> f64 {
+    match mode {
+        Mode::BackOut => -request.direction(),
+        _ => request.direction(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_backs_out_drives_the_other_way() {
+        for speed in [0.3, -0.3] {
+            let request = Request {
+                speed,
+                heading: 0.0,
+                yaw_rate: None,
+            };
+            let along = |mode| direction(&request, mode) * speed;
+            assert_eq!([Mode::Forward, Mode::Detour].map(along), [0.3; 2]);
+            assert_eq!(along(Mode::BackOut), -0.3);
+        }
     }
 }
