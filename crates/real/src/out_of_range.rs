@@ -132,6 +132,21 @@ mod tests {
     }
 
     #[test]
+    fn numbers_of_many_digits_have_an_exponent() {
+        for (number, text) in [
+            (1e-6, "0.000001"),
+            (9.5e-7, "9.5e-7"),
+            (-1e-7, "-1e-7"),
+            (0.0, "0"),
+            (-1e15_f64.next_down(), "-999999999999999.9"),
+            (1e15, "1e15"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(Plain(number).to_string(), text);
+        }
+    }
+
+    #[test]
     fn limits_belong_to_the_range_and_nan_does_not() {
         for value in [-1.0, 0.0, 2.0] {
             assert!(check(value, (-1.0, 2.0)).is_ok(), "{value}");
