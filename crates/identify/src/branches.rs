@@ -147,4 +147,59 @@ mod tests {
         ];
         assert!(of(&rest, false).iter().all(|b| !b.1));
     }
+
+    #[test]
+    fn noise_and_steps_by_hand() {
+        let per_bend = 1.0 / 1.652_155_8;
+        assert_eq!(
+            [noise(&[]), noise(&[1.0, 2.0]), noise(&[1.0, 2.0, 3.0])],
+            [0.0; 3]
+        );
+        // bends of 2, and of 0, 3 and 1
+        assert!((noise(&[0.0, 1.0, 0.0]) - 2.0 * per_bend).abs() < 1e-6);
+        assert!((noise(&[0.0, 1.0, 2.0, 6.0, 9.0]) - per_bend).abs() < 1e-6);
+        assert_eq!(least_step(&[1.0, 1.0, 3.0, 2.5, 4.0]), 0.5);
+        assert_eq!([least_step(&[]), least_step(&[1.0, 1.0])], [0.0; 2]);
+    }
+
+    #[test]
+    fn a_way_back_is_longer_than_rounding_and_takes_load_off() {
+        // forth in steps of 2 to 40 under a load of 20, so that 3 is rounding; then one reading, and forth again
+        let is_unloading = |x: f64, load: f64| {
+            let mut points: Vec<(f64, f64)> = (1..=20)
+                .map(|i| (2.0 * f64::from(i), f64::from(i)))
+                .collect();
+            points.push((x, load));
+            points.extend([(40.0, 20.0), (42.0, 21.0), (44.0, 22.0)]);
+            of(&points, false)[20] == (0, true)
+        };
+        // by the way, while more than half of the load stays
+        assert!(is_unloading(36.8, 19.0) && !is_unloading(37.0, 19.0) && !is_unloading(38.0, 19.5));
+        // by the load
+        assert!(is_unloading(38.0, 9.9) && !is_unloading(38.0, 10.0));
+        // no load was taken off
+        assert!(!is_unloading(36.8, 20.0));
+    }
+
+    #[test]
+    fn a_test_begins_within_a_tenth_of_the_way_of_the_one_before() {
+        // from 10 to 30 in steps of 1, then these, and forth again: the numbers of their tests
+        let tests = |then: &[f64], returns: bool| -> Vec<usize> {
+            let forth = (10..=30).map(f64::from);
+            let all = forth.chain(then.iter().copied());
+            let points: Vec<(f64, f64)> = all.map(|x| (x, x)).collect();
+            of(&points, returns)[21..].iter().map(|one| one.0).collect()
+        };
+        assert_eq!(tests(&[12.0, 13.0, 14.0], false), [1, 1, 1]);
+        assert_eq!(tests(&[12.1, 13.1, 14.1], false), [0, 0, 0]);
+        // a jump is of more than half the way
+        let steps = [28.0, 26.0, 24.0];
+        let after = |x: f64| tests(&[&steps[..], &[x, 12.0, 13.0, 14.0]].concat(), false);
+        assert_eq!(after(22.0)[4..], [0, 0, 0]);
+        assert_eq!(after(22.5)[4..], [1, 1, 1]);
+        // what goes back step by step rests before it goes forth
+        let rest = [&steps[..], &[18.0, 12.0, 12.0, 13.0]].concat();
+        assert_eq!(tests(&rest, true)[3..], [0, 0, 1, 1]);
+        assert_eq!(tests(&rest, false)[3..], [0, 0, 0, 0]);
+    }
 }
