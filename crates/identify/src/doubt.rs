@@ -175,3 +175,57 @@ fn on_bound(numbers: &[IdentifiedNumber]) -> Option<Doubt> {
         undetermined,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::least_squares::Interval;
+
+    fn number(name: &str, value: f64, verdict: Verdict) -> IdentifiedNumber {
+        let (low, high) = (None, None);
+        IdentifiedNumber {
+            name: name.to_owned(),
+            value,
+            standard_error: f64::NAN,
+            interval: Interval { low, high },
+            verdict,
+            overruled: None,
+        }
+    }
+
+    #[test]
+    fn numbers_on_bounds_are_doubtful_but_at_0_beside_what_is_determined() {
+        use Verdict::{Identified, Loose, OnBound};
+        let words = |numbers: &[IdentifiedNumber]| on_bound(numbers).map(|doubt| doubt.to_string());
+        let fine = [
+            number("phi_deg", 30.0, Identified),
+            number("c_pa", 0.0, OnBound),
+        ];
+        assert_eq!(words(&fine), None);
+        assert_eq!(words(&fine[..1]), None);
+        assert_eq!(words(&[number("phi_deg", 30.0, Loose)]), None);
+        let why = "on a bound: the law does not fit, the bound is wrong, or tests are missing.";
+        let loose = [number("phi_deg", 30.0, Loose), number("c_pa", 0.0, OnBound)];
+        let text = format!("c_pa lies {why} Not determined with that: phi_deg");
+        assert_eq!(words(&loose), Some(text));
+        let stopped = [
+            number("n_0", 0.8, Identified),
+            number("K_m", 0.5, OnBound),
+            number("c_pa", 0.0, OnBound),
+        ];
+        let text = format!("K_m, c_pa lie {why} The other numbers depend on that");
+        assert_eq!(words(&stopped), Some(text));
+    }
+
+    #[test]
+    fn more_than_one_reading_in_twenty_has_a_wrong_sign() {
+        let of =
+            |readings, of| wrong_sign("are wrong", readings, of).map(|doubt| doubt.to_string());
+        assert_eq!(
+            [of(0, 0), of(0, 7), of(1, 20), of(5, 100)],
+            [const { None }; 4]
+        );
+        assert_eq!(of(6, 100), Some("6 of 100 are wrong".to_owned()));
+        assert_eq!(of(1, 19), Some("1 of 19 are wrong".to_owned()));
+    }
+}
