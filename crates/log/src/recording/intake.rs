@@ -275,12 +275,11 @@ impl Intake {
             }
             let (are_places, sigma) = (job.gives_places(), self.choice.position_sigma);
             let (track, fixes) = (&mut self.track, &mut self.fixes);
-            let left_out = &mut rows.left_out;
+            let mut fault = None;
             let mut fix = |fix: NavSatFix| {
                 let place = fixes.place(fix);
-                place.map_err(|fault| left_out.exclude(fault)).ok()
+                place.map_err(|why| fault = Some(why)).ok()
             };
-            let ordered = &mut rows.ordered;
             job.measurements(view.as_ref(), &known.value, &mut fix, &mut |measurement| {
                 let measurements = match (measurement, &mut *track) {
                     // the yaw of a fix is its standard deviation
@@ -295,12 +294,12 @@ impl Intake {
                     _ => [Some(measurement), None],
                 };
                 for measurement in measurements.into_iter().flatten() {
-                    ordered.push(Sample {
-                        time_ns,
-                        measurement,
-                    });
+                    rows.push(time_ns, measurement);
                 }
             });
+            if let Some(fault) = fault {
+                rows.left_out.exclude(fault);
+            }
         }
     }
 

@@ -10,6 +10,15 @@ fn transform<'a>(frame: &'a str, child: &'a str, x: f64) -> Transform<'a> {
     }
 }
 
+/// The pose of `base` in `fixed`.
+fn absolute(fixed: &str, base: &str) -> FramePair {
+    FramePair {
+        fixed: fixed.into(),
+        base: base.into(),
+        is_absolute: true,
+    }
+}
+
 fn tree(links: &[(&str, &str, bool)]) -> Tree {
     let mut first = FirstTransforms::default();
     for (frame, child, is_static) in links {
@@ -67,14 +76,7 @@ fn poses_are_those_of_bases_in_the_nearest_map() {
 #[test]
 fn frames_that_are_kept_are_limited() {
     let mut first = FirstTransforms::default();
-    let mut pose = FramePose::new(
-        Tree::default(),
-        FramePair {
-            fixed: "map".into(),
-            base: "base".into(),
-            is_absolute: true,
-        },
-    );
+    let mut pose = FramePose::new(Tree::default(), absolute("map", "base"));
     for number in 0..5000 {
         let frame = format!("frame{number}");
         first.enter(number, &transform("map", &frame, 0.0), false);
@@ -100,11 +102,7 @@ fn frames_that_are_kept_are_limited() {
 
 #[test]
 fn a_correction_counts_until_the_pose_is_given() {
-    let pair = FramePair {
-        fixed: "map".into(),
-        base: "base".into(),
-        is_absolute: true,
-    };
+    let pair = absolute("map", "base");
     let mut pose = FramePose::new(Tree::default(), pair);
     let mut given = |parent, child, x| match pose.take(&transform(parent, child, x), false) {
         Some(Measurement::Pose { x, .. }) => Some(x),
@@ -128,11 +126,7 @@ fn a_correction_counts_until_the_pose_is_given() {
 #[test]
 fn what_is_sent_again_moves_nothing() {
     // fixed to the base, but sent as if it moved, and ahead of its time: the pose is that of what changes
-    let pair = FramePair {
-        fixed: "world".into(),
-        base: "base_link".into(),
-        is_absolute: true,
-    };
+    let pair = absolute("world", "base_link");
     let mut pose = FramePose::new(Tree::default(), pair);
     let mut given = Vec::new();
     for step in 0..4 {
