@@ -44,26 +44,82 @@ pub(crate) fn misfits(
         let residual = |(test, said): (&WheelTest, &Prediction)| {
             Some((said.of(quantity) - test.read(quantity)?) / scatter.of(quantity))
         };
-        let mut squares: Vec<f64> = pairs.filter_map(residual).map(|r| r * r).collect();
+        let squares: Vec<f64> = pairs.filter_map(residual).map(|r| r * r).collect();
         let readings = squares.len();
-        let free = readings as f64 * freedom;
-        let (variance, free) = match loss {
-            Loss::Squares => (squares.iter().sum::<f64>() / free, free),
-            Loss::Huber { .. } => {
-                squares.sort_by(f64::total_cmp);
-                let median = squares.get(readings / 2)?;
-                let variance = median / (MEDIAN_SIZE * MEDIAN_SIZE * freedom);
-                (variance, MEDIAN_EFFICIENCY * free)
-            }
-        };
-        let spread = 2.0 / (9.0 * free);
-        let limit = Real::powi(1.0 - spread + SIGNIFICANT_SIGMA * spread.sqrt(), 3);
-        let ratio = variance.sqrt();
-        (variance > limit && ratio > MAX_SCATTER_RATIO).then_some(Misfit {
+        let ratio = ratio_of_misfit(squares, loss, freedom)?;
+        Some(Misfit {
             quantity,
             ratio,
             readings,
         })
     };
     Quantity::ALL.into_iter().filter_map(of).collect()
+}
+
+/// The standard deviation of residuals with these squares, in stated ones, where that is a misfit.
+fn ratio_of_misfit(mut squares: Vec<f64>, loss: Loss, freedom: f64) -> Option<f64> {
+    let readings = squares.len();
+    let free = readings as f64 * freedom;
+    let (variance, free) = match loss {
+        Loss::Squares => (squares.iter().sum::<f64>() / free, free),
+        Loss::Huber { .. } => {
+            squares.sort_by(f64::total_cmp);
+            let median = squares.get(readings / 2)?;
+            let variance = median / (MEDIAN_SIZE * MEDIAN_SIZE * freedom);
+            (variance, MEDIAN_EFFICIENCY * free)
+        }
+    };
+    let spread = 2.0 / (9.0 * free);
+    let limit = Real::powi(1.0 - spread + SIGNIFICANT_SIGMA * spread.sqrt(), 3);
+    let ratio = variance.sqrt();
+    (variance > limit && ratio > MAX_SCATTER_RATIO).then_some(ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The chi-square quantile of 0.999 with 10 degrees of freedom, over 10; with 90 the scatter's ratio decides.
+    const QUANTILE_10: f64 = 2.958_83;
+
+    #[test]
+    fn a_variance_beyond_its_quantile_is_a_misfit() {
+        // twenty readings of which half are free, and a hundred of which nine in ten are
+        let squares = |variance: f64, readings: usize, freedom: f64| {
+            ratio_of_misfit(vec![variance * freedom; readings], Loss::Squares, freedom)
+        };
+        assert_eq!(squares(0.99 * QUANTILE_10, 20, 0.5), None);
+        let ratio = squares(1.01 * QUANTILE_10, 20, 0.5).unwrap();
+        assert!(
+            (ratio - (1.01 * QUANTILE_10).sqrt()).abs() < 1e-12,
+            "{ratio}"
+        );
+        assert_eq!(squares(1.49 * 1.49, 100, 0.9), None);
+        assert!(squares(1.51 * 1.51, 100, 0.9).is_some());
+        assert_eq!(squares(1.5 * 1.5, 100, 1.0), None);
+        assert_eq!(squares(1.0, 0, 0.5), None);
+    }
+
+    #[test]
+    fn outliers_are_no_misfit_by_their_median() {
+        // of 100 readings so many are free that a median knows as much as ten do
+        let freedom = 0.1 / MEDIAN_EFFICIENCY;
+        let huber = |variance: f64, outliers: usize| {
+            let size = variance * freedom * MEDIAN_SIZE * MEDIAN_SIZE;
+            let mut squares = vec![1e6; outliers];
+            squares.resize(100, size);
+            ratio_of_misfit(squares, Loss::Huber { threshold: 1.345 }, freedom)
+        };
+        for outliers in [0, 40] {
+            assert_eq!(huber(0.99 * QUANTILE_10, outliers), None);
+            let ratio = huber(1.01 * QUANTILE_10, outliers).unwrap();
+            assert!(
+                (ratio - (1.01 * QUANTILE_10).sqrt()).abs() < 1e-12,
+                "{ratio}"
+            );
+        }
+        assert!(huber(1.0, 60).unwrap() > 100.0);
+        let none = ratio_of_misfit(Vec::new(), Loss::Huber { threshold: 1.345 }, freedom);
+        assert_eq!(none, None);
+    }
 }
