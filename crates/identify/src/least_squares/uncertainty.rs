@@ -407,19 +407,4 @@ fn determined(modes: &[(f64, Vec<f64>)], blind: &impl Fn(f64) -> bool, i: usize,
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_identified_number_is_loose_beyond_a_third_of_it() {
-        let of = |share| Verdict::Identified.of_share(share);
-        assert_eq!([0.0, 1.0 / 3.0].map(of), [Verdict::Identified; 2]);
-        assert_eq!(
-            [(1.0_f64 / 3.0).next_up(), f64::NAN].map(of),
-            [Verdict::Loose; 2]
-        );
-        for other in [Verdict::OnBound, Verdict::NotIdentifiable, Verdict::Loose] {
-            assert_eq!(other.of_share(9.0), other);
-        }
-    }
-}
+mod tests;
