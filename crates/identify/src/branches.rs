@@ -201,5 +201,11 @@ mod tests {
         let rest = [&steps[..], &[18.0, 12.0, 12.0, 13.0]].concat();
         assert_eq!(tests(&rest, true)[3..], [0, 0, 1, 1]);
         assert_eq!(tests(&rest, false)[3..], [0, 0, 0, 0]);
+        // 3 is the rounding of steps of 2
+        let after = |first: f64| {
+            let steps = [0.0, first, 0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0];
+            of(&steps.map(|x| (x, x)), false)[8].0
+        };
+        assert_eq!([after(3.0), after(3.01)], [0, 1]);
     }
 }

@@ -109,10 +109,7 @@ impl Identification {
     pub fn doubts(&self) -> Vec<Doubt> {
         let mut doubts = Vec::new();
         if let Some(stage) = &self.plates {
-            if stage.fit.k_phi < 0.0 {
-                let from_width = (-stage.fit.k_c / stage.fit.k_phi).max(0.0);
-                doubts.push(Doubt::NegativeModulus { from_width });
-            }
+            doubts.extend(negative_modulus(stage.fit.k_c, stage.fit.k_phi));
             let used = stage.fit.fit.residuals.len();
             let unloaded = stage.fit.left_out.unloaded;
             doubts.extend(wrong_sign(
@@ -124,11 +121,10 @@ impl Identification {
             doubts.extend(on_bound(&stage.fit.numbers()));
         }
         if let Some(stage) = &self.shear {
-            let is_wrong =
-                |reading: &&ShearReading| reading.normal < 0.0 || reading.displacement < 0.0;
+            let negative = stage.readings.iter().filter(|reading| is_negative(reading));
             doubts.extend(wrong_sign(
                 "shear readings have a negative displacement or normal stress",
-                stage.readings.iter().filter(is_wrong).count(),
+                negative.count(),
                 stage.readings.len(),
             ));
             doubts.extend(on_bound(&stage.fit.numbers()));
@@ -149,6 +145,17 @@ impl Identification {
         }
         doubts
     }
+}
+
+/// k_c/b + k_phi below 0 from some width b on.
+fn negative_modulus(k_c: f64, k_phi: f64) -> Option<Doubt> {
+    (k_phi < 0.0).then(|| Doubt::NegativeModulus {
+        from_width: (-k_c / k_phi).max(0.0),
+    })
+}
+
+fn is_negative(reading: &ShearReading) -> bool {
+    reading.normal < 0.0 || reading.displacement < 0.0
 }
 
 fn wrong_sign(what: &'static str, readings: usize, of: usize) -> Option<Doubt> {
@@ -215,6 +222,35 @@ mod tests {
         ];
         let text = format!("K_m, c_pa lie {why} The other numbers depend on that");
         assert_eq!(words(&stopped), Some(text));
+    }
+
+    #[test]
+    fn a_negative_modulus_is_met_from_a_width_on() {
+        let from = |k_c, k_phi| match negative_modulus(k_c, k_phi) {
+            Some(Doubt::NegativeModulus { from_width }) => Some(from_width),
+            other => {
+                assert_eq!(other, None);
+                None
+            }
+        };
+        assert_eq!([from(6e3, 0.0), from(-6e3, 1e5)], [None; 2]);
+        // 6000/0.05 - 120,000 is 0
+        assert_eq!(from(6e3, -120e3), Some(0.05));
+        assert_eq!(from(-6e3, -120e3), Some(0.0));
+    }
+
+    #[test]
+    fn a_stress_or_displacement_below_0_is_negative() {
+        let of = |normal, displacement| {
+            let shear = -1.0;
+            is_negative(&ShearReading {
+                normal,
+                displacement,
+                shear,
+            })
+        };
+        assert!(!of(0.0, 0.0) && !of(1.0, 1.0));
+        assert!(of(-1.0, 1.0) && of(1.0, -1.0) && of(-1.0, -1.0));
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! A job done: plates, then shear, then the wheel, each stage with what those before it found.
 
 use grouser_files::soil::{SoilFile, SoilNumber};
-use grouser_real::Real;
 use grouser_terra::{Angle, Bekker, OpenSoil, Pressure};
 use rayon::prelude::*;
 
@@ -217,15 +216,7 @@ fn wheel_stage(job: &WheelJob, out: &mut Identification) -> Result<()> {
                 };
                 let own = profile(&model, &best, index, 0.95, &short)?;
                 let (x, bound) = (best.x[index], &best.bounds[index]);
-                let end = |own: Option<f64>| {
-                    let reach = own? - x;
-                    let end = x + Real::hypot(reach, quantile * inherited[index]).copysign(reach);
-                    (end > bound.lower && end < bound.upper).then_some(end)
-                };
-                return Ok(Interval {
-                    low: end(own.low),
-                    high: end(own.high),
-                });
+                return Ok(own.with_added(x, quantile * inherited[index], bound));
             }
             let half = uncertainty.half_width(index, 0.95);
             let end = |value: f64| value.is_finite().then_some(value);

@@ -27,6 +27,20 @@ impl Interval {
             high: self.high.map(wide),
         }
     }
+
+    /// Its ends about `value` with an independent half width `added` to each: roots of sums of squares. An end that meets
+    /// `bound` is none.
+    pub(crate) fn with_added(self, value: f64, added: f64, bound: &Bounded) -> Self {
+        let wide = |end: Option<f64>| {
+            let reach = end? - value;
+            let end = value + Real::hypot(reach, added).copysign(reach);
+            (end > bound.lower && end < bound.upper).then_some(end)
+        };
+        Self {
+            low: wide(self.low),
+            high: wide(self.high),
+        }
+    }
 }
 
 /// A model with one variable held at a value.
@@ -157,4 +171,38 @@ fn end(
         }
     }
     Ok(Some(0.5 * (inside + outside)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_added_half_width_ends_before_a_bound() {
+        let at = |lower, upper| {
+            let interval = Interval {
+                low: Some(7.0),
+                high: Some(14.0),
+            };
+            let start = 10.0;
+            let bound = Bounded {
+                start,
+                lower,
+                upper,
+            };
+            let found = interval.with_added(10.0, 3.0, &bound);
+            (found.low, found.high)
+        };
+        // 10 - sqrt(9 + 9) and 10 + sqrt(16 + 9)
+        let low = 10.0 - 18_f64.sqrt();
+        assert_eq!(at(0.0, 20.0), (Some(low), Some(15.0)));
+        assert_eq!(at(low, 15.0), (None, None));
+        assert_eq!(at(6.0, 15.1), (None, Some(15.0)));
+        assert_eq!(at(5.0, 14.5), (Some(low), None));
+        let open = Interval {
+            low: None,
+            high: None,
+        };
+        assert_eq!(open.with_added(10.0, 3.0, &Bounded::free(10.0)), open);
+    }
 }

@@ -4,6 +4,7 @@ use grouser_opt::{Exact, Functions};
 use grouser_real::Real;
 use grouser_real::Scalar;
 
+use super::left_out::{LeftOut, MIN_READINGS, Use};
 use super::test::PlateTest;
 use crate::branches::{Branch, branches};
 use crate::error::{Error, Result};
@@ -19,46 +20,6 @@ const SAME_SCALE: f64 = 1e-4;
 const LEAST_SCALE: f64 = 1e-9;
 /// The greatest modulus that soils may have, Pa/mⁿ.
 const MAX_MODULUS: f64 = 1e12;
-
-/// Fewer readings than these show no law.
-const MIN_READINGS: usize = 10;
-
-/// Readings of plate tests that no fit uses.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct LeftOut {
-    /// Shallower than [`PlateSettings::least_depth`].
-    pub shallow: usize,
-    /// Deeper, while the plate goes up or comes down again to where it has been.
-    pub unloading: usize,
-    /// Others, with a force of 0 or less, which has no logarithm.
-    pub unloaded: usize,
-}
-
-impl LeftOut {
-    fn of(tests: &[PlateTest], settings: &PlateSettings) -> Self {
-        let mut out = Self::default();
-        for test in tests {
-            let branches = branches(&test.depth, &test.force, false);
-            for ((depth, force), branch) in test.depth.iter().zip(&test.force).zip(branches) {
-                if !(*depth >= settings.least_depth) {
-                    out.shallow += 1;
-                } else if branch.is_unloading {
-                    out.unloading += 1;
-                } else if !(*force > 0.0) {
-                    out.unloaded += 1;
-                }
-            }
-        }
-        out
-    }
-
-    /// How many there are.
-    #[must_use]
-    pub const fn count(self) -> usize {
-        self.shallow + self.unloading + self.unloaded
-    }
-}
 
 /// How plate tests are fitted.
 ///
@@ -295,11 +256,8 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
         .iter()
         .zip(&branches)
         .map(|(test, branches)| {
-            let is_used = |i: &usize| {
-                test.depth[*i] >= settings.least_depth
-                    && test.force[*i] > 0.0
-                    && !branches[*i].is_unloading
-            };
+            let is_used =
+                |i: &usize| Use::of(test, *i, branches[*i], settings.least_depth) == Use::Fitted;
             (0..test.depth.len()).filter(is_used).collect()
         })
         .collect();
@@ -372,41 +330,13 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
         uncertainty,
         &intervals,
         (shape, residuals, redundancy),
-        LeftOut::of(tests, settings),
+        LeftOut::of(tests, settings.least_depth),
     );
     // a datum is that of its test
     let shared = single.into_iter().filter(|k| *k <= shape.moduli());
     fit.single_test = shared.map(|k| fit.parameters[k].name.clone()).collect();
     fit.count = lengths.len();
     Ok(fit)
-}
-
-/// Why [`fit_plates`] finds too few readings in `tests`: counts, and the least number.
-pub(crate) fn too_few(tests: &[PlateTest], settings: &PlateSettings) -> String {
-    let readings = |test: &PlateTest| test.depth.len();
-    let used = |tests: &[PlateTest]| {
-        tests.iter().map(readings).sum::<usize>() - LeftOut::of(tests, settings).count()
-    };
-    let LeftOut {
-        shallow,
-        unloading,
-        unloaded,
-    } = LeftOut::of(tests, settings);
-    let least_mm = 1e3 * settings.least_depth;
-    let empty = tests
-        .iter()
-        .find(|test| used(std::slice::from_ref(test)) == 0);
-    let empty = empty.map_or(String::new(), |test| {
-        format!(", of test `{}` none", test.name)
-    });
-    format!(
-        "{} of {} plate readings can be used{empty}; a fit needs {MIN_READINGS}, and one of each test. {shallow} are \
-         shallower than {least_mm} mm (`least_depth_m`), {unloading} lie where the plate goes up or has been before (readings \
-         are in the order of time), and {unloaded} others have a force of 0 or less: force is positive when the plate \
-         is pressed in",
-        used(tests),
-        tests.iter().map(readings).sum::<usize>(),
-    )
 }
 
 /// The fit, and the settings that it ended with. The threshold of Huber's loss counts multiples of the scatter, which is not
@@ -428,7 +358,7 @@ fn fit_robustly(
     for _ in 0..MAX_SCALES {
         let last = scale;
         scale = robust_deviation(&found.residuals).max(LEAST_SCALE);
-        if (scale - last).abs() <= SAME_SCALE * scale {
+        if is_same_scale(scale, last) {
             break;
         }
         search.loss = Loss::Huber {
@@ -440,6 +370,10 @@ fn fit_robustly(
         found = fit(law, count, &start, &search)?;
     }
     Ok((found, search))
+}
+
+fn is_same_scale(scale: f64, last: f64) -> bool {
+    (scale - last).abs() <= SAME_SCALE * scale
 }
 
 /// The standard deviation of normal residuals whose sizes have this median: outliers do not count in it.
@@ -555,4 +489,30 @@ fn split(residuals: &[f64], used: &[Vec<usize>]) -> Vec<Vec<(usize, f64)>> {
                 .collect()
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scale_is_found_where_two_rounds_agree_within_a_ten_thousandth() {
+        assert!(!is_same_scale(1.0, f64::INFINITY));
+        assert!(
+            is_same_scale(1.0, 1.0) && is_same_scale(2.0, 2.0001) && is_same_scale(2.0, 1.9999)
+        );
+        assert!(!is_same_scale(2.0, 2.0003) && !is_same_scale(2.0, 1.9997));
+        // 0.0001 of a scale of 10,000 is 1
+        assert!(is_same_scale(1e4, 9999.0) && !is_same_scale(1e4, 9998.5));
+    }
+
+    #[test]
+    fn the_robust_deviation_is_the_middle_size_over_that_of_a_normal_number() {
+        let per_size = 1.0 / 0.674_489_75;
+        assert_eq!(robust_deviation(&[]), 0.0);
+        for (residuals, middle) in [(&[-2.0][..], 2.0), (&[9.0, -1.0, 3.0, 0.0, -4.0], 3.0)] {
+            let found = robust_deviation(residuals);
+            assert!((found - middle * per_size).abs() < 1e-7, "{found}");
+        }
+    }
 }

@@ -3,9 +3,11 @@
 mod align;
 mod bag;
 mod fit;
+mod left_out;
 mod test;
 
 pub use bag::{BagSource, DepthColumn, PlateRecord, read_bag};
-pub(crate) use fit::too_few;
-pub use fit::{LeftOut, PlateFit, PlateParameter, PlateSettings, fit_plates};
+pub use fit::{PlateFit, PlateParameter, PlateSettings, fit_plates};
+pub use left_out::LeftOut;
+pub(crate) use left_out::too_few;
 pub use test::{Plate, PlateTest, read_table};

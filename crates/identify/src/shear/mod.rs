@@ -105,6 +105,13 @@ const MODULUS_LIMITS_M: (f64, f64) = (1e-6, 10.0);
 /// Where searches for K begin, as shares of the longest displacement.
 const K_SHEAR_STARTS: [f64; 7] = [0.2, 1.0, 0.45, 0.09, 0.04, 0.018, 0.008];
 
+/// What K may be in tests of this `reach` (m): no less and no more than in a soil.
+fn bounds_of_modulus(reach: f64) -> (f64, f64) {
+    let (least, greatest) = MODULUS_LIMITS_M;
+    let lower = (1e-6 * reach).clamp(least, 0.1 * greatest);
+    (lower, (10.0 * reach).clamp(2.0 * lower, greatest))
+}
+
 struct Law<'a>(&'a [ShearReading]);
 
 impl Functions for Law<'_> {
@@ -163,9 +170,7 @@ pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
             parameters: 3,
         });
     }
-    // no less and no more than a soil may have
-    let least = (1e-6 * reach).clamp(MODULUS_LIMITS_M.0, 0.1 * MODULUS_LIMITS_M.1);
-    let greatest = (10.0 * reach).clamp(2.0 * least, MODULUS_LIMITS_M.1);
+    let (least, greatest) = bounds_of_modulus(reach);
     // far from its K a search may take all readings for mobilised, where K has no effect: the best of several
     let from = |k_shear: f64| {
         [
@@ -266,6 +271,27 @@ mod tests {
         let readings: Vec<ShearReading> = (0..12).map(reading).collect();
         let [_, _, k_shear] = fit_shear(&readings, Loss::Squares).unwrap().values;
         assert!((1e-6..=10.0).contains(&k_shear), "{k_shear}");
+    }
+
+    #[test]
+    fn a_modulus_is_bounded_by_the_reach_and_by_what_soils_have() {
+        let close = |(found, wanted): (f64, f64)| (found / wanted - 1.0).abs() < 1e-12;
+        for (reach, least, greatest) in [
+            (1e-9, 1e-6, 2e-6),
+            (1e-7, 1e-6, 2e-6),
+            (0.05, 1e-6, 0.5),
+            (0.8, 1e-6, 8.0),
+            (3.0, 3e-6, 10.0),
+            (1e9, 1.0, 10.0),
+        ] {
+            let found = bounds_of_modulus(reach);
+            assert!(
+                [(found.0, least), (found.1, greatest)]
+                    .into_iter()
+                    .all(close),
+                "{reach}: {found:?}"
+            );
+        }
     }
 
     #[test]
