@@ -6,7 +6,7 @@ use grouser_files::Document;
 use grouser_identify::least_squares::{Loss, Verdict};
 use grouser_identify::plate::{Plate, PlateSettings, PlateTest, fit_plates};
 use grouser_identify::shear::{ShearReading, fit_shear};
-use grouser_identify::{Doubt, Job, Parameter, WheelNumber, identify};
+use grouser_identify::{Doubt, Identification, Job, Parameter, WheelNumber, identify};
 use grouser_terra::OpenSoil;
 
 use crate::coverage::{found, open_soil, wheel_tests};
@@ -145,7 +145,7 @@ fn plate(sign: impl Fn(u32) -> f64) -> String {
     table
 }
 
-fn of_plates(name: &str, table: &str) -> grouser_identify::Result<Vec<Doubt>> {
+fn of_plates(name: &str, table: &str) -> grouser_identify::Result<Identification> {
     let folder = format!("grouser-doubts-{name}-{}", std::process::id());
     let folder = std::env::temp_dir().join(folder);
     std::fs::create_dir_all(&folder).unwrap();
@@ -155,18 +155,44 @@ fn of_plates(name: &str, table: &str) -> grouser_identify::Result<Vec<Doubt>> {
     let job = Job::read(&Document::read(&folder.join("tests.toml")).unwrap()).unwrap();
     let found = identify(&job);
     std::fs::remove_dir_all(folder).unwrap();
-    Ok(found?.doubts())
+    found
+}
+
+/// Moduli are of a single test where one of the widths has no second one.
+#[test]
+fn moduli_of_single_tests_are_named() {
+    let of = |name: &str, diameters: &[u32]| {
+        let mut table = String::from("test,plate_diameter_mm,depth_mm,force_n\n");
+        for (index, diameter) in diameters.iter().enumerate() {
+            for step in 1..=20 {
+                let depth = 2.0 * f64::from(step);
+                let wave = (0.02 * f64::from(step * 7 % 5) + 0.01 * index as f64).exp();
+                let force = 1e-3 * f64::from(diameter * diameter) * depth.powf(1.1) * wave;
+                writeln!(table, "{index},{diameter},{depth},{force}").unwrap();
+            }
+        }
+        of_plates(name, &table).unwrap().of_single_tests()
+    };
+    assert_eq!(of("twice", &[60, 60, 100, 100]), [""; 0]);
+    let narrow = [
+        "k_pa_per_m_n_at_b_30_mm",
+        "k_c_kn_per_m_n1",
+        "k_phi_kn_per_m_n2",
+    ];
+    assert_eq!(of("narrow", &[60, 100, 100]), narrow);
+    assert_eq!(of("one", &[60]), ["n", "k_pa_per_m_n"]);
 }
 
 #[test]
 fn readings_without_a_force_are_counted() {
-    let doubts = of_plates("sound", &plate(|_| 1.0)).unwrap();
+    let doubts = of_plates("sound", &plate(|_| 1.0)).unwrap().doubts();
     assert_eq!(doubts, []);
     let half = of_plates(
         "half",
         &plate(|step| if step % 4 == 0 { -1.0 } else { 1.0 }),
     )
-    .unwrap();
+    .unwrap()
+    .doubts();
     let is_named = |doubt: &Doubt| {
         matches!(
             doubt,

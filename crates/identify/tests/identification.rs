@@ -1,5 +1,7 @@
 //! Whole jobs on the example's tests, which another program made of a soil that `truth.toml` states.
 
+use std::fmt::Write as _;
+
 use grouser_files::{Document, soil};
 use grouser_identify::least_squares::{Loss, Verdict, student_quantile};
 use grouser_identify::plate::read_table;
@@ -172,6 +174,69 @@ fn profile_intervals_are_wanted_by_name() {
     let half = student_quantile(0.975, 3 * stage.tests.len() - 1) * number.standard_error;
     assert!((number.interval.high.unwrap() - number.value - half).abs() < 1e-3 * half);
     assert!(number.value.abs() < half && number.overruled.is_none());
+}
+
+/// Intervals of a profile are not symmetric where the law is not linear, and others are.
+#[test]
+fn linear_intervals_are_symmetric() {
+    let mut job = example();
+    (job.plates, job.shear, job.soil) = (Vec::new(), None, truth());
+    let mut unevenness = |profile: bool| {
+        let wheel = job.wheel.as_mut().unwrap();
+        (wheel.profile, wheel.starts.starts) = (profile, 1);
+        wheel.parameters = parameters(&["k_shear_m"]);
+        let number = identify(&job).unwrap().wheel.unwrap().numbers[0];
+        let [low, high] = [number.interval.low, number.interval.high].map(Option::unwrap);
+        assert!(low < number.value && number.value < high);
+        (high + low - 2.0 * number.value).abs() / (high - low)
+    };
+    let (profile, linear) = (unevenness(true), unevenness(false));
+    assert!(profile > 1e-3 && linear < 1e-9, "{profile} {linear}");
+}
+
+/// The variance of a misfit is about what the fit leaves free.
+#[test]
+fn a_misfit_has_the_ratio_of_its_residuals() {
+    let mut job = example();
+    (job.plates, job.shear, job.soil) = (Vec::new(), None, truth());
+    let wheel = job.wheel.as_mut().unwrap();
+    wheel.starts.starts = 1;
+    wheel.parameters = parameters(&["sinkage_datum_m"]);
+    wheel.scatter.torque *= 0.1;
+    let scatter = wheel.scatter.torque;
+    let stage = identify(&job).unwrap().wheel.unwrap();
+    let pairs = stage.tests.iter().zip(&stage.said);
+    let residuals =
+        pairs.map(|(test, predicted)| (test.torque.unwrap() - predicted.torque) / scatter);
+    let squares: f64 = residuals.map(|r| r * r).sum();
+    let readings = stage.tests.len() as f64;
+    let free = readings - 1.0 / 3.0; // one number of three quantities
+    let [misfit] = stage.misfits[..] else {
+        panic!("{:?}", stage.misfits)
+    };
+    assert!(close(misfit.ratio, (squares / free).sqrt()), "{misfit:?}");
+}
+
+/// A shear box that is driven back at the end: eight readings that no fit uses.
+#[test]
+fn readings_of_the_way_back_are_counted() {
+    let file = std::env::temp_dir().join(format!("grouser-shear-back-{}.csv", std::process::id()));
+    let mut table = String::from("normal_stress_kpa,displacement_mm,shear_stress_kpa\n");
+    for normal in [4.0, 8.0] {
+        for mm in 1..=20 {
+            let mobilised = 1.0 - (-0.2 * f64::from(mm)).exp();
+            writeln!(table, "{normal},{mm},{}", (1.0 + 0.6 * normal) * mobilised).unwrap();
+        }
+        for mm in [19, 18, 17, 16] {
+            writeln!(table, "{normal},{mm},0.1").unwrap();
+        }
+    }
+    std::fs::write(&file, table).unwrap();
+    let mut job = Job::new("a shear box");
+    job.shear = Some(file.clone());
+    let stage = identify(&job).unwrap().shear.unwrap();
+    std::fs::remove_file(file).unwrap();
+    assert_eq!((stage.readings.len(), stage.unloading), (40, 8));
 }
 
 #[test]

@@ -181,6 +181,56 @@ fn ten_readings_below_the_surface_are_needed() {
 }
 
 #[test]
+fn widths_that_differ_by_a_millionth_are_one() {
+    let of = |width: f64| {
+        let area = 1.0;
+        let mut test = disc("a", 0.1, &steps(2e-3, 1e-3, 9), |z| 1e6 * z);
+        test.plate = Plate { area, width };
+        test
+    };
+    let count = |width: f64| {
+        let found = fit_plates(&[of(1.0), of(width)], &PlateSettings::default()).unwrap();
+        found.parameters.len()
+    };
+    let same = 1.0 + 1e-6_f64;
+    assert_eq!([count(same), count(same.next_up())], [2, 3]);
+}
+
+#[test]
+fn moduli_have_an_error_and_ends_in_the_units_of_their_keys() {
+    let wave = |z: f64, i: f64| (0.02 * (900.0 * z + i).sin()).exp();
+    let of = |diameter: f64, i: f64| {
+        disc("a", diameter, &steps(3e-3, 1e-3, 25), |z| {
+            (2e4 / (0.5 * diameter) + 8e5) * z * wave(z, i)
+        })
+    };
+    let tests = [of(0.06, 0.0), of(0.06, 2.0), of(0.12, 1.0), of(0.12, 4.0)];
+    let found = fit_plates(&tests, &PlateSettings::default()).unwrap();
+    let names = ["k_c_kn_per_m_n1", "k_phi_kn_per_m_n2"];
+    let in_key_units = found.moduli_in_key_units();
+    assert_eq!(in_key_units.len(), 2);
+    for ((modulus, in_kn), name) in found.moduli.iter().zip(&in_key_units).zip(names) {
+        let [low, high] = [modulus.interval.low, modulus.interval.high].map(Option::unwrap);
+        let half = 0.5 * (high - low);
+        assert!(close(0.5 * (high + low), modulus.value, 1e-12));
+        let t = half / modulus.standard_error;
+        assert!(
+            (student_quantile(0.975, 100)..student_quantile(0.975, 1)).contains(&t),
+            "{t}"
+        );
+        assert_eq!(in_kn.name, name);
+        assert!(close(1e3 * in_kn.value, modulus.value, 1e-12));
+        assert!(close(
+            1e3 * in_kn.standard_error,
+            modulus.standard_error,
+            1e-12
+        ));
+        assert!(close(1e3 * in_kn.interval.low.unwrap(), low, 1e-12));
+        assert!(close(1e3 * in_kn.interval.high.unwrap(), high, 1e-12));
+    }
+}
+
+#[test]
 fn a_datum_stays_above_the_shallowest_reading() {
     // z_0 at 0.97 of the shallowest depth that is used
     let test = disc("a", 0.1, &steps(2e-3, 1e-3, 15), |z| {

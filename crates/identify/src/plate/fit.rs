@@ -494,6 +494,56 @@ fn split(residuals: &[f64], used: &[Vec<usize>]) -> Vec<Vec<(usize, f64)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plate::Plate;
+
+    /// With one plate the law is a straight line, so that profile and linear intervals are the same, whatever widens them.
+    #[test]
+    fn an_interval_contains_what_is_alike_and_how_tests_differ() {
+        let plate = Plate::disc(0.1).unwrap();
+        let test = |spot: u32| {
+            let depth: Vec<f64> = (3..=30).map(|mm| 1e-3 * f64::from(mm)).collect();
+            let pressure = |z: &f64| {
+                let wave = 0.056 * (1200.0 * z + f64::from(spot)).sin();
+                // exponents differ about the middle depth
+                let turned = 0.05 * (f64::from(spot % 3) - 1.0) * (z / 0.014).ln();
+                1e6 * z * (wave + turned).exp()
+            };
+            PlateTest {
+                name: spot.to_string(),
+                plate,
+                force: depth.iter().map(|z| plate.area * pressure(z)).collect(),
+                depth,
+            }
+        };
+        let tests: Vec<PlateTest> = (0..5).map(test).collect();
+        let found = fit_plates(&tests, &PlateSettings::default()).unwrap();
+        let alone = redundancy_alone(&found);
+        let half = found.uncertainty.half_width(1, 0.95);
+        assert!(
+            found.redundancy > 1.2 && half > 1.5 * alone,
+            "{} {half} {alone}",
+            found.redundancy
+        );
+        for index in [0, 1] {
+            let interval = found.parameters[index].interval;
+            let [low, high] = [interval.low, interval.high].map(|end| {
+                let end = end.unwrap();
+                if index == 0 { end } else { end.ln() }
+            });
+            let half = found.uncertainty.half_width(index, 0.95);
+            assert!(
+                (0.5 * (high - low) / half - 1.0).abs() < 5e-3,
+                "{index}: {low} {high} {half}"
+            );
+        }
+    }
+
+    /// The half width of ln k's interval where only the residuals' likeness widens it.
+    fn redundancy_alone(found: &PlateFit) -> f64 {
+        let own = Uncertainty::of(&found.fit, Loss::Squares);
+        own.of_alike(&found.fit, found.redundancy)
+            .half_width(1, 0.95)
+    }
 
     #[test]
     fn a_scale_is_found_where_two_rounds_agree_within_a_ten_thousandth() {

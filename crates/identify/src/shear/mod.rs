@@ -305,6 +305,27 @@ mod tests {
         }
     }
 
+    /// Tests whose strengths differ, with noise that lasts: what widens errors widens intervals.
+    #[test]
+    fn an_interval_contains_what_is_alike_and_how_tests_differ() {
+        let mut all = readings(&[2e3, 6e3, 12e3, 2e3, 6e3, 12e3]);
+        for (i, reading) in all.iter_mut().enumerate() {
+            let wave = 60.0 * (0.3 * i as f64).sin();
+            reading.shear += wave + 40.0 * (i / 20 % 4) as f64;
+        }
+        let found = fit_shear(&all, Loss::Squares).unwrap();
+        let own = Uncertainty::of(&found.fit, Loss::Squares);
+        let alone = own.of_alike(&found.fit, found.redundancy);
+        assert!(found.redundancy > 2.0);
+        assert!(found.uncertainty.widening(&alone, 0) > 1.2);
+        for index in 0..3 {
+            let (low, high) = (found.intervals[index].low, found.intervals[index].high);
+            let half = found.uncertainty.half_width(index, 0.95);
+            let ratio = 0.5 * (high.unwrap() - low.unwrap()) / half;
+            assert!((ratio - 1.0).abs() < 0.1, "{index}: {ratio}");
+        }
+    }
+
     /// Noise that lasts, as a logger's: of 60 shear boxes of four loads the intervals hold the truth in 57 ± 1.7 where
     /// noise is independent, and nearly as often where neighbours have a correlation of 0.9.
     #[test]

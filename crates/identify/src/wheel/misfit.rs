@@ -77,7 +77,10 @@ fn ratio_of_misfit(mut squares: Vec<f64>, loss: Loss, freedom: f64) -> Option<f6
 
 #[cfg(test)]
 mod tests {
+    use grouser_terra::{Kinematics, Slip};
+
     use super::*;
+    use crate::wheel::Support;
 
     /// The chi-square quantile of 0.999 with 10 degrees of freedom, over 10; with 90 the scatter's ratio decides.
     const QUANTILE_10: f64 = 2.958_83;
@@ -98,6 +101,40 @@ mod tests {
         assert!(squares(1.51 * 1.51, 100, 0.9).is_some());
         assert_eq!(squares(1.5 * 1.5, 100, 1.0), None);
         assert_eq!(squares(1.0, 0, 0.5), None);
+    }
+
+    #[test]
+    fn a_quantity_is_held_against_its_own_scatter() {
+        let kinematics = Kinematics::straight(Slip::new(0.2).unwrap());
+        let test = |torque: f64| WheelTest {
+            kinematics,
+            support: Support::Load(50.0),
+            pull: Some(10.0),
+            side: None,
+            torque: Some(torque),
+            sinkage: None,
+        };
+        let predicted = Prediction {
+            pull: 10.5,
+            side: 9.0,
+            torque: 4.0,
+            sinkage: 0.01,
+            hub_buried: false,
+        };
+        let scatter = Scatter {
+            torque: 0.5,
+            ..Scatter::default()
+        };
+        // 4, 2, 6 and 4 of 0.5 N m; half a newton of pull is less than its scatter
+        let tests = [6.0, 3.0, 1.0, 6.0].map(test);
+        let found = misfits(&tests, &[predicted; 4], &scatter, Loss::Squares, 0.75);
+        let torque = Misfit {
+            quantity: Quantity::Torque,
+            ratio: 24_f64.sqrt(),
+            readings: 4,
+        };
+        assert_eq!(found, [torque]);
+        assert_eq!(misfits(&[], &[], &scatter, Loss::Squares, 0.75), []);
     }
 
     #[test]
