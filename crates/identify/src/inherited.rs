@@ -61,7 +61,8 @@ pub(crate) fn changes(
 
 #[cfg(test)]
 mod tests {
-    use grouser_files::{Document, soil};
+    use grouser_files::Document;
+    use grouser_files::soil::{self, SoilNumber};
     use grouser_real::Real;
     use grouser_terra::{OpenSoil, Pressure};
 
@@ -70,77 +71,87 @@ mod tests {
 
     /// Identified anew beside numbers that are moved by a tenth of each mixture, the answer moves by a tenth of what the
     /// mixture adds to its error.
-    #[test]
-    fn an_error_contains_how_the_answer_moves_with_what_plates_and_shear_tests_leave_open() {
+    fn check(parameters: &[SoilNumber]) {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bevameter/");
         let file = |name: &str| std::path::PathBuf::from(format!("{folder}{name}"));
-        let mut example = Job::read(&Document::read(&file("tests.toml")).unwrap()).unwrap();
-        example.soil = soil::read(&file("truth.toml")).unwrap().soil;
-        for parameters in [&[KPhi][..], &[Exponent, KPhi], &[Phi, KShear]] {
-            let mut job = example.clone();
-            let wheel = job.wheel.as_mut().unwrap();
-            wheel.parameters = parameters.iter().copied().map(Parameter::Soil).collect();
-            wheel.starts.starts = 1;
-            let width = wheel.wheel.width();
-            let taken = |number| !parameters.contains(&number);
-            let whole = identify(&job).unwrap();
-            let (plates, shear) = (
-                whole.plates.as_ref().unwrap(),
-                whole.shear.as_ref().unwrap(),
-            );
-            (job.plates, job.shear) = (Vec::new(), None);
-            let of = |moved: &dyn Fn(&mut OpenSoil)| -> Vec<WheelNumber> {
-                let mut job = job.clone();
-                job.soil = whole.soil;
-                moved(&mut job.soil);
-                identify(&job).unwrap().wheel.unwrap().numbers
-            };
-            let alone = of(&|_| ());
-            let mut squares = vec![0.0; parameters.len()];
-            let mut add = |moved: &dyn Fn(&mut OpenSoil)| {
-                for ((sum, moved), own) in squares.iter_mut().zip(of(moved)).zip(&alone) {
-                    *sum += Real::powi(10.0 * (moved.value - own.value), 2);
-                }
-            };
-            let mixtures = plates.fit.scatter(&plates.tests, width, taken(Exponent));
-            for [n, k, k_c] in mixtures.unwrap() {
-                add(&|soil| {
-                    soil.n = soil
-                        .n
-                        .map(|own| own + if taken(Exponent) { 0.1 * n } else { 0.0 });
-                    let Pressure::Bekker(law) = &mut soil.pressure else {
-                        unreachable!("plates give Bekker's")
-                    };
-                    law.k_c = law.k_c.map(|own| own + 0.1 * k_c);
-                    law.k_phi = law.k_phi.map(|own| own + 0.1 * (k - k_c / width));
-                });
+        let mut job = Job::read(&Document::read(&file("tests.toml")).unwrap()).unwrap();
+        job.soil = soil::read(&file("truth.toml")).unwrap().soil;
+        let wheel = job.wheel.as_mut().unwrap();
+        wheel.parameters = parameters.iter().copied().map(Parameter::Soil).collect();
+        wheel.starts.starts = 1;
+        let width = wheel.wheel.width();
+        let taken = |number| !parameters.contains(&number);
+        let whole = identify(&job).unwrap();
+        let (plates, shear) = (
+            whole.plates.as_ref().unwrap(),
+            whole.shear.as_ref().unwrap(),
+        );
+        (job.plates, job.shear) = (Vec::new(), None);
+        let of = |moved: &dyn Fn(&mut OpenSoil)| -> Vec<WheelNumber> {
+            let mut job = job.clone();
+            job.soil = whole.soil;
+            moved(&mut job.soil);
+            identify(&job).unwrap().wheel.unwrap().numbers
+        };
+        let alone = of(&|_| ());
+        let mut squares = vec![0.0; parameters.len()];
+        let mut add = |moved: &dyn Fn(&mut OpenSoil)| {
+            for ((sum, moved), own) in squares.iter_mut().zip(of(moved)).zip(&alone) {
+                *sum += Real::powi(10.0 * (moved.value - own.value), 2);
             }
-            let numbers = [Cohesion, Phi, KShear];
-            let left: Vec<usize> = (0..3).filter(|place| taken(numbers[*place])).collect();
-            for mixture in shear.fit.uncertainty.scatter(&left).unwrap() {
-                add(&|soil| {
-                    for (number, moved) in numbers.into_iter().zip(&mixture) {
-                        let number = Parameter::Soil(number);
-                        let own = number.of(soil).unwrap();
-                        number.put(soil, own + 0.1 * moved);
-                    }
-                });
-            }
-            assert!(
-                squares[0].sqrt() > 0.1 * alone[0].standard_error,
-                "{squares:?}"
-            );
-            for ((number, own), squares) in
-                whole.wheel.unwrap().numbers.iter().zip(&alone).zip(squares)
-            {
-                let close = |found: f64, wanted: f64| (found / wanted - 1.0).abs() < 0.02;
-                assert!(close(number.value, own.value), "{number:?} {own:?}");
-                let error = Real::hypot(own.standard_error, squares.sqrt());
-                assert!(
-                    close(number.standard_error, error),
-                    "{number:?} {own:?} {error}"
-                );
-            }
+        };
+        let mixtures = plates.fit.scatter(&plates.tests, width, taken(Exponent));
+        for [n, k, k_c] in mixtures.unwrap() {
+            add(&|soil| {
+                soil.n = soil
+                    .n
+                    .map(|own| own + if taken(Exponent) { 0.1 * n } else { 0.0 });
+                let Pressure::Bekker(law) = &mut soil.pressure else {
+                    unreachable!("plates give Bekker's")
+                };
+                law.k_c = law.k_c.map(|own| own + 0.1 * k_c);
+                law.k_phi = law.k_phi.map(|own| own + 0.1 * (k - k_c / width));
+            });
         }
+        let numbers = [Cohesion, Phi, KShear];
+        let left: Vec<usize> = (0..3).filter(|place| taken(numbers[*place])).collect();
+        for mixture in shear.fit.uncertainty.scatter(&left).unwrap() {
+            add(&|soil| {
+                for (number, moved) in numbers.into_iter().zip(&mixture) {
+                    let number = Parameter::Soil(number);
+                    let own = number.of(soil).unwrap();
+                    number.put(soil, own + 0.1 * moved);
+                }
+            });
+        }
+        assert!(
+            squares[0].sqrt() > 0.1 * alone[0].standard_error,
+            "{squares:?}"
+        );
+        for ((number, own), squares) in whole.wheel.unwrap().numbers.iter().zip(&alone).zip(squares)
+        {
+            let close = |found: f64, wanted: f64| (found / wanted - 1.0).abs() < 0.02;
+            assert!(close(number.value, own.value), "{number:?} {own:?}");
+            let error = Real::hypot(own.standard_error, squares.sqrt());
+            assert!(
+                close(number.standard_error, error),
+                "{number:?} {own:?} {error}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_modulus_inherits_the_exponent_and_the_other_modulus() {
+        check(&[KPhi]);
+    }
+
+    #[test]
+    fn a_modulus_beside_its_exponent_inherits_the_other_modulus() {
+        check(&[Exponent, KPhi]);
+    }
+
+    #[test]
+    fn friction_inherits_plates_and_cohesion() {
+        check(&[Phi, KShear]);
     }
 }

@@ -536,6 +536,14 @@ mod tests {
                 "{index}: {low} {high} {half}"
             );
         }
+        // an exponent that is held moves with nothing
+        let of_exponent = |free| -> f64 {
+            let mixtures = found.scatter(&tests, 0.05, free).unwrap();
+            mixtures.iter().map(|moved| moved[0] * moved[0]).sum()
+        };
+        let error = found.parameters[0].standard_error;
+        assert!((of_exponent(true).sqrt() / error - 1.0).abs() < 1e-9);
+        assert_eq!(of_exponent(false), 0.0);
     }
 
     /// The half width of ln k's interval where only the residuals' likeness widens it.

@@ -134,6 +134,28 @@ fn a_number_without_effect_on_a_bound_stays() {
     assert_eq!([covariance[0][1], covariance[1][1]], [0.0; 2]);
 }
 
+/// A bound of 0 is one of nature; beside any other one nothing is identified that it has an effect beside.
+#[test]
+fn a_number_that_is_stopped_by_its_bound_makes_others_loose() {
+    let beside = |x: f64, effect: f64| {
+        let jacobian = [effect, -effect, effect, -effect].map(|effect| vec![1.0, effect]);
+        let fit = fit_at(
+            &[10.0, x],
+            &[(0.0, 90.0), (x, x + 1.0)],
+            &[0.5, -0.5, 0.5, -0.5],
+            jacobian.to_vec(),
+        );
+        let uncertainty = Uncertainty::of(&fit, Loss::Squares);
+        assert_eq!(uncertainty.verdicts[1], Verdict::OnBound);
+        uncertainty.verdicts[0]
+    };
+    assert_eq!(
+        [beside(0.0, 0.1), beside(2.0, 0.0)],
+        [Verdict::Identified; 2]
+    );
+    assert_eq!([beside(2.0, 0.1), beside(-2.0, 0.1)], [Verdict::Loose; 2]);
+}
+
 /// Residuals of 0 leave errors of 0, and those that no degree of freedom is left for have none.
 #[test]
 fn without_scatter_of_residuals_nothing_moves_on_a_bound() {
