@@ -75,13 +75,12 @@ proptest! {
         };
         let mixtures = uncertainty.scatter(&[0, 1, 2, 3]).expect("all are determined");
         let covariance = covariance(&mixtures);
-        for k in 0..4 {
-            for j in 0..4 {
-                let product: f64 = (0..4).map(|i| precision(k, i) * covariance[i][j]).sum();
-                let size: f64 = (0..4).map(|i| (precision(k, i) * covariance[i][j]).abs()).sum();
-                let unit = f64::from(u8::from(k == j));
-                prop_assert!((product - unit).abs() < 1e-9 * (1.0 + size), "{k} {j}: {product}");
-            }
+        for (k, j) in (0..16).map(|place| (place / 4, place % 4)) {
+            let products = (0..4).map(|i| precision(k, i) * covariance[i][j]);
+            let size: f64 = products.clone().map(f64::abs).sum();
+            let unit = f64::from(u8::from(k == j));
+            let product: f64 = products.sum();
+            prop_assert!((product - unit).abs() < 1e-9 * (1.0 + size), "{k} {j}: {product}");
         }
         for k in [0, 2] {
             let error = uncertainty.standard_errors[k];
