@@ -294,3 +294,53 @@ distance_m = 12.0
         }
     }
 }
+
+/// So slow that neither speed stands out of its noise where rims wait for the robot, and round a corner, for which a skid-steer
+/// and a rocker-bogie slip: both arrive no later than without any control of slip.
+#[test]
+fn slow_robots_with_a_camera_arrive() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/robots");
+    for robot in ["skid-steer", "rocker-bogie"] {
+        let text = format!(
+            r#"
+format = 1
+title = "A slow corner"
+robot = "{robot}.toml"
+duration_s = 200.0
+
+[start]
+x_m = 4.0
+
+[ground]
+kind = "flat"
+size_x_m = 30.0
+size_y_m = 20.0
+soil = "lunar"
+scatter = 0.08
+
+[sensors]
+camera_rate_hz = 10.0
+
+[[leg]]
+speed_m_per_s = 0.09
+distance_m = 2.5
+
+[[leg]]
+speed_m_per_s = 0.09
+distance_m = 2.5
+heading_deg = 40.0
+"#
+        );
+        let model = folder.join(robot).with_extension("toml");
+        let model = grouser_rover::robot::RobotModel::read(&model).unwrap();
+        let document = grouser_files::Document::from_text("slow.toml", text).unwrap();
+        let scenario = grouser_rover::drive::parse_scenario(&document, "slow", model).unwrap();
+        for seed in 1..=4 {
+            let [open, own] =
+                [Pilot::OpenLoop, Pilot::Controller].map(|pilot| drive(&scenario, pilot, seed));
+            assert_eq!(own.outcome, Outcome::Arrived, "{robot} {seed}: {own:?}");
+            assert_eq!(open.outcome, Outcome::Arrived, "{robot} {seed}: {open:?}");
+            assert!(own.duration < 1.02 * open.duration, "{robot} {seed}");
+        }
+    }
+}

@@ -244,6 +244,27 @@ fn wheels_that_dig_for_a_second_make_the_robot_back_out() {
     assert!(open.until(Action::BackOut, Reason::DiggingIn).0 > 100);
 }
 
+/// A robot that turns by its rims slips for it.
+#[test]
+fn a_robot_that_turns_does_not_dig() {
+    let mut open = with_slip(0.95);
+    open.heading = Some(-0.5);
+    open.quiet(400);
+    open.heading = Some(0.3);
+    open.quiet(400);
+    open.heading = Some(0.05);
+    let (steps, _) = open.until(Action::BackOut, Reason::DiggingIn);
+    assert!(at(steps, 100), "{steps}");
+    // what keeps it off its course for more than twelve seconds is no turn
+    let mut open = with_slip(0.95);
+    open.heading = Some(-0.5);
+    open.quiet(100);
+    open.heading = Some(-0.3);
+    open.quiet(1250);
+    let (steps, _) = open.until(Action::BackOut, Reason::DiggingIn);
+    assert!(at(steps, 50), "{steps}");
+}
+
 #[test]
 fn a_steady_slip_digs_only_from_nine_tenths_on() {
     // after a minute the slow mean is the slip: it no longer rises

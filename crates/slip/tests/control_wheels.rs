@@ -196,6 +196,40 @@ fn wheels_of_which_too_little_is_known_are_not_limited() {
     assert!(all_close(self::rims(&open.step().commands), SPEED_M_PER_S));
 }
 
+/// At a crawl both speeds may lie below their noise, so that no slip is ever known: after a second such a rim creeps.
+#[test]
+fn a_rim_whose_slip_stays_unknown_creeps_after_a_second() {
+    for (crawl, creep) in [(0.15, 0.6), (0.0, 0.3), (0.5, 0.2)] {
+        let mut settings = direct();
+        (settings.crawl, settings.creep) = (crawl, creep);
+        let mut open = OpenLoop::new(&settings);
+        let known = |open: &mut OpenLoop, slip: Option<f64>, motion: Motion| {
+            open.each(|wheel| {
+                (wheel.slip, wheel.motion, wheel.forward_speed) = (slip, Some(motion), Some(0.0));
+            });
+        };
+        let share = |open: &mut OpenLoop, steps: usize| {
+            let rims = rims(&open.run(steps).commands);
+            assert!(all_close(rims, rims[0]));
+            rims[0] / SPEED_M_PER_S
+        };
+        known(&mut open, None, Motion::Standstill);
+        open.step();
+        assert!(close(share(&mut open, 98), crawl));
+        assert!(close(share(&mut open, 5), crawl.max(creep)));
+        // a slip that is known and too high holds it again, and one that gets lost does not for long
+        known(&mut open, Some(0.9), Motion::Driving);
+        assert!(close(share(&mut open, 50), crawl));
+        known(&mut open, None, Motion::Standstill);
+        assert!(close(share(&mut open, 1), crawl.max(creep)));
+        // once slip has not limited for a while the second begins anew
+        open.each(|wheel| (wheel.slip, wheel.forward_speed) = (Some(0.0), Some(1.0)));
+        assert!(close(share(&mut open, 50), 1.0));
+        known(&mut open, None, Motion::Standstill);
+        assert!(close(share(&mut open, 90), crawl));
+    }
+}
+
 #[test]
 fn rims_accelerate_at_their_limit_and_brake_twice_as_fast_at_a_stop() {
     let mut settings = ControlSettings::default();
@@ -609,6 +643,37 @@ fn off_its_heading_a_robot_turns_rather_than_travels() {
     open.heading = Some(0.0);
     open.request.speed = 0.0;
     assert!(all_close(rims(&open.step().commands), 0.0));
+}
+
+/// A robot that turns by the speeds of its rims slips for it: from 20° off until it is within 6° no slip holds them.
+#[test]
+fn slip_holds_no_rim_of_a_robot_that_turns() {
+    let off = |open: &mut OpenLoop, degrees: f64| {
+        open.heading = Some(-degrees.to_radians());
+        let rims = rims(&open.run(2).commands);
+        0.25 * rims.iter().sum::<f64>() < 0.9 * SPEED_M_PER_S
+    };
+    let mut settings = direct();
+    settings.integral_gain = 0.0;
+    let mut open = OpenLoop::new(&settings);
+    open.each(|wheel| (wheel.slip, wheel.forward_speed) = (Some(0.9), Some(0.05)));
+    open.step();
+    assert!(off(&mut open, 0.0) && off(&mut open, 19.0));
+    for sign in [1.0, -1.0] {
+        // far off its course it travels at a fifth of its speed, as its rims show
+        open.heading = Some(sign * 90_f64.to_radians());
+        let rims = rims(&open.run(2).commands);
+        assert!(rims.iter().any(|rim| *rim > 0.5 * SPEED_M_PER_S));
+        assert!(!off(&mut open, sign * 19.0) && !off(&mut open, sign * 7.0));
+        assert!(off(&mut open, sign * 5.0) && off(&mut open, sign * 19.0));
+    }
+    // nor is it a turn that takes longer than twelve seconds
+    off(&mut open, 90.0);
+    assert!(!off(&mut open, 15.0));
+    open.run(1185);
+    assert!(!off(&mut open, 15.0));
+    open.run(20);
+    assert!(off(&mut open, 15.0));
 }
 
 /// Wheels at (x, y) with a heading, which steer by up to an angle.

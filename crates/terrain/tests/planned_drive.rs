@@ -78,7 +78,7 @@ fn a_drive_that_is_over_before_the_goal_has_not_arrived() {
 }
 
 /// It backs out of looser ground onto the wall of a crater, where the map of what is believed knows no heading: it backs out further
-/// or ends without a way, and that is no error of its scenario.
+/// and goes on, or ends without a way, and that is no error of its scenario. Both drives are errors without that.
 #[test]
 fn a_robot_that_gets_where_nothing_drives_is_no_error() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
@@ -99,6 +99,7 @@ fn a_robot_that_gets_where_nothing_drives_is_no_error() {
     std::fs::remove_file(&path).unwrap();
     for seed in [16, 17] {
         scenario.seed = seed;
-        assert_ne!(driven(&scenario).result.outcome, Outcome::Arrived);
+        let driven = driven(&scenario);
+        assert!(driven.planning.count > 1, "{:?}", driven.result.outcome);
     }
 }

@@ -55,7 +55,7 @@ pub struct ControlSettings {
     pub max_acceleration: f64,
     /// No rim runs faster than this, m/s, whatever is requested and however much it slips.
     pub max_rim_speed: f64,
-    /// Rims run at least at this share of the requested speed while the drive goes on.
+    /// Rims run at least at this share of the requested speed while the drive goes on, those too whose slip stays unknown.
     pub creep: f64,
     /// The same on level ground and backwards, where a slow wheel does not dig.
     pub crawl: f64,

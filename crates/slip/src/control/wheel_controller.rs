@@ -18,6 +18,9 @@ const MAX_INTEGRAL_SLIP: f64 = 0.25;
 const SLIP_SETPOINT_LIMITS: (f64, f64) = (0.02, 0.95);
 /// Saturation is reported once it has lasted this long, s, and its end likewise: shorter ones are noise of the slip.
 const REPORT_TIME_S: f64 = 0.5;
+/// A rim that its unknown slip has limited for this long, s, runs no slower than it creeps: so slow that both speeds are below
+/// their noise, no slip would ever be known.
+const UNKNOWN_SLIP_TIME_S: f64 = 1.0;
 /// A stop brakes the rims with this multiple of the greatest acceleration.
 const STOP_ACCELERATION_FACTOR: f64 = 2.0;
 
@@ -172,7 +175,12 @@ impl WheelController {
                 self.integral -= self.integral * step.min(1.0);
             }
         }
-        let floor = motion.min_speed_share * (sense * speed).max(0.0);
+        let least_share = if slip.is_none() && self.limited_time > UNKNOWN_SLIP_TIME_S {
+            motion.min_speed_share.max(settings.creep)
+        } else {
+            motion.min_speed_share
+        };
+        let floor = least_share * (sense * speed).max(0.0);
         let limit = limit_at(setpoint).max(floor);
         (limit < sense * unlimited).then_some(sense * limit)
     }

@@ -12,6 +12,7 @@ mod soft_ground;
 mod tilt_monitor;
 mod transition;
 mod traverse;
+mod turn;
 
 use grouser_real::{Real, wrap_angle};
 
@@ -28,9 +29,8 @@ use soft_ground::SoftGroundMonitor;
 use tilt_monitor::TiltMonitor;
 use transition::{Next, Transition, View};
 use traverse::Traverse;
+use turn::{ON_COURSE_RAD, Turn};
 
-/// Headings that differ by less than this count as reached, rad: 20°, at which the robot still travels by 94 % along it.
-const ON_COURSE_RAD: f64 = 0.35;
 /// The robot turns rather than travels far off its heading: at least this share of the speed is left.
 const MIN_TURNING_SPEED_SHARE: f64 = 0.2;
 
@@ -62,6 +62,7 @@ pub(super) struct Supervisor {
     tilt: TiltMonitor,
     soft_ground: SoftGroundMonitor,
     recovery: Recovery,
+    turn: Turn,
     last_heading: f64,
     /// Where the robot headed when it last drove ahead, rad: the requested heading where a yaw rate is requested.
     course: f64,
@@ -77,6 +78,7 @@ impl Supervisor {
             tilt: TiltMonitor::default(),
             soft_ground: SoftGroundMonitor::default(),
             recovery: Recovery::default(),
+            turn: Turn::default(),
             last_heading: 0.0,
             course: 0.0,
         }
@@ -157,16 +159,16 @@ impl Supervisor {
             _ => step * ahead.abs(),
         };
         let on_course = heading_error.abs() < ON_COURSE_RAD;
+        self.turn.update(heading_error, step);
         match &mut self.mode {
             ModeState::BackOut(mode) => mode.monitor(settings, robot, step),
             ModeState::Traverse(mode) => mode.monitor(on_course, step),
             _ => {}
         }
-        // A robot that turns on the spot, or of which nothing is requested, shows nothing of the ground ahead; one that
-        // steers travels while it turns.
-        let on_course = on_course || self.max_curvature.is_finite();
-        let is_driving =
-            robot.request.speed != 0.0 && on_course && self.clock.time >= SLIP_TIME_CONSTANT_S;
+        // A robot that turns on the spot, or of which nothing is requested, shows nothing of the ground ahead.
+        let is_driving = robot.request.speed != 0.0
+            && !self.turns_by_slip()
+            && self.clock.time >= SLIP_TIME_CONSTANT_S;
         let is_backing_out = matches!(self.mode, ModeState::BackOut(_));
         let is_level = self.tilt.greatest() < settings.steep;
         self.soft_ground.update(
@@ -254,6 +256,11 @@ impl Supervisor {
         decisions.push(transition.decision);
     }
 
+    /// Does it turn by the speeds of its rims? A robot that steers travels while it turns.
+    const fn turns_by_slip(&self) -> bool {
+        self.turn.is_on() && !self.max_curvature.is_finite()
+    }
+
     /// Setpoint of the heading, rad.
     fn heading(&self, robot: &RobotObservation) -> f64 {
         let requested = robot.request.heading;
@@ -317,15 +324,13 @@ impl Supervisor {
             _ => 0.0,
         };
         let yaw_rate = (requested_rate + settings.turn_gain * error).clamp(-max_rate, max_rate);
-        let on_course = error.abs() < ON_COURSE_RAD;
-        let steers = self.max_curvature.is_finite();
-        let (speed, yaw_rate) = if steers {
+        let (speed, yaw_rate) = if self.max_curvature.is_finite() {
             // a robot that steers turns as it travels
             let speed = backward_speed.unwrap_or(requested);
             let max_rate = speed.abs() * self.max_curvature;
             (speed, yaw_rate.clamp(-max_rate, max_rate))
         } else {
-            let ahead = if on_course {
+            let ahead = if error.abs() < ON_COURSE_RAD {
                 1.0
             } else {
                 (Real::cos(error) - 0.5).clamp(MIN_TURNING_SPEED_SHARE, 1.0)
@@ -339,7 +344,7 @@ impl Supervisor {
             speed,
             yaw_rate: if idle { 0.0 } else { yaw_rate },
             heading,
-            limits_slip: (on_course || steers) && !turns_on_the_spot,
+            limits_slip: !self.turns_by_slip() && !turns_on_the_spot,
             stopped: false,
             slip: settings
                 .optimum

@@ -5,9 +5,8 @@ use super::super::settings::ControlSettings;
 use super::recovery::Recovery;
 use super::slip_monitor::SlipMonitor;
 use super::transition::{Next, Transition, View};
+use super::turn::MAX_TURN_TIME_S;
 
-/// A turn may take this long before it is given up, s: 180° at a third of the greatest default rate.
-const MAX_TURN_TIME_S: f64 = 12.0;
 /// A traverse turns away from the requested heading by at most this, rad (46°): beyond it the robot gains no height.
 const MAX_ANGLE_RAD: f64 = 0.8;
 /// A leg on a slope that has become gentle ends after this share of its length.
