@@ -126,11 +126,12 @@ fn slip_slows(transport: &'static str) {
     let Some(mut run) = Run::begin(transport, "slows", false) else {
         return;
     };
-    // all wheels slip by 0.7 beside a running slip of 0.3; the crawl is 0.15 of what is requested
+    // all wheels slip by 0.7 beside a running slip of 0.3; the crawl is 0.15 of what is requested, and a rim whose slip is lost in
+    // the noise of that creeps at 0.6 until it is known
     run.change("slip", &json!(0.7));
     run.until(4.0, |speed| speed < 0.5 * SPEED);
     let slowest = run.greatest(1.0);
-    assert!(slowest < 0.6 * SPEED, "{slowest}");
+    assert!(slowest < 0.61 * SPEED, "{slowest}");
     run.change("slip", &json!(0.1));
     run.until(6.0, |speed| (speed - SPEED).abs() < 0.01);
     // one wheel spins alone

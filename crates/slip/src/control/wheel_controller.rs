@@ -18,8 +18,8 @@ const MAX_INTEGRAL_SLIP: f64 = 0.25;
 const SLIP_SETPOINT_LIMITS: (f64, f64) = (0.02, 0.95);
 /// Saturation is reported once it has lasted this long, s, and its end likewise: shorter ones are noise of the slip.
 const REPORT_TIME_S: f64 = 0.5;
-/// A rim that its unknown slip has limited for this long, s, runs no slower than it creeps: so slow that both speeds are below
-/// their noise, no slip would ever be known.
+/// A rim that is limited while its slip has been unknown for this long, s, runs no slower than it creeps until it is known: so
+/// slow that both speeds are below their noise, it would never be.
 const UNKNOWN_SLIP_TIME_S: f64 = 1.0;
 /// A stop brakes the rims with this multiple of the greatest acceleration.
 const STOP_ACCELERATION_FACTOR: f64 = 2.0;
@@ -36,6 +36,8 @@ pub(super) struct WheelController {
     guard: MotorGuard,
     /// How long slip has limited it (positive) or not (negative), s.
     limited_time: f64,
+    /// For how long its slip has been unknown while the travel limited it, s.
+    unknown_time: f64,
     is_reported: bool,
 }
 
@@ -53,6 +55,7 @@ impl WheelController {
             integral: 0.0,
             guard: MotorGuard::default(),
             limited_time: 0.0,
+            unknown_time: 0.0,
             is_reported: false,
         }
     }
@@ -175,13 +178,20 @@ impl WheelController {
                 self.integral -= self.integral * step.min(1.0);
             }
         }
-        let least_share = if slip.is_none() && self.limited_time > UNKNOWN_SLIP_TIME_S {
+        let limit = limit_at(setpoint);
+        let is_unknown = slip.is_none() && limit < sense * unlimited;
+        self.unknown_time = if is_unknown {
+            self.unknown_time + step
+        } else {
+            0.0
+        };
+        let least_share = if self.unknown_time > UNKNOWN_SLIP_TIME_S {
             motion.min_speed_share.max(settings.creep)
         } else {
             motion.min_speed_share
         };
         let floor = least_share * (sense * speed).max(0.0);
-        let limit = limit_at(setpoint).max(floor);
+        let limit = limit.max(floor);
         (limit < sense * unlimited).then_some(sense * limit)
     }
 
