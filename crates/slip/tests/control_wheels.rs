@@ -202,6 +202,7 @@ fn a_rim_whose_slip_stays_unknown_creeps_after_a_second() {
     for (crawl, creep) in [(0.15, 0.6), (0.0, 0.3), (0.5, 0.2)] {
         let mut settings = direct();
         (settings.crawl, settings.creep) = (crawl, creep);
+        (settings.optimum, settings.integral_gain) = (0.5, 0.0);
         let mut open = OpenLoop::new(&settings);
         let known = |open: &mut OpenLoop, slip: Option<f64>, motion: Motion| {
             open.each(|wheel| {
@@ -223,8 +224,8 @@ fn a_rim_whose_slip_stays_unknown_creeps_after_a_second() {
         known(&mut open, None, Motion::Standstill);
         assert!(close(share(&mut open, 98), crawl));
         assert!(close(share(&mut open, 5), crawl.max(creep)));
-        // and where the travel does not limit
-        open.each(|wheel| (wheel.slip, wheel.forward_speed) = (None, Some(1.0)));
+        // and where the travel does not limit: 0.1/(1 − 0.5) m/s
+        open.each(|wheel| (wheel.slip, wheel.forward_speed) = (None, Some(0.1)));
         assert!(close(share(&mut open, 300), 1.0));
         known(&mut open, None, Motion::Standstill);
         assert!(close(share(&mut open, 98), crawl));
