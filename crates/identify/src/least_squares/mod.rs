@@ -23,6 +23,7 @@ pub use multi_start::{StartSettings, multi_start};
 pub use profile::{Interval, profile};
 pub(crate) use qr::solve_damped;
 pub(crate) use redundancy::redundancy;
+pub(crate) use student::NORMAL_MEDIAN_SIZE;
 pub use student::student_quantile;
 pub use uncertainty::{Uncertainty, Verdict};
 

@@ -2,6 +2,9 @@
 
 use grouser_real::Real;
 
+/// The median size of a standard normal number.
+pub(crate) const NORMAL_MEDIAN_SIZE: f64 = 0.674_489_750_196_081_7;
+
 /// The quantile of Student's distribution: the t that a variable with `freedom` degrees of freedom stays
 /// below with probability `p`. NaN outside 0 < p < 1 and for no freedom.
 ///

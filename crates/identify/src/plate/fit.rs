@@ -9,7 +9,8 @@ use super::test::PlateTest;
 use crate::branches::{Branch, branches};
 use crate::error::{Error, Result};
 use crate::least_squares::{
-    Bounded, Fit, Interval, Loss, Settings, Uncertainty, Verdict, fit, profile, redundancy,
+    Bounded, Fit, Interval, Loss, NORMAL_MEDIAN_SIZE, Settings, Uncertainty, Verdict, fit, profile,
+    redundancy,
 };
 
 /// Rounds in which a robust fit and the scatter about it take turns.
@@ -252,13 +253,16 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
         .iter()
         .map(|test| branches(&test.depth, &test.force, false));
     let branches: Vec<Vec<Branch>> = branches.collect();
-    let used: Vec<Vec<usize>> = tests
+    let uses: Vec<Vec<Use>> = tests
         .iter()
         .zip(&branches)
-        .map(|(test, branches)| {
-            let is_used =
-                |i: &usize| Use::of(test, *i, branches[*i], settings.least_depth) == Use::Fitted;
-            (0..test.depth.len()).filter(is_used).collect()
+        .map(|(test, branches)| Use::of_test(test, branches, settings.least_depth))
+        .collect();
+    let used: Vec<Vec<usize>> = uses
+        .iter()
+        .map(|uses| {
+            let is_fitted = |i: &usize| uses[*i] == Use::Fitted;
+            (0..uses.len()).filter(is_fitted).collect()
         })
         .collect();
     // one name may have several tests in a row
@@ -330,7 +334,7 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
         uncertainty,
         &intervals,
         (shape, residuals, redundancy),
-        LeftOut::of(tests, settings.least_depth),
+        uses.into_iter().flatten().collect(),
     );
     // a datum is that of its test
     let shared = single.into_iter().filter(|k| *k <= shape.moduli());
@@ -378,11 +382,9 @@ fn is_same_scale(scale: f64, last: f64) -> bool {
 
 /// The standard deviation of normal residuals whose sizes have this median: outliers do not count in it.
 fn robust_deviation(residuals: &[f64]) -> f64 {
-    /// The median size of a standard normal number.
-    const MEDIAN_SIZE: f64 = 0.674_489_750_196_081_7;
     let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
     sizes.sort_by(f64::total_cmp);
-    sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) / MEDIAN_SIZE
+    sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) / NORMAL_MEDIAN_SIZE
 }
 
 fn assemble(

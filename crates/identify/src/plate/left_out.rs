@@ -17,8 +17,14 @@ pub(super) enum Use {
 }
 
 impl Use {
-    /// Of the reading `index` of a test, which lies on `branch`; depths below `least_depth` (m) are left out.
-    pub(super) fn of(test: &PlateTest, index: usize, branch: Branch, least_depth: f64) -> Self {
+    /// Of each reading of a test whose readings lie on these branches; depths below `least_depth` (m) are left out.
+    pub(super) fn of_test(test: &PlateTest, branches: &[Branch], least_depth: f64) -> Vec<Self> {
+        let branches = branches.iter().enumerate();
+        let of = |(index, branch)| Self::of(test, index, branch, least_depth);
+        branches.map(of).collect()
+    }
+
+    fn of(test: &PlateTest, index: usize, branch: &Branch, least_depth: f64) -> Self {
         if !(test.depth[index] >= least_depth) {
             Self::Shallow
         } else if branch.is_unloading {
@@ -44,26 +50,33 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
-    pub(super) fn of(tests: &[PlateTest], least_depth: f64) -> Self {
-        let mut out = Self::default();
-        for test in tests {
+    fn of(tests: &[PlateTest], least_depth: f64) -> Self {
+        let of_test = |test: &PlateTest| {
             let branches = branches(&test.depth, &test.force, false);
-            for (index, branch) in branches.into_iter().enumerate() {
-                match Use::of(test, index, branch, least_depth) {
-                    Use::Fitted => {}
-                    Use::Shallow => out.shallow += 1,
-                    Use::Unloading => out.unloading += 1,
-                    Use::Unloaded => out.unloaded += 1,
-                }
-            }
-        }
-        out
+            Use::of_test(test, &branches, least_depth)
+        };
+        tests.iter().flat_map(of_test).collect()
     }
 
     /// How many there are.
     #[must_use]
     pub const fn count(self) -> usize {
         self.shallow + self.unloading + self.unloaded
+    }
+}
+
+impl FromIterator<Use> for LeftOut {
+    fn from_iter<I: IntoIterator<Item = Use>>(uses: I) -> Self {
+        let mut out = Self::default();
+        for own in uses {
+            match own {
+                Use::Fitted => {}
+                Use::Shallow => out.shallow += 1,
+                Use::Unloading => out.unloading += 1,
+                Use::Unloaded => out.unloaded += 1,
+            }
+        }
+        out
     }
 }
 

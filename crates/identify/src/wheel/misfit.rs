@@ -2,7 +2,7 @@
 
 use super::model::Prediction;
 use super::test::{Quantity, Scatter, WheelTest};
-use crate::least_squares::Loss;
+use crate::least_squares::{Loss, NORMAL_MEDIAN_SIZE};
 use grouser_real::Real;
 
 /// The normal quantile of a probability of 0.999: of a thousand sound jobs one is called a misfit.
@@ -12,8 +12,6 @@ const MAX_SCATTER_RATIO: f64 = 1.5;
 /// The efficiency of the median size as an estimate of a normal scatter. Source: Huber & Ronchetti, Robust Statistics,
 /// 2009, section 5.1.
 const MEDIAN_EFFICIENCY: f64 = 0.37;
-/// The median size of a standard normal number.
-const MEDIAN_SIZE: f64 = 0.674_489_750_196_081_7;
 
 /// A quantity whose readings lie further from the law than their stated scatter explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +63,7 @@ fn ratio_of_misfit(mut squares: Vec<f64>, loss: Loss, freedom: f64) -> Option<f6
         Loss::Huber { .. } => {
             squares.sort_by(f64::total_cmp);
             let median = squares.get(readings / 2)?;
-            let variance = median / (MEDIAN_SIZE * MEDIAN_SIZE * freedom);
+            let variance = median / (NORMAL_MEDIAN_SIZE * NORMAL_MEDIAN_SIZE * freedom);
             (variance, MEDIAN_EFFICIENCY * free)
         }
     };
@@ -139,10 +137,10 @@ mod tests {
 
     #[test]
     fn outliers_are_no_misfit_by_their_median() {
-        // of 100 readings so many are free that a median knows as much as ten do
+        // 27 of 100 readings are free: their median is worth ten squares
         let freedom = 0.1 / MEDIAN_EFFICIENCY;
         let huber = |variance: f64, outliers: usize| {
-            let size = variance * freedom * MEDIAN_SIZE * MEDIAN_SIZE;
+            let size = variance * freedom * NORMAL_MEDIAN_SIZE * NORMAL_MEDIAN_SIZE;
             let mut squares = vec![1e6; outliers];
             squares.resize(100, size);
             ratio_of_misfit(squares, Loss::Huber { threshold: 1.345 }, freedom)
