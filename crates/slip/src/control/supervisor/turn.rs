@@ -5,13 +5,15 @@ pub(super) const ON_COURSE_RAD: f64 = 0.35;
 /// A turn that began further off ends here, rad: 6°. A robot that turns by the speeds of its rims slips for it, and rims
 /// that are held for their slip turn it no further.
 const TURNED_RAD: f64 = 0.1;
-/// A turn may take this long before it is given up, s: 180° at a third of the greatest default rate.
+/// A turn may take this long before it is given up, s: 180° at a third of the greatest default rate. What keeps a robot less
+/// than 20° off its course for longer is no turn.
 pub(super) const MAX_TURN_TIME_S: f64 = 12.0;
 
-/// Does the robot turn, and for how long has it been nearly on its course?
+/// Does the robot turn onto its course?
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Turn {
     is_on: bool,
+    /// Since it was last further off than [`ON_COURSE_RAD`], s.
     end_time: f64,
 }
 
