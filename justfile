@@ -68,6 +68,14 @@ random-logs first="0" count="100" hz="0" trouble="":
     bench/target/venv/bin/pip install --quiet numpy
     bench/target/venv/bin/python bench/random_logs.py {{first}} {{count}} {{hz}} {{trouble}}
 
+# slip estimators on measured logs, known steps, random logs and drives, with the stored figures of `main` next to them
+# (bench/estimators; `just estimators --help`). What it runs is built before: `cargo build --release -p grouser`.
+# All rows of `main`: just estimators; one row of another: just estimators robotino-5hz offline
+estimators rows="all" *entrants:
+    test -d bench/target/venv || python3 -m venv bench/target/venv
+    bench/target/venv/bin/pip install --quiet numpy
+    bench/target/venv/bin/python bench/estimators {{rows}} {{entrants}}
+
 # the controller beside open loop on a hundred drives with robots, soils, reliefs, gravities and sensors drawn at random
 # (bench/random_drives.py); minutes
 random-drives first="0" count="100":

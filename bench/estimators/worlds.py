@@ -1,0 +1,6 @@
+class Skipped(Exception):
+    pass
+
+
+def logs():
+    return []
