@@ -33,7 +33,7 @@ def command(entrant, log, out):
 
 
 def estimate(entrant, log):
-    """Series by wheel (times, slips, sigmas), processor time in s, and what went wrong or None."""
+    """Series by wheel (times, slips, sigmas, 1 where the health is Ok), processor time in s, and what went wrong or None."""
     out = log.folder / f"{entrant}.csv"
     out.unlink(missing_ok=True)
     with (log.folder / f"{entrant}.txt").open("w") as told:
@@ -46,8 +46,9 @@ def estimate(entrant, log):
     found = {}
     with out.open() as table:
         for row in csv.DictReader(table):
-            series = found.setdefault(row["wheel"], ([], [], []))
+            series = found.setdefault(row["wheel"], ([], [], [], []))
             series[0].append(float(row["time_s"]))
             series[1].append(float(row["slip"] or "nan"))
             series[2].append(float(row["slip_sigma"] or "nan"))
+            series[3].append(float(row["health"] == "Ok"))
     return {name: tuple(np.array(values) for values in series) for name, series in found.items()}, spent_s, None

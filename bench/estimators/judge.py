@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from truth import CENTRED, TRAILING, over_windows
+from truth import over_windows
 
 Z_90 = 1.645
 # High slip is shown where the 90 % bound (one-sided, 1.28 sigma) is above 0.6 for a second.
@@ -24,11 +24,11 @@ def of_log(log, series):
         for values in run.naive.values():
             known &= np.isfinite(values)
         if run.wheel in series:
-            time_s, slip, sigma = series[run.wheel]
-            sigma = np.where(np.isfinite(slip), sigma, np.nan)
-            slip, sigma = (over_windows(time_s, values, run.begin_s, run.end_s) for values in (slip, sigma))
+            time_s, slip, *others = series[run.wheel]
+            others = [np.where(np.isfinite(slip), values, np.nan) for values in others]
+            slip, sigma, ok = (over_windows(time_s, values, run.begin_s, run.end_s) for values in (slip, *others))
         else:
-            slip = sigma = np.full(len(run.slip), np.nan)
+            slip = sigma = ok = np.full(len(run.slip), np.nan)
         answered = known & np.isfinite(slip)
         if not known.any():
             continue
@@ -40,7 +40,7 @@ def of_log(log, series):
         one["held"] = np.abs(error[has_sigma]) <= half
         one["score"] = interval_score(half, error[has_sigma])
         one["half"] = Z_90 * sigma[answered][has_sigma]
-        one["slips"] = slip[answered]
+        one["slips"], one["is_ok"] = slip[answered], ok[answered] > 0.5
         found.append(one)
     return found
 
@@ -66,7 +66,7 @@ def high_slip(log, series):
         stretch = longest_start(at_s, true > HIGH_SLIP, HIGH_SPAN_S)
         after_s, is_false = None, False
         if run.wheel in series:
-            time_s, slip, sigma = series[run.wheel]
+            time_s, slip, sigma, _ = series[run.wheel]
             is_shown = np.nan_to_num(slip - SHOWN_Z * sigma, nan=-1) > HIGH_SLIP
             began = None
             for t, on in zip(time_s, is_shown):
@@ -104,8 +104,9 @@ def of_row(row, results):
         return figures
     figures["rmse"] = float(np.mean([root_mean(run["errors"]) for run in runs]))
     mean_of = lambda key: float(np.mean([root_mean(run["naive"][key]) for run in runs]))
-    for kind, keys in (("trailing", TRAILING), ("centred", CENTRED)):
-        if all(key in run["naive"] for key in keys for run in runs):
+    for kind in ("trailing", "centred"):
+        keys = [key for key in runs[0]["naive"] if key.startswith(kind)]
+        if keys:
             better = min(mean_of(key) for key in keys)
             figures[kind] = better
             figures[f"over_{kind}"] = figures["rmse"] / better
@@ -118,6 +119,13 @@ def of_row(row, results):
         figures["half"] = float(np.median(joined("half")))
     if row == "plaza":
         figures["p5"], figures["p95"] = (float(value) for value in np.percentile(joined("slips"), [5, 95]))
+    ok = joined("is_ok")
+    figures["ok"] = float(ok.mean())
+    figures["ok_rmse"] = float(np.mean([root_mean(run["errors"][run["is_ok"]]) for run in runs if run["is_ok"].any()] or [math.nan]))
+    loops = [result["extra"]["loop"] for result in results if "loop" in result["extra"]]
+    if loops:
+        figures["loop"] = float(np.mean(loops))
+        figures["over_loop"] = figures["rmse"] / figures["loop"]
     wholes = [result["whole"] for result in results if result["whole"] is not None]
     if wholes:
         figures["whole"] = wholes[0]
@@ -130,7 +138,7 @@ def geometric_ratio(results):
         runs = [run for run in result["runs"] if run["answered"]]
         if runs:
             joined = lambda values: root_mean(np.concatenate(list(values)))
-            better = min(joined(run["naive"][key] for run in runs) for key in TRAILING)
+            better = min(joined(run["naive"][key] for run in runs) for key in runs[0]["naive"])
             ratios.append(joined(run["errors"] for run in runs) / better)
     return float(np.exp(np.mean(np.log(ratios)))) if ratios else math.nan
 
@@ -150,7 +158,7 @@ def whole_slip(log, series):
     """Slip of the whole distance from slips over time, each weighed by the wheel's distance."""
     if log.whole is None or log.runs[0].wheel not in series:
         return None
-    time_s, slip, _ = series[log.runs[0].wheel]
+    time_s, slip, *_ = series[log.runs[0].wheel]
     is_known = np.isfinite(slip)
     steps = np.abs(np.diff(np.interp(time_s[is_known], log.extra["time_s"], log.extra["wheel_m"])))
     return float((steps * slip[is_known][1:]).sum() / steps.sum())

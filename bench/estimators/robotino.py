@@ -49,12 +49,11 @@ def sigma_of(wheel, centre, span_s):
 
 
 def run_of(name, distances, readings, span_s, step_s):
+    """True slips over windows; of a slow wheel only those of the row high-slip, where it is fast enough at times."""
     end_s = distances.time_s[-1]
-    if abs(distances.wheel[-1]) < MIN_SPEED_M_PER_S * end_s:
-        return None
-    begins, ends, slip, wheel, centre = sliding(distances, FROM_S, end_s - UNTIL_END_S, span_s, MIN_WHEEL_M, step_s)
-    if not len(begins):
-        return None
+    is_slow = abs(distances.wheel[-1]) < MIN_SPEED_M_PER_S * end_s
+    until_s = FROM_S - 1.0 if is_slow else end_s - UNTIL_END_S
+    begins, ends, slip, wheel, centre = sliding(distances, FROM_S, until_s, span_s, MIN_WHEEL_M, step_s)
     series = naive_series(readings, distances.time_s, MIN_WHEEL_M)
     naive = {key: over_windows(distances.time_s, values, begins, ends) for key, values in series.items()}
     high_begins, high_ends, high, wheel_1, centre_1 = sliding(distances, 0.5, end_s - 0.5, 1.0, 4 * MIN_WHEEL_M)
@@ -67,8 +66,7 @@ def full(path, folder, shipped, surfaces):
     time_s, rates, *moved = read(path)
     runs = []
     for name, _, _, distances in distances_of(time_s, rates, moved):
-        run = run_of(name, distances, distances, 1.0, 1.0)
-        runs += [run] if run else []
+        runs.append(run_of(name, distances, distances, 1.0, 1.0))
     robot, column_map = folder / "robot.toml", folder / "columns.toml"
     robot.write_text((shipped / "robot.toml").read_text())
     column_map.write_text((shipped / "columns.toml").read_text())
@@ -103,8 +101,7 @@ def thinned(path, folder, shipped, surfaces, seed):
     runs = []
     for name, place, heading, distances in distances_of(time_s, rates, moved):
         readings = Distances(time_s[at], distances.wheel[at], centre_distance(*seen, place, heading))
-        run = run_of(name, distances, readings, POSE_SPAN_S, 0.1)
-        runs += [run] if run else []
+        runs.append(run_of(name, distances, readings, POSE_SPAN_S, 0.1))
     rows = (f"robotino-5hz-{surfaces}", "high-slip-5hz")
     name = f"{path.name.split('.')[0]}_5hz_{seed}"
     return Log(name, rows, folder, [folder / "log.csv"], folder / "robot.toml", folder / "columns.toml", len(time_s), runs)

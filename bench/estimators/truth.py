@@ -71,7 +71,6 @@ def displacements(x, y, yaw):
 
 # Trailing means use readings up to the moment, centred ones as many before as after it.
 NAIVE = {"trailing 1 s": (1.0, False), "trailing 2 s": (2.0, False), "centred 1 s": (1.0, True), "centred 2 s": (2.0, True)}
-TRAILING, CENTRED = ("trailing 1 s", "trailing 2 s"), ("centred 1 s", "centred 2 s")
 
 
 def naive_series(readings, time_s, min_wheel_m, windows=NAIVE):
