@@ -33,7 +33,7 @@ import table  # noqa: E402
 import worlds  # noqa: E402
 
 STORED = HERE / "main.tsv"
-GENERATORS = ["truth", "robotino", "steps", "measured", "random_rows", "worlds"]
+GENERATORS = ["truth", "robotino", "steps", "measured", "random_rows", "worlds", "mujoco_five_wheel"]
 
 
 def all_logs(data):
@@ -68,11 +68,11 @@ def made(name, make, folder, is_fresh):
 
 def judged(index, names, folder, is_fresh):
     """Of each entrant: the result on one log."""
-    _, name, make = LOGS[index]
+    rows, name, make = LOGS[index]
     try:
         log = made(name, make, folder, is_fresh)
     except worlds.Skipped as why:
-        return name, (), {}, str(why)
+        return name, rows, {}, str(why)
     results = {}
     for entrant in names:
         series, spent_s, failure = entrants.estimate(entrant, log)
@@ -120,13 +120,14 @@ def main():
         parser.error(f"no row begins with {options.rows}")
     folder = options.folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
-    of_rows = {}
+    of_rows, skipped_rows = {}, {}
     with concurrent.futures.ProcessPoolExecutor(2, multiprocessing.get_context("fork")) as pool:
         tasks = [pool.submit(judged, index, names, folder, options.fresh) for index in chosen]
         for count, task in enumerate(tasks, 1):
             name, rows, results, skipped = task.result()
             failed = [f"{entrant} {one['failure']}" for entrant, one in results.items() if one["failure"]]
             print(f"[{count}/{len(tasks)}] {name} {skipped or ''} {', '.join(failed)}", file=sys.stderr, flush=True)
+            skipped_rows |= dict.fromkeys(rows, skipped) if skipped else {}
             if options.each:
                 table.print_each(name, results)
             for row in filter(is_wanted, rows):
@@ -140,7 +141,7 @@ def main():
         stored |= {key: value for key, value in figures.items() if key[1].startswith("main")}
         table.write(STORED, stored, head)
     stored, stored_head = table.read(STORED)
-    print(table.markdown(figures, stored, stored_head, head))
+    print(table.markdown(figures, stored, stored_head, head, skipped_rows))
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import sys
 import numpy as np
 
 import entrants
-from truth import Distances, Log, WheelRun, naive_series
+from truth import Distances, Log, WheelRun, naive_series, write_map
 
 SCENARIOS = sorted(path.stem for path in (entrants.ROOT / "examples" / "scenarios").glob("*.toml"))
 ROBOT = entrants.ROOT / "examples" / "robots" / "five-wheel.toml"
@@ -27,8 +27,8 @@ FREE_RADIUS_M, FREE_TICKS = 0.10, 2000
 WINDOWS = {f"{kind} {span:g} s": (span, kind == "centred") for kind in ("trailing", "centred") for span in (0.25, 0.5, 1.0)}
 FROM_S, POINT_S = 2.0, 0.1
 MIN_SPEED_M_PER_S = 0.05  # wheels slower than this are not judged, as in the loop's own figure (docs/drive.md)
-# The same robot in MuJoCo on waves of firm ground: bench/estimators/mujoco_five_wheel.py, amplitude in m.
-MUJOCO = {"mujoco-waves": 0.125, "mujoco-flat": 0.0}
+# The same robot in MuJoCo: amplitude of the waves in m, and friction. At 0.2 the wheels slip on crests, by up to 0.5.
+MUJOCO = {"mujoco-waves": (0.125, 1.0), "mujoco-slippery": (0.125, 0.2)}
 
 
 class Skipped(Exception):
@@ -92,7 +92,7 @@ def slips_at(path, points):
 
 def drive(scenario, kind, folder):
     if not entrants.GROUSER.exists():
-        raise Skipped("no grouser: cargo build --release -p grouser")
+        raise Skipped("skipped: no grouser, cargo build --release -p grouser")
     mcap, table = folder / "drive.mcap", folder / "drive.csv"
     path = entrants.ROOT / "examples" / "scenarios" / f"{scenario}.toml"
     command = [entrants.GROUSER, "drive", path, "-o", mcap, "-o", table, "--json"]
@@ -114,14 +114,17 @@ def drive(scenario, kind, folder):
     return log
 
 
-def mujoco(name, amplitude_m, folder):
+def mujoco(name, world, folder):
     if importlib.util.find_spec("mujoco") is None:
-        raise Skipped("mujoco is not installed")
+        raise Skipped("skipped: mujoco is not installed")
     script = pathlib.Path(__file__).parent / "mujoco_five_wheel.py"
-    subprocess.run([sys.executable, script, str(amplitude_m)], check=True, cwd=folder, capture_output=True)
+    subprocess.run([sys.executable, script, *map(str, world)], check=True, cwd=folder, capture_output=True)
     table, truth = read_numbers(folder / "mj.csv"), read_numbers(folder / "mj_truth.csv")
     true_at = lambda wheel, points: np.interp(points, truth["time_s"], truth[f"{wheel}_slip"], np.nan, np.nan)
-    return Log(name, (name,), folder, [folder / "mj.csv"], ROBOT, script.with_name("mujoco_columns.toml"), len(table["time_ms"]), wheel_runs(table, true_at))
+    columns = [(f"{wheel}_ticks", "wheel_count", "tick", wheel) for wheel in [*WHEELS, "free"]]
+    write_map(folder / "columns.toml", [*columns, ("gyro_z_rad_per_s", "yaw_rate", "rad/s", None)], "time_ms", "ms")
+    runs = wheel_runs(table, true_at)
+    return Log(name, (name,), folder, [folder / "mj.csv"], ROBOT, folder / "columns.toml", len(table["time_ms"]), runs)
 
 
 def logs():
@@ -129,5 +132,5 @@ def logs():
         for scenario in SCENARIOS:
             make = lambda folder, kind=kind, scenario=scenario: drive(scenario, kind, folder)
             yield (f"drive-{kind}-{scenario}",), f"drive_{kind}_{scenario}", make
-    for name, amplitude_m in MUJOCO.items():
-        yield (name,), name, lambda folder, name=name, amplitude_m=amplitude_m: mujoco(name, amplitude_m, folder)
+    for name, world in MUJOCO.items():
+        yield (name,), name, lambda folder, name=name, world=world: mujoco(name, world, folder)
