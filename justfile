@@ -70,7 +70,7 @@ random-logs first="0" count="100" hz="0" trouble="":
 
 # slip estimators on measured logs, known steps, random logs and drives, with the stored figures of `main` next to them
 # (bench/estimators; `just estimators --help`). What it runs is built before: `cargo build --release -p grouser`.
-# All rows of `main`: just estimators; one row of another: just estimators robotino-5hz offline
+# All rows of `main`: just estimators; one row of another: just estimators robotino-5hz offline. The rows of MuJoCo need `mujoco` in the venv
 estimators rows="all" *entrants:
     test -d bench/target/venv || python3 -m venv bench/target/venv
     bench/target/venv/bin/pip install --quiet numpy

@@ -98,7 +98,7 @@ def main():
     parser.add_argument("entrants", nargs="*")
     parser.add_argument("--folder", type=pathlib.Path, default=entrants.ROOT / "target" / "estimators")
     parser.add_argument("--data", type=pathlib.Path, default=pathlib.Path(os.environ.get("GROUSER_DATA", entrants.ROOT / "data")))
-    parser.add_argument("--store", action="store_true", help="keep the figures of main in bench/estimators/main.tsv")
+    parser.add_argument("--store", action="store_true", help="keep the figures of main and main-smooth in bench/estimators/main.tsv")
     parser.add_argument("--fresh", action="store_true", help="make all logs again")
     parser.add_argument("--each", action="store_true", help="also the error on each log")
     options = parser.parse_args()
@@ -115,8 +115,8 @@ def main():
     LOGS = list(all_logs(options.data.resolve()))
     words = options.rows.split(",")
     is_wanted = lambda row: options.rows == "all" or any(row.startswith(word) for word in words)
-    chosen = [index for index, (rows, _, _) in enumerate(LOGS) if any(map(is_wanted, rows))]
-    if not chosen:
+    chosen = names and [index for index, (rows, _, _) in enumerate(LOGS) if any(map(is_wanted, rows))]
+    if names and not chosen:
         parser.error(f"no row begins with {options.rows}")
     folder = options.folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
@@ -140,7 +140,8 @@ def main():
         stored, _ = table.read(STORED)
         stored |= {key: value for key, value in figures.items() if key[1].startswith("main")}
         table.write(STORED, stored, head)
-    stored, stored_head = table.read(STORED)
+    stored, stored_head = ({}, "") if options.store else table.read(STORED)
+    stored = {key: values for key, values in stored.items() if is_wanted(key[0])}
     print(table.markdown(figures, stored, stored_head, head, skipped_rows))
 
 

@@ -4,6 +4,7 @@ import csv
 import os
 import pathlib
 import subprocess
+import threading
 
 import numpy as np
 
@@ -17,7 +18,7 @@ COMMANDS = {
     "online": [SLIP_PATH, *COMMON, "--online"],
     "offline": [SLIP_PATH, *COMMON],
 }
-LIMIT_S = 300
+LIMIT_S = 300  # of one log: a program that hangs is stopped
 
 
 def command(entrant, log, out):
@@ -36,9 +37,12 @@ def estimate(entrant, log):
     """Series by wheel (times, slips, sigmas, 1 where the health is Ok), processor time in s, and what went wrong or None."""
     out = log.folder / f"{entrant}.csv"
     out.unlink(missing_ok=True)
-    with (log.folder / f"{entrant}.txt").open("w") as told:
-        process = subprocess.Popen(command(entrant, log, out), stdout=told, stderr=subprocess.STDOUT)
+    with (log.folder / f"{entrant}.txt").open("w") as output:
+        process = subprocess.Popen(command(entrant, log, out), stdout=output, stderr=subprocess.STDOUT)
+        limit = threading.Timer(LIMIT_S, process.kill)
+        limit.start()
         _, status, usage = os.wait4(process.pid, 0)
+        limit.cancel()
         process.returncode = os.waitstatus_to_exitcode(status)
     spent_s = usage.ru_utime + usage.ru_stime
     if process.returncode not in (0, 3) or not out.exists():

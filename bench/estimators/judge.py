@@ -122,6 +122,7 @@ def of_row(row, results):
     ok = joined("is_ok")
     figures["ok"] = float(ok.mean())
     figures["ok_rmse"] = float(np.mean([root_mean(run["errors"][run["is_ok"]]) for run in runs if run["is_ok"].any()] or [math.nan]))
+    # the loop's own estimates at the same points, where their health is Ok, as the figure that `drive` prints
     loops = [result["extra"]["loop"] for result in results if "loop" in result["extra"]]
     if loops:
         figures["loop"] = float(np.mean(loops))

@@ -18,7 +18,7 @@ MIN_WHEEL_M = 0.005
 CAMERA_TIME_SIGMA_S, CAMERA_SIGMA_M = 0.031 / math.sqrt(12), 0.0003
 POSE_PERIOD_S, POSE_SIGMA_M, YAW_SIGMA_RAD = 0.2, 0.002, 0.005
 POSE_SPAN_S = 0.5
-SEEDS = 1  # of the thinned poses, for each log
+SEEDS = 3  # of the thinned poses, for each log
 
 
 def read(path):

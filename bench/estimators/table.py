@@ -106,17 +106,17 @@ def target_of(row):
 
 
 def markdown(figures, stored, stored_head, head, skipped):
-    rows = list(dict.fromkeys([row for row, _ in figures]))
+    rows = list(dict.fromkeys(row for row, _ in figures or stored))
     lines = [f"Run: {head}."] + ([f"Stored (main.tsv): {stored_head}."] if stored_head else []) + [""]
     lines += ["| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS)]
     for row in rows:
         target, first = target_of(row), True
         own = {entrant: values for (of, entrant), values in figures.items() if of == row}
-        past = {f"{entrant} (stored)": values for (of, entrant), values in stored.items() if of == row and entrant not in own}
+        past = {f"{entrant} (stored)": values for (of, entrant), values in stored.items() if of == row}
         for entrant, values in (past | own).items():
             lines.append(line(row if first else "", entrant, values, target if first else ""))
             first = False
-        lines += means("", next(iter(own.values())))
+        lines += means("", next(iter((own or past).values())))
     lines += ["| " + " | ".join([row, why] + [""] * (len(COLUMNS) - 2)) + " |" for row, why in skipped.items()]
     return "\n".join(lines)
 

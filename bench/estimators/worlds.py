@@ -107,10 +107,10 @@ def drive(scenario, kind, folder):
     for run in runs:
         slips, healths = slips_at(loop_path, run.begin_s)[run.wheel]
         errors.append((slips - run.slip)[(healths == "Ok") & np.isfinite(slips)])
-    errors = np.concatenate(errors)
     files = [mcap if kind == "mcap" else table]
     log = Log(f"drive_{kind}_{scenario}", (f"drive-{kind}-{scenario}",), folder, files, ROBOT, None, len(numbers["time_ms"]), runs)
-    log.extra = {"loop": float(np.sqrt(np.mean(errors**2))), "loop_printed": json.loads(done.stdout)["runs"][-1]["slip_rmse"]}
+    rmse = np.mean([np.sqrt(np.mean(one**2)) for one in errors if len(one)])
+    log.extra = {"loop": float(rmse), "loop_printed": json.loads(done.stdout)["runs"][-1]["slip_rmse"]}
     return log
 
 
