@@ -6,6 +6,12 @@ ROWS: beginnings of row names with commas between, or `all` (table.py lists the 
 one. The logs are made in DIR (target/estimators), and their truth stays out of the estimators' sight. A Markdown table is printed
 on standard output, its figures are written to DIR/figures.tsv; `main.tsv` has the figures of a past run of `main`, shown for comparison, and
 `--store` writes it. `--fresh` makes all logs again; otherwise logs of the same generator are used again. Needs numpy.
+
+Columns: RMSE is the mean over wheel runs of each one's root mean square error; "/ trailing" and "/ centred" divide it by that of the
+better naive mean (random logs: geometric mean over logs). An interval holds where |error| <= 1.645 sqrt(sigma^2 + sigma_truth^2), at all
+points with a slip and a sigma, whatever the health; "score" is the mean interval score of these intervals, "half-width" the
+median 1.645 sigma of the entrant alone. "answered" is the share of points with a slip, "Ok" that with health Ok. A truth over a window is
+compared with the mean of the entrant's slips in it; naive means are treated in the same way.
 """
 
 import argparse
