@@ -238,12 +238,7 @@ fn a_log_counts_once() {
     let (robot, logs) = logs(&folder, &[SOUND]);
     let aside = folder.path("./log0.csv");
     let twice = [logs[0].clone(), aside];
-    for flag in [
-        "--calibrate",
-        "--calibrate-radius",
-        "--calibrate-intervals",
-        "--learn-ground",
-    ] {
+    for flag in ["--calibrate", "--calibrate-radius", "--calibrate-intervals"] {
         let output = estimate(&robot, &twice, &[flag, &folder.path("new.toml")]);
         let text = printed(&output);
         assert_eq!(output.status.code(), Some(2), "{text}");

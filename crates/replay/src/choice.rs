@@ -51,29 +51,6 @@ impl Inputs {
                 && !log.measures(Meaning::AccelerationLeft),
         })
     }
-
-    /// As [`Self::of`]; where nothing measures the robot's motion, not even a gyro, the reference is `grip`.
-    pub(crate) fn with_or_without_reference(
-        log: &impl Measures,
-        file: &RobotFile,
-        options: &Options,
-    ) -> Result<Self> {
-        match Self::of(log, file, options) {
-            Err(Error::NoReference { .. })
-                if options
-                    .reference
-                    .is_none_or(|chosen| chosen == Reference::Grip) =>
-            {
-                Ok(Self {
-                    wheel_sensor: wheel_sensor(log, file, options.wheel_sensor)?,
-                    reference: Reference::Grip,
-                    position_sigma: None,
-                    is_acceleration_forward_only: false,
-                })
-            }
-            other => other,
-        }
-    }
 }
 
 /// A wheel of a log.

@@ -6,17 +6,8 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// Why a log gives no slip.
 ///
 /// ```
-/// use grouser_replay::{EffortUnit, Error, KnownGrounds, Stretch};
-///
-/// let known = KnownGrounds {
-///     robot: "cart".into(),
-///     unit: EffortUnit::Ampere,
-///     grounds: Vec::new(),
-///     coverage: None,
-///     half_width: None,
-/// };
-/// let stretch = Stretch { from_s: 2.0, to_s: 9.0, effort: 1.0, speed: 0.2, roller: None };
-/// assert!(matches!(known.slip(&stretch), Err(Error::TooFewGrounds { known: 0 })));
+/// let error = grouser_replay::Error::NoTicks { wheel: "left".into() };
+/// assert!(error.to_string().contains("`ticks_per_turn`"));
 /// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -108,31 +99,6 @@ pub enum Error {
         /// How many are needed.
         needed: usize,
     },
-    /// What is known of other grounds does not suffice.
-    #[error(
-        "{known} stretches of known slip: at least 3 are needed, each of 2 s or more under one command, with positive \
-             currents or torques and speeds"
-    )]
-    TooFewGrounds {
-        /// How many there are.
-        known: usize,
-    },
-    /// Grounds that another robot has met.
-    #[error("the grounds were learnt by robot `{learnt}`, not by `{robot}`")]
-    OtherRobot {
-        /// The robot that learnt them.
-        learnt: String,
-        /// The robot of the log.
-        robot: String,
-    },
-    /// Currents beside torques.
-    #[error("what the motors draw is in {logged} in this log, but was learnt in {learnt}")]
-    MixedEfforts {
-        /// The unit of the known grounds.
-        learnt: &'static str,
-        /// The unit in the log.
-        logged: &'static str,
-    },
     /// A source of true slips that holds none.
     #[error("{source_name}: holds no slip of a wheel of the robot")]
     NoTruth {
@@ -158,8 +124,7 @@ impl Error {
             Self::NoReference {
                 reference: "any", ..
             } => Some(
-                "log a pose, a speed over ground or a free wheel as well; a gyro alone shows how the wheels differ. Where motor currents \
-                 or torques are logged and the grounds were met before with a reference, `--known-ground` bounds the slip"
+                "log a pose, a speed over ground or a free wheel as well; a gyro alone shows how the wheels differ"
                     .into(),
             ),
             Self::NoWheels {
@@ -173,11 +138,6 @@ impl Error {
             Self::NoWheels { .. } => Some(
                 "wheels are the joints of a sensor_msgs/JointState or grouser_msgs/WheelTicks (`joint` of a `[[wheel]]` names \
                  its joint), numbers of other messages that `[[topics.field]]` names, or columns that the column map names"
-                    .into(),
-            ),
-            Self::MixedEfforts { .. } => Some(
-                "learn the grounds with the robot file and the column map that the log is read with: \
-                 `torque_per_ampere_nm` of the wheels makes torques of currents"
                     .into(),
             ),
             Self::UnknownWheel {

@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 
 /// Readings are averaged over this time, s: motors hunt, and the noise of a row is that of the rows beside it.
-pub(crate) const BLOCK_TIME_S: f64 = 0.25;
+const BLOCK_TIME_S: f64 = 0.25;
 /// The new mean is that of this long, s; it is compared with this long before it, s.
-pub(crate) const RECENT_BLOCKS: usize = 6;
+const RECENT_BLOCKS: usize = 6;
 const BASELINE_BLOCKS: usize = 16;
 /// Minimum length of the baseline, blocks.
 const MIN_BASELINE_BLOCKS: usize = 4;

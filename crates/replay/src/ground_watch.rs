@@ -3,7 +3,6 @@
 use grouser_real::Real;
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
-use crate::effort::EffortUnit;
 use crate::ground_change::GroundChange;
 
 /// After a command the motors need this long to settle, s.
@@ -18,23 +17,11 @@ pub(crate) struct GroundWatch {
     change: GroundChange,
     /// Torque or current of each powered wheel.
     efforts: Vec<Option<f64>>,
-    unit: Option<EffortUnit>,
     /// Its rim travel per radian, m, and the size of its rim speed where a rate is measured, m/s.
     rims: Vec<(f64, Option<f64>)>,
     command: Option<([f64; 2], i64)>,
     low_speed: f64,
     called_s: Vec<f64>,
-}
-
-/// Motors that have settled under one command.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Settled {
-    /// Sum of the sizes of what the motors draw.
-    pub(crate) effort: f64,
-    /// Is the ground another one now?
-    pub(crate) has_changed: bool,
-    /// When the command was given, ns.
-    pub(crate) since_ns: i64,
 }
 
 impl GroundWatch {
@@ -56,7 +43,6 @@ impl GroundWatch {
             efforts: powered()
                 .map(|is_powered| if is_powered { None } else { Some(0.0) })
                 .collect(),
-            unit: None,
             command: None,
             low_speed,
             called_s: Vec::new(),
@@ -65,11 +51,17 @@ impl GroundWatch {
 
     pub(crate) fn take(&mut self, sample: &Sample) {
         match sample.measurement {
-            Measurement::WheelTorque { wheel, torque } => {
-                self.take_effort(wheel, torque, EffortUnit::NewtonMetre);
+            Measurement::WheelTorque {
+                wheel,
+                torque: effort,
             }
-            Measurement::MotorCurrent { wheel, share } => {
-                self.take_effort(wheel, share, EffortUnit::Ampere);
+            | Measurement::MotorCurrent {
+                wheel,
+                share: effort,
+            } => {
+                if let Some(slot) = self.efforts.get_mut(wheel) {
+                    *slot = Some(effort);
+                }
             }
             Measurement::WheelRate { wheel, rate } => {
                 if let Some((per_radian, speed)) = self.rims.get_mut(wheel) {
@@ -87,25 +79,21 @@ impl GroundWatch {
         }
     }
 
-    fn take_effort(&mut self, wheel: usize, effort: f64, unit: EffortUnit) {
-        if let Some(slot) = self.efforts.get_mut(wheel) {
-            *slot = Some(effort);
-            self.unit = Some(unit);
-        }
-    }
-
     /// Takes the mean size of the powered wheels' rim speeds, m/s, after all samples of one time.
-    pub(crate) fn step(&mut self, now_ns: i64, time_s: f64, rim: f64) -> Option<Settled> {
-        let (_, since_ns) = self.command?;
-        let settled = now_ns.saturating_sub(since_ns) as f64 * 1e-9 >= SETTLE_TIME_S;
-        if !(settled && rim > self.low_speed) {
-            return None;
+    pub(crate) fn step(&mut self, now_ns: i64, time_s: f64, rim: f64) {
+        let is_settled = (self.command).is_some_and(|(_, since_ns)| {
+            now_ns.saturating_sub(since_ns) as f64 * 1e-9 >= SETTLE_TIME_S
+        });
+        if !(is_settled && rim > self.low_speed) {
+            return;
         }
         let efforts = self
             .efforts
             .iter()
             .map(|effort| Some(effort.as_ref()?.abs()));
-        let effort = efforts.sum::<Option<f64>>().filter(|sum| *sum > 0.0)?;
+        let Some(effort) = efforts.sum::<Option<f64>>().filter(|sum| *sum > 0.0) else {
+            return;
+        };
         // A rate is fresher than the mean over a window.
         let rates = self.rims.iter().map(|rim| rim.1).sum::<Option<f64>>();
         let speed = rates.filter(|sum| *sum > 0.0).unwrap_or(rim);
@@ -115,26 +103,6 @@ impl GroundWatch {
         if has_changed && self.called_s.len() < MAX_CHANGES {
             self.called_s.push(time_s);
         }
-        Some(Settled {
-            effort,
-            has_changed,
-            since_ns,
-        })
-    }
-
-    /// The present command: forwards and to the left, m/s.
-    pub(crate) fn command(&self) -> Option<[f64; 2]> {
-        self.command.map(|(command, _)| command)
-    }
-
-    /// What the motor of a wheel draws now.
-    pub(crate) fn effort(&self, wheel: usize) -> Option<f64> {
-        self.efforts.get(wheel).copied().flatten()
-    }
-
-    /// The unit of what the motors draw; `None` before the first reading.
-    pub(crate) const fn unit(&self) -> Option<EffortUnit> {
-        self.unit
     }
 
     /// When the ground was called another one, s from the log's start.

@@ -10,7 +10,7 @@
 //! | true slips beside the estimates | [`Truth`], [`Compared`] |
 //! | the effective radius; with track and scale of the gyro; the reference's delay; intervals | [`calibrate_radius`], [`calibrate_geometry`], [`calibrate_reference_delay`], [`calibrate_intervals`] |
 //! | a soil's reading of the slips | [`soil_readings`] |
-//! | slip from currents on known grounds, changes of ground | [`learn_grounds`], [`slips_by_known_grounds`], [`GroundChange`] |
+//! | changes of ground from motor currents | [`GroundChange`] |
 //!
 //! The primary types are [`Engine`] and [`Summary`]. A run that ends with doubts is no error:
 //! [`FusedSummary::doubts`] names them. The crate draws nothing and writes no files.
@@ -23,7 +23,6 @@ mod calibration;
 mod checks;
 mod choice;
 mod consistency;
-mod effort;
 mod encoder_signs;
 mod engine;
 mod error;
@@ -35,7 +34,6 @@ mod ground_change;
 mod ground_watch;
 mod held;
 mod intervals;
-mod known_ground;
 mod markers;
 pub mod messages;
 mod method;
@@ -73,7 +71,6 @@ pub use calibration::{Calibration, calibrate_radius};
 pub use checks::{Doubt, ReferenceUse, WayCheck};
 pub use choice::{Inputs, unused_currents};
 pub use consistency::Consistency;
-pub use effort::EffortUnit;
 pub use engine::Engine;
 pub use error::{Error, Result};
 pub use exchange_watch::ExchangeCheck;
@@ -82,11 +79,6 @@ pub use geometry::{Factor, GeometryCalibration, calibrate_geometry};
 pub use ground_change::GroundChange;
 pub use held::HeldReference;
 pub use intervals::{IntervalCalibration, calibrate_intervals};
-pub use known_ground::{
-    Coverage, GroundSlip, GroundSlips, KnownGround, KnownGrounds, Roller, SlipRange, Stretch,
-    learn_grounds, read_known_grounds, roller_ripple, slips_by_known_grounds,
-    to_toml as known_grounds_to_toml,
-};
 pub use method::Method;
 pub use odometry::Odometry;
 pub use options::Options;

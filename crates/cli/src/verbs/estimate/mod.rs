@@ -2,7 +2,6 @@
 
 mod calibration;
 mod figure;
-mod ground;
 mod mcap;
 mod object;
 mod output;
@@ -111,12 +110,6 @@ pub(crate) struct Arguments {
     /// Write the robot file with the factor with which 90 % intervals hold in these reference runs, each LOG a run
     #[arg(long, value_name = "OUT.toml", conflicts_with_all = ["output", "soil", "calibrate_radius", "calibrate"])]
     calibrate_intervals: Option<PathBuf>,
-    /// Write what the motors draw on the grounds of these reference runs, each LOG a run, for `--known-ground`
-    #[arg(long, value_name = "OUT.toml", conflicts_with_all = ["output", "report", "soil", "smooth", "method", "truth", "check", "window_s", "calibrate_radius", "calibrate", "calibrate_intervals"])]
-    learn_ground: Option<PathBuf>,
-    /// Bound the slip by what the motors draw, on grounds that `--learn-ground` has met: where no sensor measures the robot's motion
-    #[arg(long, value_name = "F.toml", conflicts_with_all = ["output", "report", "soil", "smooth", "method", "truth", "check", "window_s", "calibrate_radius", "calibrate", "calibrate_intervals", "learn_ground"])]
-    known_ground: Option<PathBuf>,
 }
 
 fn reference(name: &str) -> std::result::Result<Reference, String> {
@@ -253,7 +246,7 @@ fn known_soil(arguments: &Arguments, session: &mut Session) -> Result<Option<Cho
     soil.transpose()
 }
 
-/// A calibration, or what the motors show of grounds: instead of an estimate.
+/// A calibration instead of an estimate.
 fn job_beside(
     arguments: &Arguments,
     request: &Request,
@@ -274,18 +267,6 @@ fn job_beside(
             target,
         };
         return calibration::run(job, &files, request, session).map(Some);
-    }
-    if let Some(target) = &arguments.learn_ground {
-        let files = calibration::Files {
-            logs: &arguments.logs,
-            robot: &arguments.robot,
-            target,
-        };
-        return ground::learn(&files, request, session).map(Some);
-    }
-    if let Some(file) = &arguments.known_ground {
-        let log = request.log(&arguments.logs)?;
-        return ground::by_known(&log, file, request, session).map(Some);
     }
     Ok(None)
 }
@@ -555,7 +536,6 @@ pub(crate) fn schema() -> serde_json::Value {
     let calibrations = calibration::schemas();
     let all: Vec<_> = std::iter::once(object::fields().schema())
         .chain(calibrations)
-        .chain(ground::schemas())
         .collect();
     serde_json::json!({ "anyOf": all })
 }
