@@ -4,7 +4,8 @@
 //!
 //! The primary type is the trait [`Real`]; [`Scalar`] adds what only a single number can do: give its value
 //! to an `if`. [`Interval`] encloses all values of a formula over a box. [`OutOfRange`] is the error of a
-//! number outside its limits in every crate above. The crate knows nothing of wheels or of optimisation.
+//! number outside its limits in every crate above, [`SignalPair`] the comparison of two signals by which the robot and the
+//! log doctor find wrong units and signs. The crate knows nothing of wheels or of optimisation.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 
@@ -23,10 +24,14 @@ mod float;
 mod interval;
 mod out_of_range;
 mod real;
+mod signal_pair;
+mod solve;
 mod wrap;
 
 pub use dual::Dual;
 pub use interval::Interval;
 pub use out_of_range::OutOfRange;
 pub use real::{Real, Scalar};
+pub use signal_pair::{SignalLine, SignalPair, Squares};
+pub use solve::solve;
 pub use wrap::wrap_angle;

@@ -1,10 +1,8 @@
 //! Are left and right encoders exchanged? In a bend the outer wheels run faster; exchanged ones show the other side's bends.
 
-use grouser_real::Real;
+use grouser_real::{Real, solve};
 use grouser_slip::window::WindowBody;
 use grouser_slip::{Robot, WheelRole};
-
-use crate::ground_change::solve;
 
 /// Slower turns are no bends, rad/s: a gyro's bias and noise lie below.
 const MIN_BEND_RAD_PER_S: f64 = 0.05;
@@ -140,12 +138,12 @@ impl ExchangeWatch {
 
     fn shows_the_other_side(&self, wheel: usize) -> bool {
         let (sums, square) = self.sums[wheel];
-        let mut moments = self.moments.map(|line| line.to_vec()).to_vec();
+        let mut moments = self.moments;
         for (place, line) in moments.iter_mut().enumerate().take(2) {
             line[place] += SLIP_RIDGE;
         }
-        let unit = solve(moments.clone(), vec![0.0, 0.0, 1.0]);
-        let (Some(unit), Some(fit)) = (unit, solve(moments, sums.to_vec())) else {
+        let unit = solve(moments, [0.0, 0.0, 1.0]);
+        let (Some(unit), Some(fit)) = (unit, solve(moments, sums)) else {
             return false;
         };
         // What slips leave of the yaw rate.

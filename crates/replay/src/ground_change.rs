@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use grouser_real::solve;
+
 /// Readings are averaged over this time, s: motors hunt, and the noise of a row is that of the rows beside it.
 const BLOCK_TIME_S: f64 = 0.25;
 /// The new mean is that of this long, s; it is compared with this long before it, s.
@@ -27,21 +29,21 @@ const CHANGE_THRESHOLD: f64 = 28.0;
 /// they move only if the ground is another one, or the command is: announce that by [`GroundChange::begin`]. A change between
 /// grounds that draw the same current at the same speed is not observable. Memory: 22 rows of means.
 #[derive(Clone, Debug)]
-pub struct GroundChange {
-    blocks: VecDeque<Vec<f64>>,
+pub struct GroundChange<const N: usize> {
+    blocks: VecDeque<[f64; N]>,
     /// When the first block began, s.
     begun_s: f64,
     /// The open block: its number, the sums of its readings and how many there are.
-    open: Option<(f64, Vec<f64>, f64)>,
+    open: Option<(f64, [f64; N], f64)>,
 }
 
-impl Default for GroundChange {
+impl<const N: usize> Default for GroundChange<N> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl GroundChange {
+impl<const N: usize> GroundChange<N> {
     /// Nothing is known yet.
     #[must_use]
     pub const fn new() -> Self {
@@ -58,13 +60,12 @@ impl GroundChange {
         self.open = None;
     }
 
-    /// Takes the readings at `time_s` (s), always as many in the same order; is the ground another one now?
-    pub fn take(&mut self, time_s: f64, readings: &[f64]) -> bool {
+    /// Takes the readings at `time_s` (s), in the same order each time; is the ground another one now?
+    pub fn take(&mut self, time_s: f64, readings: &[f64; N]) -> bool {
         if readings.iter().any(|reading| !reading.is_finite()) {
             return false;
         }
-        let fits = |open: &(f64, Vec<f64>, f64)| open.1.len() == readings.len();
-        if !self.open.as_ref().is_none_or(fits) || time_s < self.begun_s {
+        if time_s < self.begun_s {
             self.begin();
         }
         if self.open.is_none() && self.blocks.is_empty() {
@@ -72,9 +73,7 @@ impl GroundChange {
         }
         let number = ((time_s - self.begun_s) / BLOCK_TIME_S).floor();
         let full = self.open.take_if(|open| open.0 != number);
-        let (_, sums, count) = self
-            .open
-            .get_or_insert_with(|| (number, vec![0.0; readings.len()], 0.0));
+        let (_, sums, count) = self.open.get_or_insert((number, [0.0; N], 0.0));
         for (sum, reading) in sums.iter_mut().zip(readings) {
             *sum += reading;
         }
@@ -82,8 +81,7 @@ impl GroundChange {
         let Some((_, sums, count)) = full else {
             return false;
         };
-        let mean = sums.iter().map(|sum| sum / count).collect();
-        self.blocks.push_back(mean);
+        self.blocks.push_back(sums.map(|sum| sum / count));
         if self.blocks.len() > RECENT_BLOCKS + BASELINE_BLOCKS {
             self.blocks.pop_front();
         }
@@ -93,7 +91,7 @@ impl GroundChange {
         if before < MIN_BASELINE_BLOCKS {
             return false;
         }
-        if self.statistic(before, readings.len()) <= CHANGE_THRESHOLD {
+        if self.statistic(before) <= CHANGE_THRESHOLD {
             return false;
         }
         // What was usual is over.
@@ -101,9 +99,9 @@ impl GroundChange {
         true
     }
 
-    fn statistic(&self, before: usize, size: usize) -> f64 {
+    fn statistic(&self, before: usize) -> f64 {
         let mean = |from: usize, to: usize| {
-            let mut sum = vec![0.0; size];
+            let mut sum = [0.0; N];
             for block in self.blocks.range(from..to) {
                 for (slot, value) in sum.iter_mut().zip(block) {
                     *slot += value / (to - from) as f64;
@@ -112,12 +110,12 @@ impl GroundChange {
             sum
         };
         let (usual, now) = (mean(0, before), mean(before, self.blocks.len()));
-        let step: Vec<f64> = now.iter().zip(&usual).map(|(a, b)| a - b).collect();
-        let mut covariance = vec![vec![0.0; size]; size];
+        let step: [f64; N] = std::array::from_fn(|i| now[i] - usual[i]);
+        let mut covariance = [[0.0; N]; N];
         for (index, block) in self.blocks.iter().enumerate() {
             let mean = if index < before { &usual } else { &now };
-            for i in 0..size {
-                for j in 0..size {
+            for i in 0..N {
+                for j in 0..N {
                     covariance[i][j] += (block[i] - mean[i]) * (block[j] - mean[j])
                         / (self.blocks.len() - 2) as f64;
                 }
@@ -127,47 +125,15 @@ impl GroundChange {
             row[i] += MIN_SCATTER * MIN_SCATTER;
         }
         let counts = 1.0 / before as f64 + 1.0 / (self.blocks.len() - before) as f64;
-        solve(covariance, step.clone()).map_or(0.0, |solved| {
+        solve(covariance, step).map_or(0.0, |solved| {
             solved.iter().zip(&step).map(|(a, b)| a * b).sum::<f64>() / counts
         })
     }
 }
 
-/// x of A x = b for a symmetric positive definite A, by elimination; `None` where it is not.
-pub(crate) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>> {
-    let n = b.len();
-    for k in 0..n {
-        if !(a[k][k] > 0.0) {
-            return None;
-        }
-        for i in k + 1..n {
-            let factor = a[i][k] / a[k][k];
-            let (above, below) = a.split_at_mut(i);
-            for (slot, pivot) in below[0][k..].iter_mut().zip(&above[k][k..]) {
-                *slot -= factor * pivot;
-            }
-            b[i] -= factor * b[k];
-        }
-    }
-    for k in (0..n).rev() {
-        for j in k + 1..n {
-            b[k] -= a[k][j] * b[j];
-        }
-        b[k] /= a[k][k];
-    }
-    Some(b)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{GroundChange, solve};
-
-    #[test]
-    fn a_solved_system_gives_back_its_right_side() {
-        let a = vec![vec![4.0, 1.0], vec![1.0, 3.0]];
-        let x = solve(a, vec![1.0, 2.0]).unwrap();
-        assert!((x[0] - 1.0 / 11.0).abs() < 1e-15 && (x[1] - 7.0 / 11.0).abs() < 1e-15);
-    }
+    use super::GroundChange;
 
     #[test]
     fn a_step_is_called_and_noise_is_not() {

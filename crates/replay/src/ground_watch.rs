@@ -14,7 +14,8 @@ const MAX_CHANGES: usize = 1000;
 /// another ground.
 #[derive(Clone, Debug)]
 pub(crate) struct GroundWatch {
-    change: GroundChange,
+    /// Logarithms of effort and speed.
+    change: GroundChange<2>,
     /// Torque or current of each powered wheel.
     efforts: Vec<Option<f64>>,
     /// Its rim travel per radian, m, and the size of its rim speed where a rate is measured, m/s.

@@ -6,12 +6,11 @@
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
-use grouser_real::{Real, wrap_angle};
+use grouser_real::{Real, solve, wrap_angle};
 use grouser_slip::window::WindowBody;
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
 use crate::axes::common_heading;
-use crate::ground_change::solve;
 use crate::steering::WheelSteering;
 use crate::steering_watch::{SteeringFault, steering_fault};
 use crate::turn_pair::{GyroTurn, MIN_CORRELATION, TurnPair};
@@ -503,12 +502,8 @@ impl PoseWatch {
             .sum();
         let variance = (squares / count as f64).max(MIN_WAY_VARIANCE) * WAY_VARIANCE_FACTOR;
         let prior = variance / (DRIFT_RAD * DRIFT_RAD);
-        let mut normal = vec![
-            vec![0.0, 0.0, 0.0],
-            vec![0.0, prior, 0.0],
-            vec![0.0, 0.0, prior],
-        ];
-        let mut right = vec![0.0; 3];
+        let mut normal = [[0.0, 0.0, 0.0], [0.0, prior, 0.0], [0.0, 0.0, prior]];
+        let mut right = [0.0; 3];
         for way in &self.courses {
             let (sin, cos) = Real::sin_cos(way[1]);
             let row = [1.0, cos, sin];
@@ -519,8 +514,8 @@ impl PoseWatch {
                 right[i] += row[i] * (mean + rest(way));
             }
         }
-        let angle = solve(normal.clone(), right)?[0] - heading;
-        let sigma = (solve(normal, vec![1.0, 0.0, 0.0])?[0] * variance).sqrt();
+        let angle = solve(normal, right)?[0] - heading;
+        let sigma = (solve(normal, [1.0, 0.0, 0.0])?[0] * variance).sqrt();
         (angle.abs() > MIN_OFFSET_RAD + OFFSET_SIGMAS * sigma).then_some(angle)
     }
 }

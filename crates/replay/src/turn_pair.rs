@@ -1,5 +1,7 @@
 //! Turns by two sensors, compared over a log.
 
+use grouser_real::{SignalLine, SignalPair, Squares};
+
 /// Nothing is known of a turn between two readings of a gyro that are further apart, s.
 const MAX_GYRO_GAP_S: f64 = 0.5;
 /// Turns that must have been compared, and the sum of their squares about their mean, rad²: the bias of a gyro is in the mean.
@@ -19,12 +21,7 @@ const CONSTANT_SHARE: f64 = 0.1;
 /// Sums of two sensors' turns.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TurnPair {
-    count: f64,
-    a: f64,
-    b: f64,
-    aa: f64,
-    ab: f64,
-    bb: f64,
+    sums: SignalPair,
     /// Product of turns of the first that follow one another, summed, and the last.
     following: f64,
     last: f64,
@@ -33,12 +30,7 @@ pub(crate) struct TurnPair {
 impl TurnPair {
     pub(crate) fn add(&mut self, a: f64, b: f64) {
         if (a + b).is_finite() {
-            self.count += 1.0;
-            self.a += a;
-            self.b += b;
-            self.aa += a * a;
-            self.ab += a * b;
-            self.bb += b * b;
+            self.sums.add(a, b);
             self.following += a * self.last;
             self.last = a;
         }
@@ -47,66 +39,52 @@ impl TurnPair {
     /// With the second sensor as the first.
     pub(crate) const fn exchanged(self) -> Self {
         Self {
-            a: self.b,
-            b: self.a,
-            aa: self.bb,
-            bb: self.aa,
+            sums: self.sums.exchanged(),
             ..self
         }
     }
 
-    /// Squares and product about the means.
-    fn central(&self) -> [f64; 3] {
-        let n = self.count.max(1.0);
-        [
-            self.aa - self.a * self.a / n,
-            self.ab - self.a * self.b / n,
-            self.bb - self.b * self.b / n,
-        ]
-    }
-
     /// Does the first go on turning to one side in bends, as outliers of places do not?
     pub(crate) fn has_bends(&self) -> bool {
-        self.following > MIN_FOLLOWING_SHARE * self.aa
+        self.following > MIN_FOLLOWING_SHARE * self.sums.about_zero().xx
     }
 
     /// Did the first turn enough?
     pub(crate) fn is_known(&self) -> bool {
-        self.count >= MIN_TURNS && self.central()[0] > MIN_TURNS_SQUARE
+        self.sums.count() >= MIN_TURNS && self.sums.about_means().xx > MIN_TURNS_SQUARE
     }
 
     /// Does the second hardly turn where the first does?
     pub(crate) fn second_is_constant(&self) -> bool {
-        let [aa, _, bb] = self.central();
-        bb < CONSTANT_SHARE * CONSTANT_SHARE * aa
+        let squares = self.sums.about_means();
+        squares.yy < CONSTANT_SHARE * CONSTANT_SHARE * squares.xx
     }
 
     /// The second's turn as a multiple of the first's.
     pub(crate) fn scale(&self) -> f64 {
-        let [aa, ab, _] = self.central();
-        ab / aa
+        self.line().map_or(0.0, |line| line.slope)
+    }
+
+    fn line(&self) -> Option<SignalLine> {
+        self.sums.about_means().line()
     }
 
     /// The first's turn as a multiple of the second's.
     pub(crate) fn inverse_scale(&self) -> f64 {
-        let [_, ab, bb] = self.central();
-        ab / bb
+        self.exchanged().scale()
     }
 
     /// Do the turns of the first, which are well above its noise, have nothing to do with the second's? Their means count.
     pub(crate) fn is_unlike(&self) -> bool {
-        let noise = UNLIKE_SIGMAS / self.count.sqrt();
-        self.central()[0] > MIN_UNLIKE_RAD * MIN_UNLIKE_RAD * self.count
-            && !(self.ab.abs() > (MIN_CORRELATION - noise) * (self.aa * self.bb).sqrt())
+        let count = self.sums.count();
+        let noise = UNLIKE_SIGMAS / count.sqrt();
+        let Squares { xx, xy, yy } = self.sums.about_zero();
+        self.sums.about_means().xx > MIN_UNLIKE_RAD * MIN_UNLIKE_RAD * count
+            && !(xy.abs() > (MIN_CORRELATION - noise) * (xx * yy).sqrt())
     }
 
     pub(crate) fn correlation(&self) -> f64 {
-        let [aa, ab, bb] = self.central();
-        if aa * bb > 0.0 {
-            ab / (aa * bb).sqrt()
-        } else {
-            0.0
-        }
+        self.line().map_or(0.0, |line| line.correlation)
     }
 
     /// Do both turn alike or against each other, at any scale?

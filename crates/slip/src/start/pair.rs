@@ -1,6 +1,6 @@
 //! Two readings of one quantity: is the one the other times something?
 
-use grouser_real::Real;
+use grouser_real::{Real, SignalLine, SignalPair};
 
 /// So much must have been seen before a word is said, s.
 const MIN_OBSERVED_TIME_S: f64 = 1.0;
@@ -36,12 +36,8 @@ pub(super) const FORCES: Units = [
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pair {
     seconds: f64,
-    count: f64,
-    first: f64,
-    second: f64,
-    first_square: f64,
-    second_square: f64,
-    both: f64,
+    /// The second as x, the first as y.
+    sums: SignalPair,
     unbiased: bool,
 }
 
@@ -77,21 +73,17 @@ impl Pair {
 
     fn add(&mut self, first: f64, second: f64, seconds: f64) {
         self.seconds += seconds;
-        self.first += first;
-        self.second += second;
-        self.first_square += first * first;
-        self.second_square += second * second;
-        self.both += first * second;
-        self.count += 1.0;
+        self.sums.add(second, first);
     }
 
-    /// Slope of the first over the second, and correlation.
-    fn slope(&self) -> Option<(f64, f64)> {
-        let n = if self.unbiased { self.count } else { f64::MAX };
-        let xx = self.first_square - self.first * self.first / n;
-        let yy = self.second_square - self.second * self.second / n;
-        let xy = self.both - self.first * self.second / n;
-        (xx > 0.0 && yy > 0.0).then(|| (xy / yy, xy / Real::sqrt(xx * yy)))
+    /// The first as a multiple of the second.
+    fn line(&self) -> Option<SignalLine> {
+        let squares = if self.unbiased {
+            self.sums.about_means()
+        } else {
+            self.sums.about_zero()
+        };
+        squares.line()
     }
 
     pub(super) fn is_settled(&self) -> bool {
@@ -101,8 +93,8 @@ impl Pair {
     pub(super) fn is_related(&self) -> bool {
         self.is_settled()
             && self
-                .slope()
-                .is_some_and(|(_, together)| together.abs() >= RELATED_CORRELATION)
+                .line()
+                .is_some_and(|line| line.correlation.abs() >= RELATED_CORRELATION)
     }
 
     /// What it comes to, where factors between `limits` are plausible.
@@ -110,16 +102,16 @@ impl Pair {
         if !self.is_settled() {
             return Verdict::Open;
         }
-        let Some((slope, together)) = self.slope() else {
+        let Some(SignalLine { slope, correlation }) = self.line() else {
             return Verdict::Unrelated;
         };
-        if together <= -RELATED_CORRELATION {
+        if correlation <= -RELATED_CORRELATION {
             return Verdict::Sign(slope);
         }
-        if slope.abs() > limits.1 || together >= RELATED_CORRELATION && slope.abs() < limits.0 {
+        if slope.abs() > limits.1 || correlation >= RELATED_CORRELATION && slope.abs() < limits.0 {
             return Verdict::Scale(slope, guess(slope, units).unwrap_or("another unit"));
         }
-        if together.abs() < UNRELATED_CORRELATION {
+        if correlation.abs() < UNRELATED_CORRELATION {
             return Verdict::Unrelated;
         }
         Verdict::Fits
@@ -127,14 +119,14 @@ impl Pair {
 
     /// A unit's own factor between both, held through all speeds.
     pub(super) fn unit(&self) -> Option<(f64, &'static str)> {
-        let (slope, together) = self
-            .slope()
+        let SignalLine { slope, correlation } = self
+            .line()
             .filter(|_| self.seconds >= 2.0 * MIN_OBSERVED_TIME_S)?;
         // at one speed any factor is held
-        let mean = self.second / self.count;
-        let spread = self.second_square / self.count - mean * mean;
+        let mean = self.sums.mean_x();
+        let spread = self.sums.about_zero().xx / self.sums.count() - mean * mean;
         let varied = spread > 0.04 * mean * mean;
-        (varied && together >= ALL_BUT_ONE).then(|| Some((slope, guess(slope, &ROTATIONS)?)))?
+        (varied && correlation >= ALL_BUT_ONE).then(|| Some((slope, guess(slope, &ROTATIONS)?)))?
     }
 }
 
@@ -174,8 +166,10 @@ mod tests {
     fn a_slope_is_that_of_least_squares_and_without_means_where_there_is_a_bias() {
         let readings = [(2.0, 1.0), (3.0, 2.0), (7.0, 4.0)];
         let near = |pair: &Pair, slope: f64, together: f64| {
-            let found = pair.slope().unwrap();
-            assert!((found.0 - slope).abs() < 1e-12 && (found.1 - together).abs() < 1e-12);
+            let found = pair.line().unwrap();
+            assert!(
+                (found.slope - slope).abs() < 1e-12 && (found.correlation - together).abs() < 1e-12
+            );
         };
         near(&of(1.0, &readings), 36.0 / 21.0, 36.0 / 1302.0_f64.sqrt());
         let mut pair = Pair::default();
@@ -192,7 +186,7 @@ mod tests {
         near(&shifted, 12.0 / 7.0, 4.0 * 3.0_f64.sqrt() / 7.0);
         for still in [[(0.0, 1.0), (0.0, 2.0)], [(1.0, 0.0), (2.0, 0.0)]] {
             let still = of(1.0, &still);
-            assert!(still.slope().is_none() && !still.is_related());
+            assert!(still.line().is_none() && !still.is_related());
             assert_eq!(verdict(&still), Verdict::Unrelated);
         }
     }
@@ -201,9 +195,9 @@ mod tests {
     fn a_second_is_seen_where_the_second_reading_moves() {
         let mut pair = Pair::default();
         pair.take(1.0, 0.499, 0.5, 10.0);
-        assert!(pair.slope().is_none() && !pair.is_settled());
+        assert!(pair.line().is_none() && !pair.is_settled());
         pair.take(1.0, -0.5, 0.5, 0.5);
-        assert!(pair.slope().is_some() && !pair.is_settled() && !pair.is_related());
+        assert!(pair.line().is_some() && !pair.is_settled() && !pair.is_related());
         assert_eq!(verdict(&pair), Verdict::Open);
         pair.take(1.0, -0.5, 0.5, 0.5);
         assert!(pair.is_settled() && pair.is_related());
