@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub use grouser_design as design;
+pub use grouser_doctor as doctor;
 pub use grouser_figure as figure;
 pub use grouser_files as files;
 pub use grouser_identify as identify;

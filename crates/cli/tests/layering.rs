@@ -21,6 +21,10 @@ const FLOORS: &[(&str, &[&str])] = &[
         &["grouser-real", "grouser-slip", "grouser-files"],
     ),
     (
+        "grouser-doctor",
+        &["grouser-real", "grouser-slip", "grouser-files"],
+    ),
+    (
         "grouser-replay",
         &[
             "grouser-real",
@@ -28,6 +32,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "grouser-slip",
             "grouser-files",
             "grouser-log",
+            "grouser-doctor",
         ],
     ),
     (
@@ -114,6 +119,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "grouser-slip",
             "grouser-files",
             "grouser-log",
+            "grouser-doctor",
             "grouser-replay",
             "grouser-design",
             "grouser-identify",

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use crate::pose_watch::PoseFault;
+use grouser_doctor::Mistake;
+
 use crate::reference_delay::ReferenceDelay;
-use crate::steering_watch::SteeringFault;
 
 /// A reference of which the filter used less than this share was locked out, not noisy.
 const MIN_USED_SHARE: f64 = 0.5;
@@ -80,16 +80,6 @@ impl WayCheck {
 pub enum Doubt {
     /// The filter used no reading of its only reference.
     ReferenceUnused,
-    /// The pose disagrees with gyro or wheels.
-    Pose(PoseFault),
-    /// The gyro turns by this multiple of what pose and wheels turn by.
-    YawRateScale(f64),
-    /// These wheels turn against the motion by the reference, bit by bit in the robot's order, and others with it.
-    Reversed(u64),
-    /// The speed over ground is never negative, though the wheels ran this far backwards, m.
-    SpeedWithoutSign(f64),
-    /// The robot turns otherwise than as it is steered.
-    Steering(SteeringFault),
     /// The filter refused most readings of its only reference.
     ReferenceRefused(ReferenceUse),
     /// The filter's way differs from the reference's.
@@ -99,20 +89,12 @@ pub enum Doubt {
         /// Slip of the whole way by the reference.
         reference: f64,
     },
-    /// The reference's motion is turned by this angle against the direction in which the wheels drive, rad, positive to the
-    /// left: its axes, its yaw or the wheels' headings are described wrongly.
-    ReferenceTurned(f64),
-    /// The same of the accelerations that go with speeding up.
-    AccelerationTurned(f64),
     /// The reference's stamps are apart from those of wheels and gyro by more than is corrected.
     ClocksApart(ReferenceDelay),
     /// Between two samples lies this time, s: the clock was set, or the log consists of two drives.
     ClockJump(f64),
-    /// In bends wheels of both sides show the speeds of the other side.
-    Exchanged {
-        /// Is it certain that they are exchanged, and not the sign of the gyro?
-        is_certain: bool,
-    },
+    /// A sensor is described wrongly.
+    Description(Mistake),
 }
 
 impl fmt::Display for Doubt {
@@ -122,42 +104,6 @@ impl fmt::Display for Doubt {
                 f,
                 "no reading of the reference could be used: how fast the robot travels is not known, and no slip is"
             ),
-            Self::Pose(fault) => pose_fault(f, *fault),
-            Self::YawRateScale(scale) => write!(
-                f,
-                "the gyro turns by {scale:.2} times what pose and wheels turn by: its unit or its sign is described wrongly"
-            ),
-            Self::Reversed(wheels) => {
-                let places = (0..u64::BITS).filter(|index| wheels >> index & 1 == 1);
-                let places: Vec<String> = places.map(|index| (index + 1).to_string()).collect();
-                let (noun, verb) = match places.len() {
-                    1 => ("wheel", "turns"),
-                    _ => ("wheels", "turn"),
-                };
-                write!(
-                    f,
-                    "{noun} {} of the robot file {verb} against the robot's motion and others with it: `reversed = true` says so \
-                     of an encoder",
-                    places.join(", ")
-                )
-            }
-            Self::SpeedWithoutSign(way) => write!(
-                f,
-                "the speed over ground is never negative, but the wheels ran {way:.1} m backwards: it is the size of the speed. \
-                 `meaning = \"speed_size\"` (of its column, or under `[[topics.field]]`) gives it the sign of the wheels"
-            ),
-            Self::Steering(fault) => {
-                let why = match fault {
-                    SteeringFault::Reversed => "is its sign wrong (`scale = -1.0` in its column)",
-                    SteeringFault::Unit => {
-                        "is its unit another (rad, deg), or does it stay the same"
-                    }
-                };
-                write!(
-                    f,
-                    "the robot does not turn as its steering angle says: {why}?"
-                )
-            }
             Self::ReferenceRefused(ReferenceUse { readings, used }) => write!(
                 f,
                 "the filter used {used} of {readings} readings of its reference: its slips do not follow from this log"
@@ -166,86 +112,13 @@ impl fmt::Display for Doubt {
                 f,
                 "the slip of the whole way is {filter:.3} by the filter, but {reference:.3} by the reference alone"
             ),
-            Self::ReferenceTurned(angle) => write!(
-                f,
-                "the reference moves {:.0}° to the left of the direction in which the wheels drive: its axes or its yaw \
-                 are described wrongly (`pose_yaw_offset_deg` in the robot file corrects a pose: {:.0} more than there; of fixes and \
-                 places without a heading the robot's first way counts as forwards)",
-                angle.to_degrees(),
-                -angle.to_degrees()
-            ),
-            Self::AccelerationTurned(angle) => write!(
-                f,
-                "where the robot speeds up, the accelerations point {:.0}° to the left of forwards: the mounting of the IMU \
-                 is described wrongly",
-                angle.to_degrees()
-            ),
             Self::ClocksApart(delay) => write!(f, "{delay}"),
-            Self::Exchanged { is_certain } => write!(
-                f,
-                "in bends wheels show the speeds of the other side: left and right encoders are exchanged{}",
-                if *is_certain {
-                    ""
-                } else {
-                    ", or the yaw rate has the wrong sign"
-                }
-            ),
             Self::ClockJump(gap_s) => write!(
                 f,
                 "the times of the log jump by {gap_s:.0} s: its clock was set, or it holds more than one drive"
             ),
+            Self::Description(mistake) => write!(f, "{mistake}"),
         }
-    }
-}
-
-fn pose_fault(f: &mut fmt::Formatter<'_>, fault: PoseFault) -> fmt::Result {
-    match fault {
-        PoseFault::YawConstant => write!(
-            f,
-            "`pose_yaw` stays the same while the robot turns: the orientation is not measured (an identity), or another \
-             axis of the pose points up"
-        ),
-        PoseFault::YawMirrored => write!(
-            f,
-            "`pose_yaw` turns against gyro or wheels: it counts to the right (`scale = -1.0` in its column turns it round), \
-             or the axis that points up is another"
-        ),
-        PoseFault::YawUnit(scale) => write!(
-            f,
-            "`pose_yaw` turns by {scale:.1} times what gyro or wheels turn by: is its unit another than described (rad, deg)?"
-        ),
-        PoseFault::PlaceMirrored => write!(
-            f,
-            "the places of the pose turn against its yaw: `pose_x` and `pose_y` are exchanged, or one of them has the wrong \
-             sign (`scale = -1.0` in its column)"
-        ),
-        PoseFault::Unit(scale) => write!(
-            f,
-            "the pose moves {scale:.3} times as far as the wheels: is it in another unit than described (cm, mm){}?",
-            if scale < 1.0 {
-                ", or do the wheels slip so much"
-            } else {
-                ""
-            }
-        ),
-    }
-}
-
-impl Doubt {
-    /// Is it about how a sensor is described: its unit, its sign or its axes?
-    #[must_use]
-    pub const fn is_description(&self) -> bool {
-        matches!(
-            self,
-            Self::Pose(_)
-                | Self::YawRateScale(_)
-                | Self::Steering(_)
-                | Self::Reversed(_)
-                | Self::SpeedWithoutSign(_)
-                | Self::ReferenceTurned(_)
-                | Self::AccelerationTurned(_)
-                | Self::Exchanged { .. }
-        )
     }
 }
 

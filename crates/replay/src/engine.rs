@@ -1,5 +1,6 @@
 //! Samples in, rows and a summary out.
 
+use grouser_doctor::{Doctor, Uses, Window};
 use grouser_files::robot::{Corrections, RobotFile};
 use grouser_slip::filter::Learnt;
 use grouser_slip::onboard::SoilEstimate;
@@ -8,11 +9,8 @@ use grouser_slip::{
     Health, Invalid, Measurement, Motion, Reference, Robot, Sample, Slip, WheelRole,
 };
 
-use crate::axes::{AxisCheck, AxisWatch};
 use crate::choice::Inputs;
-use crate::encoder_signs::EncoderSigns;
 use crate::error::{Error, Result};
-use crate::exchange_watch::ExchangeWatch;
 use crate::fusion::Fusion;
 use crate::ground_watch::GroundWatch;
 use crate::method::Method;
@@ -20,17 +18,14 @@ use crate::moment::{Moment, Travel, side_slip_angle};
 use crate::odometry::Odometry;
 use crate::options::Options;
 use crate::place_way::PlaceWay;
-use crate::pose_watch::{PoseFault, PoseWatch};
 use crate::reckoning::{Reckoning, inconsistent};
 use crate::reference_delay::ReferenceDelay;
 use crate::samples::{is_used, rotating_wheel};
 use crate::sink::{Row, Sink, Step};
 use crate::smooth::latency_ns;
-use crate::speed_sign::SignWatch;
 use crate::steering::WheelSteering;
 use crate::summary::{Status, Summary};
 use crate::tally::Tally;
-use crate::turn_watch::TurnWatch;
 use crate::ways::Ways;
 
 /// Runs samples in the order of time through the estimator.
@@ -84,16 +79,10 @@ pub struct Engine {
     read: u64,
     tallies: Vec<Tally>,
     ways: Ways,
-    turns: Option<TurnWatch>,
-    exchange: Option<ExchangeWatch>,
-    axes: AxisWatch,
+    doctor: Doctor,
     ground: GroundWatch,
     corrections: Corrections,
     steering: Option<WheelSteering>,
-    pose: PoseWatch,
-    speed_sign: SignWatch,
-    /// `None` of a robot that steers by one angle.
-    signs: Option<EncoderSigns>,
     reckoning: Reckoning,
     odometry: Option<Odometry>,
     clock_offset_s: Option<f64>,
@@ -215,22 +204,7 @@ impl Engine {
         Ok(Self {
             ways_means: Box::new(WindowMeans::new(&robot, of_ways)?),
             slips,
-            pose: PoseWatch::new(
-                &robot,
-                steering.as_ref(),
-                settings.low_speed,
-                settings.position_sigma,
-            ),
-            speed_sign: SignWatch::default(),
-            signs: (steering.is_none()).then(|| EncoderSigns::new(&robot, settings.low_speed)),
-            // Steered wheels turn the robot otherwise than by the speeds of its sides.
-            turns: if file.steering.is_none() {
-                TurnWatch::new(&robot, settings.low_speed, settings.window)
-            } else {
-                None
-            },
-            exchange: ExchangeWatch::new(&robot, settings.window),
-            axes: AxisWatch::new(&robot, settings.low_speed),
+            doctor: Doctor::new(file, &settings),
             ground: GroundWatch::new(&robot, settings.low_speed),
             corrections: file.corrections,
             steering,
@@ -300,9 +274,7 @@ impl Engine {
             _ => {}
         }
         if is_used(&sample.measurement, self.inputs.wheel_sensor) {
-            self.axes.take(&sample);
-            self.pose.take(&sample);
-            self.speed_sign.take(&sample);
+            self.doctor.take(&sample);
             self.ground.take(&sample);
             if let Measurement::Position { x, y } = sample.measurement {
                 self.reckoning.take_place(sample.time_ns, [x, y]);
@@ -395,27 +367,20 @@ impl Engine {
             self.rims.clear();
             (self.rims).extend(all.map(|wheel| self.slips.rim_speed(wheel)));
             let rims = &self.rims;
-            if let Some(turns) = &mut self.turns {
-                turns.take(time_s, &body, |wheel| rims[wheel].unwrap_or(0.0));
-            }
-            if let Some(exchange) = &mut self.exchange {
-                exchange.step(&body, |wheel| rims[wheel]);
-            }
-            if let Some(signs) = &mut self.signs {
-                signs.step(&body, rims);
-            }
+            self.doctor.step(&Window {
+                now_ns: now,
+                time_s,
+                body: &body,
+                wheel_speeds: rims,
+            });
             let wheels = self.robot.wheels().iter().enumerate();
             let powered = wheels.filter(|(_, wheel)| wheel.role == WheelRole::Powered);
             let rims = powered.filter_map(|(index, _)| rims[index]);
-            let (sum, count) =
-                (rims.clone()).fold((0.0, 0.0), |(sum, count), rim| (sum + rim, count + 1.0));
-            if count > 0.0 {
-                self.axes.step(now, sum / count);
-                self.pose.step(now, sum / count, &body);
+            let count = rims.clone().count();
+            if count > 0 {
                 let size: f64 = rims.clone().map(f64::abs).sum();
-                self.ground.step(now, time_s, size / count);
+                self.ground.step(now, time_s, size / count as f64);
             }
-            self.speed_sign.step(&body, self.settings.low_speed);
             self.ways.count(&body, rims);
             self.ways.travel(travel);
         } else if time_s < self.span.0 {
@@ -517,7 +482,6 @@ impl Engine {
     fn summary(self) -> Summary {
         let reference = self.inputs.reference;
         let by_places = self.reckoning.ways_by_places();
-        let axes = self.axes.summary();
         let (method, fused, rejected, soil) = match &self.slips {
             Slips::Filter(fusion, _) => {
                 let summary = fusion.summary(self.reckoning.ways());
@@ -527,22 +491,6 @@ impl Engine {
             Slips::Window(estimator) => (Method::Window, None, estimator.rejected(), None),
         };
         let wheels = self.robot.wheels().iter().zip(&self.tallies);
-        let is_sign_certain = self.pose.is_turn_certain();
-        let exchange = (self.exchange.as_ref()).and_then(|of| of.found(is_sign_certain));
-        let mut turns = self.turns.as_ref().map(TurnWatch::summary);
-        if let Some(turns) = turns.as_mut().filter(|_| exchange.is_some()) {
-            // The difference is wiring: no wheel slips by it.
-            turns.wheel = None;
-        }
-        let mut pose = self.pose.summary();
-        let (mut steering, gyro_scale) = self.pose.steering();
-        pose.gyro_scale = pose.gyro_scale.or(gyro_scale);
-        // without a gyro the same turns by the wheels are beside those of the yaw
-        match pose.fault {
-            Some(PoseFault::PlaceMirrored | PoseFault::Unit(_)) => steering = None,
-            Some(_) if steering.is_some() => pose.fault = None,
-            _ => {}
-        }
         // Where nothing of an absolute reference was used, there is no way.
         let is_unused = self.slips.is_reference_unused();
         Summary {
@@ -571,19 +519,11 @@ impl Engine {
                 by_places.as_ref(),
             ),
             yaw: self.ways.yaw(),
-            turns,
-            exchange,
-            axes: AxisCheck {
-                // places without a heading do not show that the robot begins forwards
-                reference: axes.reference.filter(|_| by_places.is_none()),
-                ..axes
-            },
-            has_other_acceleration: self.axes.has_other_scale(),
-            pose,
-            speed_without_sign_m: (self.speed_sign.backwards())
-                .filter(|_| reference == Reference::Speed),
-            reversed: self.signs.as_ref().and_then(EncoderSigns::reversed),
-            steering,
+            findings: self.doctor.findings(Uses {
+                reference,
+                has_heading: by_places.is_none(),
+                has_acceleration: method == Method::Filter,
+            }),
             ground_changes_s: self.ground.called_s().to_vec(),
             clock_offset_s: self.clock_offset_s,
             reference_delay: self.reference_delay,

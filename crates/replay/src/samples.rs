@@ -1,14 +1,13 @@
 //! Which of a log's samples are used, and what they say.
 
+use grouser_doctor::WheelSign;
 use grouser_files::columns::Meaning;
 use grouser_files::robot::{RobotFile, WheelSensor};
 use grouser_log::Measures;
-use grouser_real::{Real, wrap_angle};
 use grouser_slip::{Measurement, Sample};
 
 use crate::choice::{LogWheel, robot_wheels};
 use crate::error::Result;
-use crate::speed_sign::WheelSign;
 
 /// The samples of a live source as those of the robot: wheels in the robot's order, speeds as rates, currents as torques; a
 /// speed over ground of which only the size is measured has the sign of the wheels.
@@ -97,40 +96,5 @@ pub(crate) const fn rotating_wheel(measurement: &Measurement) -> Option<usize> {
         measurement.wheel()
     } else {
         None
-    }
-}
-
-/// Way forwards and to the left (m), in the robot's frame halfway, and turn (rad) from one pose to another.
-pub(crate) fn displacement(from: [f64; 3], to: [f64; 3]) -> ([f64; 2], f64) {
-    let turn = wrap_angle(to[2] - from[2]);
-    let (sin, cos) = Real::sin_cos(from[2] + 0.5 * turn);
-    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
-    ([cos * dx + sin * dy, cos * dy - sin * dx], turn)
-}
-
-#[cfg(test)]
-mod tests {
-    use std::f64::consts::{PI, SQRT_2};
-
-    use super::displacement;
-
-    #[test]
-    fn a_displacement_is_that_of_the_arc_between_two_poses() {
-        // a quarter of a circle of 1 m to the left has a chord of √2 m, whichever way the robot heads
-        for heading in [0.0, 1.0, 0.75 * PI, 0.9 * PI, -0.9 * PI] {
-            let from = [3.0, -2.0, heading];
-            let (sin, cos) = f64::sin_cos(heading + 0.25 * PI);
-            let mut to = heading + 0.5 * PI;
-            if to > PI {
-                to -= 2.0 * PI;
-            }
-            let to = [from[0] + SQRT_2 * cos, from[1] + SQRT_2 * sin, to];
-            let ([forward, left], turn) = displacement(from, to);
-            assert!(
-                (forward - SQRT_2).abs() < 1e-14 && left.abs() < 1e-14,
-                "{heading}"
-            );
-            assert!((turn - 0.5 * PI).abs() < 1e-14, "{heading}: {turn}");
-        }
     }
 }

@@ -1,18 +1,17 @@
 //! A log through the check of units, signs and axes.
 
+use grouser_doctor::{Findings, Mistake};
 use grouser_files::robot::RobotFile;
 use grouser_log::Log;
 use grouser_slip::Fault;
 use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::start::{Progress, StartCheck};
 
-use crate::checks::Doubt;
 use crate::choice::Inputs;
 use crate::error::Result;
 use crate::held::Held;
 use crate::options::Options;
 use crate::samples::{RobotSamples, is_used};
-use crate::summary::Summary;
 
 /// What [`check_start`] found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +22,7 @@ pub enum StartOutcome {
     /// The log does not show every sensor at work: the robot has to rest, drive, turn and speed up.
     Incomplete,
     /// A sensor disagrees with others over the whole log.
-    Contradicted(Doubt),
+    Contradicted(Mistake),
     /// A sensor disagrees: another unit, another sign, another axis.
     Implausible {
         /// What disagrees, how much, and what that looks like.
@@ -36,21 +35,20 @@ pub enum StartOutcome {
 impl StartOutcome {
     /// With what a run through the estimator found of how the sensors are described.
     #[must_use]
-    pub fn beside(self, summary: &Summary) -> Self {
+    pub fn beside(self, findings: &Findings) -> Self {
         let found = match self {
-            Self::Implausible { fault, .. } if is_refuted(&fault, summary) => Self::Plausible,
+            Self::Implausible { fault, .. } if is_refuted(&fault, findings) => Self::Plausible,
             Self::Implausible { .. } => return self,
             other => other,
         };
-        let mut doubts = summary.doubts().into_iter();
-        let small = summary.pose.small_unit().map(Doubt::Pose);
-        (doubts.find(Doubt::is_description).or(small)).map_or(found, Self::Contradicted)
+        let first = findings.mistakes().first().copied();
+        (first.or(findings.small_unit())).map_or(found, Self::Contradicted)
     }
 }
 
 /// Does the whole log refute what a part of it looked like? Slopes under an accelerometer, and a wheel that spins, look like
 /// another unit or sign for a while.
-fn is_refuted(fault: &Fault, summary: &Summary) -> bool {
+fn is_refuted(fault: &Fault, findings: &Findings) -> bool {
     let Fault::Implausible {
         field, looks_like, ..
     } = fault
@@ -61,11 +59,11 @@ fn is_refuted(fault: &Fault, summary: &Summary) -> bool {
     let is_at_rest = looks_like.ends_with("at rest") || looks_like.ends_with("stand");
     let is_refuted = match *field {
         "yaw rate" => {
-            let wheel = summary.turns.as_ref().and_then(|turns| turns.wheel);
-            summary.pose.gyro_agrees || wheel.is_some()
+            let wheel = findings.turns.as_ref().and_then(|turns| turns.wheel);
+            findings.pose.gyro_agrees || wheel.is_some()
         }
         "acceleration forward" | "acceleration left" => {
-            summary.axes.acceleration.is_none() && summary.has_other_acceleration == Some(false)
+            findings.axes.acceleration.is_none() && findings.has_other_acceleration == Some(false)
         }
         _ => false,
     };

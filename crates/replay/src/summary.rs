@@ -2,21 +2,17 @@
 
 use std::collections::BTreeMap;
 
+use grouser_doctor::{Findings, Mistake};
 use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
-use crate::axes::AxisCheck;
 use crate::checks::{Doubt, MAX_GAP_S};
-use crate::exchange_watch::ExchangeCheck;
 use crate::fusion::FusedSummary;
 use crate::held::HeldReference;
 use crate::method::Method;
 use crate::odometry::Odometry;
-use crate::pose_watch::PoseCheck;
 use crate::quantiles::Quantiles;
 use crate::reference_delay::ReferenceDelay;
-use crate::steering_watch::SteeringFault;
-use crate::turn_watch::TurnCheck;
 
 /// Median and the middle 90 % of something; `None` where there was nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -138,24 +134,8 @@ pub struct Summary {
     pub along: AlongSummary,
     /// Wheels against gyro, where there is one.
     pub yaw: Option<YawSummary>,
-    /// Whether wheels and gyro have gone apart, and which wheel's doing that is; of a robot with a gyro that turns by its
-    /// wheels' sides.
-    pub turns: Option<TurnCheck>,
-    /// Wheels that show the bends of the other side: their encoders are exchanged. `None` without, and without bends to both
-    /// sides.
-    pub exchange: Option<ExchangeCheck>,
-    /// Whether accelerometer and reference point in the direction in which the wheels drive.
-    pub axes: AxisCheck,
-    /// Whether the accelerations of the whole log show another scale or sign.
-    pub(crate) has_other_acceleration: Option<bool>,
-    /// Whether the pose turns as gyro and wheels do, and moves where its yaw points.
-    pub pose: PoseCheck,
-    /// How far the wheels ran backwards beside a speed over ground that has no sign, m.
-    pub speed_without_sign_m: Option<f64>,
-    /// Wheels that turn against the reference while others turn with it, bit by bit in the robot's order.
-    pub reversed: Option<u64>,
-    /// How the angle of the steering disagrees with the robot's turns.
-    pub steering: Option<SteeringFault>,
+    /// What was found of how the sensors are described.
+    pub findings: Findings,
     /// When torques or motor currents and the speed of the wheels showed another ground under one command, s from the log's
     /// start; a change between grounds that draw the same current is not observable.
     pub ground_changes_s: Vec<f64>,
@@ -181,33 +161,18 @@ impl Summary {
     #[must_use]
     pub fn doubts(&self) -> Vec<Doubt> {
         let of_filter = self.fused.iter().flat_map(|fused| &fused.doubts).copied();
-        let acceleration = self.axes.acceleration.filter(|_| self.fused.is_some());
-        // The window estimator does not use accelerations.
-        let exchange = self.exchange.as_ref();
-        let course = (self.pose.course).filter(|_| self.reference == Reference::Pose);
-        let apart = self
-            .reference_delay
-            .filter(|delay| delay.is_clear && delay.is_beyond_correction());
-        let axes = [
-            apart.map(Doubt::ClocksApart),
-            exchange.map(|found| Doubt::Exchanged {
-                is_certain: found.is_certain,
-            }),
-            (self.pose.fault)
-                .filter(|_| self.reference == Reference::Pose)
-                .map(Doubt::Pose),
-            (self.pose.gyro_scale)
-                .filter(|_| exchange.is_none())
-                .map(Doubt::YawRateScale),
-            self.steering.map(Doubt::Steering),
-            self.reversed.map(Doubt::Reversed),
-            self.axes.reference.or(course).map(Doubt::ReferenceTurned),
-            acceleration.map(Doubt::AccelerationTurned),
-            (self.longest_gap_s > MAX_GAP_S).then_some(Doubt::ClockJump(self.longest_gap_s)),
-        ];
-        let without_sign = self.speed_without_sign_m.map(Doubt::SpeedWithoutSign);
-        let of_filter = without_sign.into_iter().chain(of_filter);
-        of_filter.chain(axes.into_iter().flatten()).collect()
+        let is_far = |delay: &ReferenceDelay| delay.is_clear && delay.is_beyond_correction();
+        let apart = self.reference_delay.filter(is_far).map(Doubt::ClocksApart);
+        let has_jump = self.longest_gap_s > MAX_GAP_S;
+        let jump = has_jump.then_some(Doubt::ClockJump(self.longest_gap_s));
+        // readings of a speed without its sign are refused by the filter
+        let is_cause = |mistake: &Mistake| matches!(mistake, Mistake::SpeedWithoutSign(_));
+        let (causes, others): (Vec<_>, Vec<_>) =
+            self.findings.mistakes().into_iter().partition(is_cause);
+        let causes = causes.into_iter().map(Doubt::Description);
+        let others = others.into_iter().map(Doubt::Description);
+        let all = causes.chain(of_filter).chain(apart);
+        all.chain(others).chain(jump).collect()
     }
 }
 

@@ -176,11 +176,11 @@ fn the_slips_of_an_articulated_robot_are_those_of_the_world() {
     let (found, summary) = errors(ARTICULATED, false);
     println!("articulated: rmse {found:.4?}");
     assert!(found.iter().all(|error| *error < 0.015), "{found:?}");
-    assert_eq!(summary.exchange, None);
+    assert_eq!(summary.findings.exchange, None);
     let (smooth, _) = errors(ARTICULATED, true);
     println!("articulated, smoothed: rmse {smooth:.4?}");
     assert!(smooth.iter().all(|error| *error < 0.015), "{smooth:?}");
-    assert!(summary.turns.is_none());
+    assert!(summary.findings.turns.is_none());
     let windows = Options {
         method: Some(Method::Window),
         ..Options::default()

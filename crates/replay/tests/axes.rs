@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::io;
 
+use grouser_doctor::Mistake;
 use grouser_files::Document;
 use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_replay::{Doubt, Engine, Inputs, Options, Row, Sink, Status, Summary};
@@ -136,8 +137,7 @@ fn an_imu_that_is_turned_round_is_named() {
         }
     });
     println!("turned round: rmse {rmse:.4}");
-    let is_turned =
-        |doubt: &Doubt| matches!(doubt, Doubt::AccelerationTurned(angle) if angle.abs() > 3.0);
+    let is_turned = |doubt: &Doubt| matches!(doubt, Doubt::Description(Mistake::AccelerationTurned(angle)) if angle.abs() > 3.0);
     assert!(
         summary.doubts().iter().any(is_turned),
         "{:?}",
@@ -153,8 +153,7 @@ fn a_pose_that_is_turned_round_is_named_and_corrected() {
         }
     };
     let (summary, _) = run(false, false, "", turned);
-    let is_turned =
-        |doubt: &Doubt| matches!(doubt, Doubt::ReferenceTurned(angle) if angle.abs() > 3.0);
+    let is_turned = |doubt: &Doubt| matches!(doubt, Doubt::Description(Mistake::ReferenceTurned(angle)) if angle.abs() > 3.0);
     assert!(
         summary.doubts().iter().any(is_turned),
         "{:?}",

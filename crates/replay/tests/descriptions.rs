@@ -2,11 +2,10 @@
 
 use std::fmt::Write as _;
 
+use grouser_doctor::{Mistake, PoseFault, SteeringFault};
 use grouser_files::Document;
 use grouser_files::robot::{self, RobotFile, WheelSensor};
-use grouser_replay::{
-    Doubt, Engine, Inputs, Options, PoseFault, Row, Sink, SteeringFault, Summary,
-};
+use grouser_replay::{Doubt, Engine, Inputs, Options, Row, Sink, Summary};
 use grouser_slip::{Measurement, Reference, Sample};
 use grouser_synthetic::Noise;
 
@@ -138,6 +137,10 @@ fn drive_by(
 }
 
 /// The doubts of a drive whose poses are changed.
+fn is_description(doubt: &Doubt) -> bool {
+    matches!(doubt, Doubt::Description(_))
+}
+
 fn doubts_of(change: impl Fn(&mut f64, &mut f64, &mut f64)) -> Vec<Doubt> {
     let changed = |measurement: &mut Measurement| {
         if let Measurement::Pose { x, y, yaw } = measurement {
@@ -153,8 +156,8 @@ fn right_descriptions_raise_no_doubt() {
         for lever in [0.0, 0.3, -0.3] {
             let summary = drive(more, lever, |_| ());
             let doubts = summary.doubts();
-            println!("{more} {lever}: {:?} {doubts:?}", summary.pose);
-            assert!(!doubts.iter().any(Doubt::is_description), "{doubts:?}");
+            println!("{more} {lever}: {:?} {doubts:?}", summary.findings.pose);
+            assert!(!doubts.iter().any(is_description), "{doubts:?}");
         }
     }
 }
@@ -165,7 +168,7 @@ fn a_yaw_that_is_turned_a_little_is_named_with_its_angle() {
         let found = doubts_of(|_, _, yaw| *yaw += offset_deg.to_radians());
         let angles: Vec<f64> = (found.iter())
             .filter_map(|doubt| match doubt {
-                Doubt::ReferenceTurned(angle) => Some(angle.to_degrees()),
+                Doubt::Description(Mistake::ReferenceTurned(angle)) => Some(angle.to_degrees()),
                 _ => None,
             })
             .collect();
@@ -178,7 +181,10 @@ fn a_yaw_that_is_turned_a_little_is_named_with_its_angle() {
 #[test]
 fn poses_whose_axes_or_unit_are_wrong_are_named() {
     let has = |found: &[Doubt], fault: PoseFault| {
-        assert!(found.contains(&Doubt::Pose(fault)), "{fault:?}: {found:?}");
+        assert!(
+            found.contains(&Doubt::Description(Mistake::Pose(fault))),
+            "{fault:?}: {found:?}"
+        );
     };
     has(&doubts_of(|_, _, yaw| *yaw = 0.0), PoseFault::YawConstant);
     has(&doubts_of(|_, _, yaw| *yaw = -*yaw), PoseFault::YawMirrored);
@@ -187,12 +193,16 @@ fn poses_whose_axes_or_unit_are_wrong_are_named() {
         PoseFault::PlaceMirrored,
     );
     let found = doubts_of(|_, _, yaw| *yaw = yaw.to_degrees());
-    let is_degrees = |doubt: &Doubt| matches!(doubt, Doubt::Pose(PoseFault::YawUnit(_)));
+    let is_degrees = |doubt: &Doubt| {
+        matches!(
+            doubt,
+            Doubt::Description(Mistake::Pose(PoseFault::YawUnit(_)))
+        )
+    };
     assert!(found.iter().any(is_degrees), "{found:?}");
     has(&doubts_of(|_, y, _| *y = -*y), PoseFault::PlaceMirrored);
     let found = doubts_of(|x, y, _| (*x, *y) = (100.0 * *x, 100.0 * *y));
-    let is_unit =
-        |doubt: &Doubt| matches!(doubt, Doubt::Pose(PoseFault::Unit(scale)) if *scale > 50.0);
+    let is_unit = |doubt: &Doubt| matches!(doubt, Doubt::Description(Mistake::Pose(PoseFault::Unit(scale))) if *scale > 50.0);
     assert!(found.iter().any(is_unit), "{found:?}");
 }
 
@@ -205,9 +215,11 @@ fn a_gyro_whose_unit_or_sign_is_wrong_is_named() {
             }
         });
         let doubts = summary.doubts();
-        let is_scale = |doubt: &Doubt| matches!(doubt, Doubt::YawRateScale(found) if (found / scale - 1.0).abs() < 0.2);
+        let is_scale = |doubt: &Doubt| matches!(doubt, Doubt::Description(Mistake::YawRateScale(found)) if (found / scale - 1.0).abs() < 0.2);
         println!("{scale}: {doubts:?}");
-        let is_named = |doubt: &Doubt| matches!(doubt, Doubt::Exchanged { .. }) || is_scale(doubt);
+        let is_named = |doubt: &Doubt| {
+            matches!(doubt, Doubt::Description(Mistake::Exchanged { .. })) || is_scale(doubt)
+        };
         assert!(doubts.iter().any(is_named), "{doubts:?}");
     }
 }
@@ -236,9 +248,13 @@ fn a_steering_whose_sign_or_unit_is_wrong_is_named() {
             });
             let doubts: Vec<Doubt> = summary.doubts();
             let of_description: Vec<&Doubt> =
-                doubts.iter().filter(|of| of.is_description()).collect();
+                doubts.iter().filter(|of| is_description(of)).collect();
             println!("{reference:?} {has_gyro} {scale}: {doubts:?}");
-            let wanted: Vec<Doubt> = fault.map(Doubt::Steering).into_iter().collect();
+            let wanted: Vec<Doubt> = fault
+                .map(Mistake::Steering)
+                .map(Doubt::Description)
+                .into_iter()
+                .collect();
             assert_eq!(of_description, wanted.iter().collect::<Vec<_>>());
         }
     }
@@ -254,23 +270,24 @@ fn a_heading_or_a_gyro_of_the_wrong_sign_is_not_taken_for_the_steering() {
     });
     let doubts = summary.doubts();
     assert!(
-        doubts.contains(&Doubt::Pose(PoseFault::YawMirrored)),
+        doubts.contains(&Doubt::Description(Mistake::Pose(PoseFault::YawMirrored))),
         "{doubts:?}"
     );
-    assert_eq!(summary.steering, None);
+    assert_eq!(summary.findings.steering, None);
     let summary = drive_by(Reference::Displacement, true, CAR, 0.0, |measurement| {
         if let Measurement::YawRate { rate } = measurement {
             *rate = -*rate;
         }
     });
     let doubts = summary.doubts();
-    let is_scale =
-        |doubt: &Doubt| matches!(doubt, Doubt::YawRateScale(found) if (found + 1.0).abs() < 0.4);
-    println!("{:?} {doubts:?}", summary.pose);
-    assert!(summary.pose.gyro_scale.is_some());
-    let is_named = |doubt: &Doubt| matches!(doubt, Doubt::Exchanged { .. }) || is_scale(doubt);
+    let is_scale = |doubt: &Doubt| matches!(doubt, Doubt::Description(Mistake::YawRateScale(found)) if (found + 1.0).abs() < 0.4);
+    println!("{:?} {doubts:?}", summary.findings.pose);
+    assert!(summary.findings.pose.gyro_scale.is_some());
+    let is_named = |doubt: &Doubt| {
+        matches!(doubt, Doubt::Description(Mistake::Exchanged { .. })) || is_scale(doubt)
+    };
     assert!(doubts.iter().any(is_named), "{doubts:?}");
-    assert_eq!(summary.steering, None);
+    assert_eq!(summary.findings.steering, None);
 }
 
 /// A camera that takes the robot's back for its front now and then: its filter refuses such poses, and nothing is described
@@ -284,7 +301,7 @@ fn a_yaw_that_is_turned_round_at_times_is_no_wrong_description() {
             *yaw += std::f64::consts::PI;
         }
     });
-    assert!(!found.iter().any(Doubt::is_description), "{found:?}");
+    assert!(!found.iter().any(is_description), "{found:?}");
 }
 
 /// A counter that stood from the beginning made 0.04 of the slip of the whole way −0.28; yaws that are off for one reading each turned a
@@ -324,6 +341,9 @@ fn encoders_that_are_reversed_are_named() {
             }
         });
         let doubts = summary.doubts();
-        assert!(doubts.contains(&Doubt::Reversed(mask)), "{doubts:?}");
+        assert!(
+            doubts.contains(&Doubt::Description(Mistake::Reversed(mask))),
+            "{doubts:?}"
+        );
     }
 }

@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 use std::io::Cursor;
 
+use grouser_doctor::{ExchangeCheck, Mistake};
 use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
-use grouser_replay::{Doubt, ExchangeCheck, Options, Summary, run};
+use grouser_replay::{Doubt, Options, Summary, run};
 use grouser_synthetic::Noise;
 
 use crate::shipped::{ROBOTINO, data, example, root};
@@ -125,14 +126,14 @@ fn found(world: World, shown: impl Fn(usize) -> usize) -> Option<(Vec<usize>, bo
     let is_doubtful = summary
         .doubts()
         .iter()
-        .any(|doubt| matches!(doubt, Doubt::Exchanged { .. }));
-    assert_eq!(is_doubtful, summary.exchange.is_some());
+        .any(|doubt| matches!(doubt, Doubt::Description(Mistake::Exchanged { .. })));
+    assert_eq!(is_doubtful, summary.findings.exchange.is_some());
     if is_doubtful {
-        assert_eq!(summary.turns.unwrap().wheel, None);
+        assert_eq!(summary.findings.turns.unwrap().wheel, None);
     }
     let ExchangeCheck {
         wheels, is_certain, ..
-    } = summary.exchange?;
+    } = summary.findings.exchange?;
     Some((wheels, is_certain))
 }
 
@@ -264,16 +265,29 @@ fn measured_logs_report_an_exchange_where_one_is_planted() {
         return;
     };
     for name in ["nonfaulty", "left_faulty"] {
-        assert_eq!(kobuki(&kobuki_data, name, false).exchange, None, "{name}");
+        assert_eq!(
+            kobuki(&kobuki_data, name, false).findings.exchange,
+            None,
+            "{name}"
+        );
     }
-    let planted = kobuki(&kobuki_data, "nonfaulty", true).exchange.unwrap();
+    let planted = kobuki(&kobuki_data, "nonfaulty", true)
+        .findings
+        .exchange
+        .unwrap();
     assert_eq!((planted.wheels, planted.is_certain), (vec![0, 1], false));
     let options = Options::default();
     let drives = example("jackal").summary(jackal.join("jackal_61s.bag"), &options);
-    assert_eq!(drives.exchange, None);
+    assert_eq!(drives.findings.exchange, None);
     let omni =
         example("robotino").summary(robotino.join(format!("{}.csv.gz", ROBOTINO[0])), &options);
-    assert_eq!(omni.exchange, None);
+    assert_eq!(omni.findings.exchange, None);
     let log = root().join("examples/five-wheel/log.csv");
-    assert_eq!(example("five-wheel").summary(log, &options).exchange, None);
+    assert_eq!(
+        example("five-wheel")
+            .summary(log, &options)
+            .findings
+            .exchange,
+        None
+    );
 }

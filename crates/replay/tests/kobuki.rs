@@ -94,7 +94,7 @@ fn the_slipping_run_is_called_within_five_seconds_and_no_wheel_is_blamed_without
     else {
         return;
     };
-    let (good, faulty) = (good.turns.unwrap(), faulty.turns.unwrap());
+    let (good, faulty) = (good.findings.turns.unwrap(), faulty.findings.turns.unwrap());
     println!("nonfaulty: {good:?}");
     println!("left_faulty: {faulty:?}");
     assert_eq!(good.alarms, 0);

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::io::Cursor;
 
+use grouser_doctor::Mistake;
 use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
 use grouser_replay::{Doubt, Method, Options, Row, StartOutcome, Summary, check_start, run};
@@ -89,18 +90,18 @@ fn a_speed_that_is_never_negative_is_doubtful_where_wheels_run_backwards() {
     let doubts = found.doubts();
     // 3 spans of 9 to 10 s at 0.5 m/s
     assert!(
-        matches!(doubts[0], Doubt::SpeedWithoutSign(way) if (way - 14.0).abs() < 1.5),
+        matches!(doubts[0], Doubt::Description(Mistake::SpeedWithoutSign(way)) if (way - 14.0).abs() < 1.5),
         "{doubts:?}"
     );
     assert!(doubts[0].to_string().contains("`meaning = \"speed_size\"`"));
     let robot = robot::parse(&Document::from_text("robot.toml", ROBOT.into()).unwrap()).unwrap();
     let log = log("speed_forward");
     let start = check_start(&log, &robot, &Options::default()).unwrap();
-    let beside = start.beside(&found);
+    let beside = start.beside(&found.findings);
     assert!(
         matches!(
             beside,
-            StartOutcome::Contradicted(Doubt::SpeedWithoutSign(_))
+            StartOutcome::Contradicted(Mistake::SpeedWithoutSign(_))
                 | StartOutcome::Implausible { .. }
         ),
         "{beside:?}"

@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 use std::io::Cursor;
 
+use grouser_doctor::{Mistake, SteeringFault};
 use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
-use grouser_replay::{Doubt, Method, Options, SteeringFault, run, unused_currents};
+use grouser_replay::{Doubt, Method, Options, run, unused_currents};
 
 const WHEELS: [(&str, f64, f64); 4] = [
     ("rear_left", 0.0, 0.3),
@@ -162,7 +163,7 @@ fn four_steered_wheels_move_along_themselves() {
     let (rmse, held): (f64, f64) = ((sum / count).sqrt(), held / count);
     println!("rmse {rmse:.4}, 90 % intervals hold {held:.3}");
     assert!(rmse < 0.1 && held > 0.88, "{rmse} {held}");
-    assert_eq!(summary.steering, None);
+    assert_eq!(summary.findings.steering, None);
 }
 
 /// Beside places alone the course shows it: errors of slip were 0.2 to 0.7 before without a doubt.
@@ -179,8 +180,12 @@ fn wheels_that_are_steered_apart_and_described_wrongly_are_named() {
         let (log, file, _) = four_steered(scales);
         let summary = run(&log, &file, &Options::default(), |_| Ok(())).unwrap();
         println!("{scales:?}: {:?}", summary.doubts());
-        assert_eq!(summary.steering, Some(fault), "{scales:?}");
-        assert!(summary.doubts().contains(&Doubt::Steering(fault)));
+        assert_eq!(summary.findings.steering, Some(fault), "{scales:?}");
+        assert!(
+            summary
+                .doubts()
+                .contains(&Doubt::Description(Mistake::Steering(fault)))
+        );
     }
 }
 

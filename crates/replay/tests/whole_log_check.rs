@@ -100,7 +100,7 @@ fn outcomes(drive: Drive) -> (StartOutcome, StartOutcome) {
     let summary = run(&log, &robot, &Options::default(), |_| Ok(())).unwrap();
     let first = check_start(&log, &robot, &Options::default()).unwrap();
     println!("{first:?} {:?}", summary.doubts());
-    (first, first.beside(&summary))
+    (first, first.beside(&summary.findings))
 }
 
 #[test]

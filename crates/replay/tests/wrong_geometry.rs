@@ -164,7 +164,7 @@ fn holds(seconds: u32) {
                 seed: 5,
             };
             let summary = summary(drive, wrong);
-            let turns = summary.turns.as_ref().unwrap();
+            let turns = summary.findings.turns.as_ref().unwrap();
             let events = summary.fused.as_ref().map_or(0, |fused| fused.events.len());
             println!(
                 "pose {has_pose} {wrong:?}: {} alarms beyond geometry, wheel {:?}, geometry {:?}, {events} events, \
@@ -212,7 +212,7 @@ fn a_slip_beside_wrong_geometry_is_reported() {
             slip: 0.3,
             seed: 6,
         };
-        let turns = summary(drive, wrong).turns.unwrap();
+        let turns = summary(drive, wrong).findings.turns.unwrap();
         println!("{wrong:?}: {turns:?}");
         assert!(turns.alarms_beyond_geometry > 0, "{wrong:?}: {turns:?}");
     }

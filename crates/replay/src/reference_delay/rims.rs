@@ -1,12 +1,11 @@
 //! The way of the rims along the robot.
 
+use grouser_doctor::{common_heading, wheel_travel};
 use grouser_files::robot::RobotFile;
 use grouser_real::Real;
 use grouser_slip::{Measurement, Sample, Wheel, WheelRole};
 
 use super::track::Track;
-use crate::axes::common_heading;
-use crate::rim_way::rim_way;
 use crate::steering::WheelSteering;
 
 /// A wheel that is read less often is not known in between, s.
@@ -82,7 +81,7 @@ impl Rims {
             return;
         };
         let passed_s = time_s - last_s;
-        let way = rim_way(&rim.wheel, &last, &sample.measurement, passed_s) * rim.cosine;
+        let way = wheel_travel(&rim.wheel, &last, &sample.measurement, passed_s) * rim.cosine;
         if passed_s <= MAX_GAP_S && way.abs() <= self.max_speed * passed_s {
             self.track.add(time_s, self.share * way);
         } else {

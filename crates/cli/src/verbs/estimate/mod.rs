@@ -179,7 +179,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         .check
         .then(|| check_start(&log, &request.robot, &request.options))
         .transpose()?
-        .map(|start| start.beside(&summary));
+        .map(|start| start.beside(&summary.findings));
     let readings = match &soil {
         Some(chosen) => soil_readings(&summary, &request.robot.robot, &chosen.soil)?,
         None => Vec::new(),

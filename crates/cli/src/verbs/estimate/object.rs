@@ -4,10 +4,11 @@ use super::reservations::reservations;
 use super::row_watch::WheelRows;
 use super::truth;
 use crate::soil_text;
+use grouser_doctor::TurnCheck;
 use grouser_log::{Log, UsedTopic};
 use grouser_replay::{
     AlongSummary, Consistency, EventAt, FusedSummary, Odometry, ReferenceDelay, SoilReading,
-    Spread, StartOutcome, Summary, TruthError, TurnCheck, WheelSummary, YawSummary,
+    Spread, StartOutcome, Summary, TruthError, WheelSummary, YawSummary,
 };
 use grouser_report::{Fields, fields};
 use grouser_slip::Reference;
@@ -179,7 +180,7 @@ fn yaw<'a>() -> Fields<'a, Part<'a, YawSummary>> {
         "residual_p5_rad" "its 5th percentile" = yaw.part.residual.p5;
         "residual_p95_rad" "its 95th percentile" = yaw.part.residual.p95;
         "clock_offset_s" "how far the gyro's clock runs ahead" = yaw.of.clock_offset_s;
-        "apart" "whether wheels and gyro disagree" group(apart()) = Part::with(yaw.of, yaw.of.turns.as_ref());
+        "apart" "whether wheels and gyro disagree" group(apart()) = Part::with(yaw.of, yaw.of.findings.turns.as_ref());
     }
 }
 
@@ -196,7 +197,11 @@ fn apart<'a>() -> Fields<'a, Part<'a, TurnCheck>> {
 
 /// The names of the wheels whose encoders are exchanged.
 pub(super) fn exchanged(summary: &Summary) -> Vec<String> {
-    let wheels = summary.exchange.iter().flat_map(|found| &found.wheels);
+    let wheels = summary
+        .findings
+        .exchange
+        .iter()
+        .flat_map(|found| &found.wheels);
     wheels
         .filter_map(|wheel| Some(summary.wheels.get(*wheel)?.name.clone()))
         .collect()
@@ -213,9 +218,9 @@ pub(super) fn cause(turns: &TurnCheck, summary: &Summary) -> String {
 
 fn axes<'a>() -> Fields<'a, &'a Summary> {
     fields! { |summary: &'a Summary|
-        "reference_deg" "of the reference; null where it agrees" = summary.axes.reference.map(f64::to_degrees);
+        "reference_deg" "of the reference; null where it agrees" = summary.findings.axes.reference.map(f64::to_degrees);
         "acceleration_deg" "of the accelerations; null where they agree" =
-            summary.axes.acceleration.map(f64::to_degrees);
+            summary.findings.axes.acceleration.map(f64::to_degrees);
     }
 }
 

@@ -2,10 +2,9 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
+use grouser_doctor::TurnCheck;
 use grouser_files::robot::RobotFile;
-use grouser_replay::{
-    EventAt, FusedSummary, Options, SoilReading, Spread, Summary, TurnCheck, UNKNOWN,
-};
+use grouser_replay::{EventAt, FusedSummary, Options, SoilReading, Spread, Summary, UNKNOWN};
 use grouser_slip::{Motion, Reference};
 
 use super::object::{self, Found, cause, event_name};
@@ -68,7 +67,7 @@ pub(super) fn text(
             "wheels that show the other side's bends: {}",
             exchanged.join(", ")
         );
-    } else if let Some(turns) = &summary.turns {
+    } else if let Some(turns) = &summary.findings.turns {
         text.push_str(&apart(turns, summary));
     }
     for time_s in summary.ground_changes_s.iter().take(EVENTS) {

@@ -6,13 +6,14 @@
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
-use grouser_real::{Real, solve, wrap_angle};
+use grouser_files::steering::{Steering, SteeringKind};
+use grouser_real::{Real, wrap_angle};
 use grouser_slip::window::WindowBody;
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
-use crate::axes::common_heading;
-use crate::steering::WheelSteering;
-use crate::steering_watch::{SteeringFault, steering_fault};
+use crate::motion::common_heading;
+use crate::paths::{MIN_PATH_M, Paths};
+use crate::steering::{SteeringFault, steering_fault};
 use crate::turn_pair::{GyroTurn, MIN_CORRELATION, TurnPair};
 
 /// Turns are compared over this time, s: long against the delay of a reference; and not over a longer one than the second.
@@ -29,11 +30,6 @@ const MAX_JUMP_RAD: f64 = 2.5;
 /// A sensor in degrees that is taken for one in radians turns by this multiple, within this share: wheels show turns no better.
 const DEGREES_PER_RADIAN: f64 = 180.0 / PI;
 const DEGREES_TOLERANCE: f64 = 0.2;
-/// Straight ways: their length, m, and in standard deviations of a place; how far they turn, rad, and their longest time, s.
-const WAY_M: f64 = 0.5;
-const WAY_SIGMAS: f64 = 6.0;
-const MAX_BEND_RAD: f64 = 0.05;
-const MAX_WAY_TIME_S: f64 = 20.0;
 /// Courses of places that are compared with the steering: their length in standard deviations of a place, so that two differ by 0.12 rad
 /// at most by noise. The path of the wheels is up to the second number of times as long or as short.
 const COURSE_SIGMAS: f64 = 20.0;
@@ -47,21 +43,6 @@ const MAX_PATH_GAP_S: f64 = 1.0;
 const MAX_STEERING_RAD: f64 = 1.5;
 const MAX_WHEEL_STEERING_RAD: f64 = 7.0;
 const READINGS_PER_OUTLIER: i64 = 50;
-/// Ways that are kept and that must have been, at least.
-const MAX_WAYS: usize = 4000;
-const MIN_WAYS: usize = 8;
-/// Directions of ways agree where the mean of their unit vectors is at least this long.
-const AGREED_LENGTH: f64 = 0.85;
-/// The headings of ways show a mirrored place where the mean of their unit vectors, at twice the angle, is not longer.
-const MAX_HEADINGS_LENGTH: f64 = 0.7;
-/// An offset of the yaw is reported beyond this angle (5°) and this number of standard deviations.
-const MIN_OFFSET_RAD: f64 = 0.087;
-const OFFSET_SIGMAS: f64 = 5.0;
-/// Standard deviation of a robot's drift on a side slope, rad, which changes with the heading as an offset of the yaw does not.
-const DRIFT_RAD: f64 = 0.3;
-/// Ways in succession have errors alike: this times their variance, and not less than the second number, rad².
-const WAY_VARIANCE_FACTOR: f64 = 2.0;
-const MIN_WAY_VARIANCE: f64 = 4e-4;
 /// A reference that goes this much farther than the wheels in the median has another unit.
 const MAX_WAY_SCALE: f64 = 3.0;
 /// One whose ways are shorter than this share of the wheels', in nine of ten cases, probably has: the slip of a robot that
@@ -96,7 +77,7 @@ pub struct PoseCheck {
     /// The angle from its yaw to the course of straight ways, rad, where it is clear.
     pub course: Option<f64>,
     /// Does its yaw turn as the gyro does?
-    pub(crate) gyro_agrees: bool,
+    pub gyro_agrees: bool,
     /// Nine of ten of its ways are a lesser multiple of the wheels' than this.
     long_way_scale: Option<f64>,
 }
@@ -117,16 +98,6 @@ fn is_degrees(scale: f64) -> bool {
     (scale.abs() / DEGREES_PER_RADIAN - 1.0).abs() < DEGREES_TOLERANCE
 }
 
-/// Where a way begins.
-#[derive(Clone, Copy, Debug)]
-struct Begun {
-    time_ns: i64,
-    place: [f64; 2],
-    yaw: f64,
-    rims: f64,
-    sign: f64,
-}
-
 /// Compares a pose with gyro and wheels over a log.
 #[derive(Clone, Debug)]
 pub(crate) struct PoseWatch {
@@ -136,13 +107,10 @@ pub(crate) struct PoseWatch {
     is_parallel: bool,
     /// Does one angle steer wheels of one body?
     is_ackermann: bool,
-    low_speed: f64,
-    way: f64,
     gyro: GyroTurn,
     has_gyro: bool,
-    /// Mean speed of the rims, m/s, their way, m, the turn by the wheels, rad, and when they were read.
-    rim: f64,
-    rims: f64,
+    /// Mean speed of the wheels, m/s, the turn by them, rad, and when they were read.
+    speed: f64,
     wheels: f64,
     stepped_ns: Option<i64>,
     /// Time and yaw of the last pose; begin of the turn, and the pose's turn since.
@@ -159,18 +127,14 @@ pub(crate) struct PoseWatch {
     path: [f64; 3],
     course_from: Option<[[f64; 2]; 2]>,
     course: Option<[f64; 2]>,
-    course_way: f64,
-    straight: Option<Begun>,
-    /// Course less yaw, and the direction along the yaw in which the wheels drove, of straight ways, rad.
-    courses: Vec<[f64; 2]>,
-    any: Option<Begun>,
-    scales: Vec<f64>,
+    min_course: f64,
+    paths: Paths,
 }
 
 impl PoseWatch {
     pub(crate) fn new(
         robot: &Robot,
-        steering: Option<&WheelSteering>,
+        steering: Option<&Steering>,
         low_speed: f64,
         sigma: f64,
     ) -> Self {
@@ -184,14 +148,11 @@ impl PoseWatch {
         let heading = along.filter(|_| is_fixed);
         Self {
             is_parallel: along.is_some(),
-            is_ackermann: steering.is_some_and(WheelSteering::is_ackermann),
+            is_ackermann: steering.is_some_and(|steering| steering.kind == SteeringKind::Ackermann),
             heading: heading.map(|[cos, sin]| Real::atan2(sin, cos)),
-            low_speed,
-            way: WAY_M.max(WAY_SIGMAS * sigma),
             gyro: GyroTurn::default(),
             has_gyro: false,
-            rim: 0.0,
-            rims: 0.0,
+            speed: 0.0,
             wheels: 0.0,
             stepped_ns: None,
             last_yaw: None,
@@ -205,11 +166,8 @@ impl PoseWatch {
             path: [0.0; 3],
             course_from: None,
             course: None,
-            course_way: WAY_M.max(COURSE_SIGMAS * sigma),
-            straight: None,
-            courses: Vec::new(),
-            any: None,
-            scales: Vec::new(),
+            min_course: MIN_PATH_M.max(COURSE_SIGMAS * sigma),
+            paths: Paths::new(low_speed, sigma),
         }
     }
 
@@ -222,7 +180,7 @@ impl PoseWatch {
             }
             Measurement::Pose { x, y, yaw } if (x + y + yaw).is_finite() => {
                 self.take_turn(sample.time_ns, yaw);
-                self.take_place(sample.time_ns, [x, y], yaw);
+                self.paths.take(sample.time_ns, [x, y], yaw);
                 self.take_course([x, y]);
             }
             Measurement::Displacement {
@@ -242,16 +200,17 @@ impl PoseWatch {
         }
     }
 
-    /// Takes the mean speed of the powered rims, m/s, and the means over the window.
-    pub(crate) fn step(&mut self, now_ns: i64, rim: f64, body: &WindowBody) {
-        let before = std::mem::replace(&mut self.rim, rim);
-        if let Some(last_ns) = self.stepped_ns.replace(now_ns) {
-            let passed = now_ns.saturating_sub(last_ns) as f64 * 1e-9;
-            self.rims += rim * passed;
+    /// Takes the mean speed of the powered wheels, m/s, and the means over the window.
+    pub(crate) fn step(&mut self, now_ns: i64, speed: f64, body: &WindowBody) {
+        let before = std::mem::replace(&mut self.speed, speed);
+        let last_ns = self.stepped_ns.replace(now_ns);
+        let passed = last_ns.map_or(0.0, |last_ns| now_ns.saturating_sub(last_ns) as f64 * 1e-9);
+        self.paths.step(speed, passed);
+        if last_ns.is_some() {
             let [x, y, turn] = self.by_wheels(body);
             self.wheels += turn * passed;
             // to and fro courses turn by half a turn
-            if turn.is_finite() && passed < MAX_PATH_GAP_S && before * rim > 0.0 {
+            if turn.is_finite() && passed < MAX_PATH_GAP_S && before * speed > 0.0 {
                 let (sin, cos) = Real::sin_cos(self.path[2]);
                 self.path[0] += (cos * x - sin * y) * passed;
                 self.path[1] += (sin * x + cos * y) * passed;
@@ -290,7 +249,7 @@ impl PoseWatch {
         let from = *self.course_from.get_or_insert(here);
         let way = |i: usize| [here[i][0] - from[i][0], here[i][1] - from[i][1]];
         let [places, path] = [way(0), way(1)].map(|[x, y]| (Real::hypot(x, y), Real::atan2(y, x)));
-        if places.0 < self.course_way {
+        if places.0 < self.min_course {
             return;
         }
         self.course_from = Some(here);
@@ -333,75 +292,26 @@ impl PoseWatch {
         }
     }
 
-    fn take_place(&mut self, now_ns: i64, place: [f64; 2], yaw: f64) {
-        let sign = if self.rim.abs() > self.low_speed {
-            self.rim.signum()
-        } else {
-            0.0
-        };
-        let here = Begun {
-            time_ns: now_ns,
-            place,
-            yaw,
-            rims: self.rims,
-            sign,
-        };
-        let passed = |begun: &Begun| now_ns.saturating_sub(begun.time_ns) as f64 * 1e-9;
-        let (mut straight, mut any) = (self.straight, self.any);
-        let is_straight = |begun: &Begun| {
-            begun.sign == sign
-                && wrap_angle(yaw - begun.yaw).abs() < MAX_BEND_RAD
-                && passed(begun) < MAX_WAY_TIME_S
-        };
-        straight = straight.filter(is_straight);
-        if let Some(begun) = straight {
-            let [dx, dy] = [place[0] - begun.place[0], place[1] - begun.place[1]];
-            if Real::hypot(dx, dy) >= self.way {
-                let backwards = if sign < 0.0 { PI } else { 0.0 };
-                let ahead = begun.yaw + 0.5 * wrap_angle(yaw - begun.yaw) + backwards;
-                let course = Real::atan2(dy, dx);
-                if self.courses.len() < MAX_WAYS {
-                    self.courses.push([wrap_angle(course - ahead), ahead]);
-                }
-                straight = None;
-            }
-        }
-        self.straight = straight.or((sign != 0.0).then_some(here));
-        any = any.filter(|begun| passed(begun) < MAX_WAY_TIME_S);
-        if let Some(begun) = any {
-            let rims = (self.rims - begun.rims).abs();
-            if rims >= self.way {
-                let passed = Real::hypot(place[0] - begun.place[0], place[1] - begun.place[1]);
-                if self.scales.len() < MAX_WAYS {
-                    self.scales.push(passed / rims);
-                }
-                any = None;
-            }
-        }
-        self.any = any.or(Some(here));
-    }
-
     /// What was found.
     pub(crate) fn summary(&self) -> PoseCheck {
-        let mut scales = self.scales.clone();
-        scales.sort_by(f64::total_cmp);
-        let is_known = self.is_parallel && scales.len() >= MIN_WAYS;
-        let way_scale = is_known.then(|| scales[scales.len() / 2]);
+        let scales = self.paths.scales().filter(|_| self.is_parallel);
+        let way_scale = scales.map(|[median, _]| median);
         let (yaw, gyro_scale) = self.yaw();
         let fault = yaw
-            .or_else(|| self.is_mirrored().then_some(PoseFault::PlaceMirrored))
+            .or_else(|| self.paths.is_mirrored().then_some(PoseFault::PlaceMirrored))
             .or_else(|| {
                 way_scale
                     .filter(|scale| *scale > MAX_WAY_SCALE)
                     .map(PoseFault::Unit)
             });
         PoseCheck {
-            course: self.offset().filter(|_| fault.is_none()),
+            course: (self.heading.filter(|_| fault.is_none()))
+                .and_then(|heading| self.paths.offset(heading)),
             fault,
             way_scale,
             gyro_scale,
             gyro_agrees: self.gyro_pose.is_known() && self.gyro_pose.agrees(1.0),
-            long_way_scale: is_known.then(|| scales[scales.len() * 9 / 10]),
+            long_way_scale: scales.map(|[_, long]| long),
         }
     }
 
@@ -460,63 +370,6 @@ impl PoseWatch {
         } else {
             (None, None)
         }
-    }
-
-    /// Length of the mean unit vector of an angle of the ways.
-    fn length(&self, angle: impl Fn(&[f64; 2]) -> f64) -> f64 {
-        let (mut x, mut y) = (0.0, 0.0);
-        for way in &self.courses {
-            let (sin, cos) = Real::sin_cos(angle(way));
-            x += cos;
-            y += sin;
-        }
-        Real::hypot(x, y) / self.courses.len() as f64
-    }
-
-    /// Does the course turn against the yaw?
-    fn is_mirrored(&self) -> bool {
-        self.courses.len() >= MIN_WAYS
-            && self.length(|[_, yaw]| 2.0 * yaw) < MAX_HEADINGS_LENGTH
-            && self.length(|[angle, yaw]| angle + 2.0 * yaw) > AGREED_LENGTH
-            && self.length(|[angle, _]| *angle) < AGREED_LENGTH
-    }
-
-    /// The angle a from the yaw ψ to the course, of angle = a + b cos ψ + c sin ψ: b and c are the drift on a slope.
-    fn offset(&self) -> Option<f64> {
-        let heading = self.heading?;
-        let count = self.courses.len();
-        if count < MIN_WAYS || self.length(|[angle, _]| *angle) < AGREED_LENGTH {
-            return None;
-        }
-        let (mut x, mut y) = (0.0, 0.0);
-        for [angle, _] in &self.courses {
-            x += Real::cos(*angle);
-            y += Real::sin(*angle);
-        }
-        let mean = Real::atan2(y, x);
-        let rest = |way: &[f64; 2]| wrap_angle(way[0] - mean);
-        let squares: f64 = self
-            .courses
-            .iter()
-            .map(|way| Real::powi(rest(way), 2))
-            .sum();
-        let variance = (squares / count as f64).max(MIN_WAY_VARIANCE) * WAY_VARIANCE_FACTOR;
-        let prior = variance / (DRIFT_RAD * DRIFT_RAD);
-        let mut normal = [[0.0, 0.0, 0.0], [0.0, prior, 0.0], [0.0, 0.0, prior]];
-        let mut right = [0.0; 3];
-        for way in &self.courses {
-            let (sin, cos) = Real::sin_cos(way[1]);
-            let row = [1.0, cos, sin];
-            for (i, line) in normal.iter_mut().enumerate() {
-                for (slot, other) in line.iter_mut().zip(row) {
-                    *slot += row[i] * other;
-                }
-                right[i] += row[i] * (mean + rest(way));
-            }
-        }
-        let angle = solve(normal, right)?[0] - heading;
-        let sigma = (solve(normal, [1.0, 0.0, 0.0])?[0] * variance).sqrt();
-        (angle.abs() > MIN_OFFSET_RAD + OFFSET_SIGMAS * sigma).then_some(angle)
     }
 }
 

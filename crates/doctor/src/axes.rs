@@ -6,9 +6,9 @@
 use std::ops::RangeInclusive;
 
 use grouser_real::Real;
-use grouser_slip::{Measurement, Robot, Sample, WheelRole};
+use grouser_slip::{Measurement, Robot, Sample};
 
-use crate::samples::displacement;
+use crate::motion::{common_heading, displacement};
 
 /// Changes of speed are compared over windows of this length, s: long against a sample, short against a manoeuvre.
 const WINDOW_S: f64 = 0.5;
@@ -65,19 +65,6 @@ pub(crate) struct AxisWatch {
     /// Sum of the displacements, each with the sign of the wheels' speed, and of their lengths, m.
     passed: [f64; 2],
     way: f64,
-}
-
-/// Cosine and sine of the heading of the first powered wheel, where the other ones' differ from it by an angle with more than
-/// this cosine.
-pub(crate) fn common_heading(robot: &Robot, min_cosine: f64) -> Option<[f64; 2]> {
-    let mut powered = robot
-        .wheels()
-        .iter()
-        .filter(|wheel| wheel.role == WheelRole::Powered)
-        .map(|wheel| [wheel.heading.cos(), wheel.heading.sin()]);
-    let first = powered.next()?;
-    let is_parallel = |e: [f64; 2]| first[0] * e[0] + first[1] * e[1] > min_cosine;
-    powered.all(is_parallel).then_some(first)
 }
 
 impl AxisWatch {

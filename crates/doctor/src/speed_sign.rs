@@ -4,7 +4,7 @@ use grouser_real::Real;
 use grouser_slip::window::WindowBody;
 use grouser_slip::{Measurement, Robot, Sample, Wheel, WheelRole};
 
-use crate::rim_way::rim_way;
+use crate::motion::wheel_travel;
 
 /// Time constant with which the ways of the rims decay, s: longer than the time between two ticks of a slow wheel, shorter than that
 /// in which a robot reverses.
@@ -13,8 +13,24 @@ const FADE_S: f64 = 0.2;
 const MIN_WAY_M: f64 = 1.0;
 
 /// Gives a size of the speed over ground the sign of the powered wheels.
+///
+/// ```
+/// use grouser_doctor::WheelSign;
+/// use grouser_slip::{Measurement, Robot, Sample, Wheel};
+///
+/// let robot = Robot::new("cart".into(), vec![Wheel::powered("left").radius(0.1)])?;
+/// let mut sign = WheelSign::new(&robot);
+/// let of = |time_ns, measurement| Sample { time_ns, measurement };
+/// for time_ns in [0, 100_000_000] {
+///     sign.apply(&mut of(time_ns, Measurement::WheelRate { wheel: 0, rate: -2.0 }));
+/// }
+/// let mut speed = of(100_000_000, Measurement::Speed { forward: 0.2, left: None });
+/// sign.apply(&mut speed);
+/// assert!(matches!(speed.measurement, Measurement::Speed { forward, .. } if forward == -0.2));
+/// # Ok::<(), grouser_slip::Error>(())
+/// ```
 #[derive(Clone, Debug)]
-pub(crate) struct WheelSign {
+pub struct WheelSign {
     /// The powered wheels with their last reading; `None` of the others.
     wheels: Vec<Option<(Wheel, Option<Sample>)>>,
     /// The way of the rims forwards, m, faded.
@@ -23,7 +39,9 @@ pub(crate) struct WheelSign {
 }
 
 impl WheelSign {
-    pub(crate) fn new(robot: &Robot) -> Self {
+    /// For the wheels of `robot`.
+    #[must_use]
+    pub fn new(robot: &Robot) -> Self {
         let of = |wheel: &Wheel| {
             let is_powered = wheel.role == WheelRole::Powered;
             is_powered.then(|| (wheel.clone(), None))
@@ -36,7 +54,7 @@ impl WheelSign {
     }
 
     /// Takes a reading of a wheel, or changes one of the speed.
-    pub(crate) fn apply(&mut self, sample: &mut Sample) {
+    pub fn apply(&mut self, sample: &mut Sample) {
         if let Measurement::Speed { forward, .. } = &mut sample.measurement {
             if self.way < 0.0 {
                 *forward = -*forward;
@@ -52,7 +70,7 @@ impl WheelSign {
             return;
         };
         let passed_s = sample.time_ns.saturating_sub(before.time_ns) as f64 * 1e-9;
-        let way = rim_way(wheel, &before.measurement, &sample.measurement, passed_s);
+        let way = wheel_travel(wheel, &before.measurement, &sample.measurement, passed_s);
         if !way.is_finite() {
             // another sensor of the same wheel: the first counts
             *last = Some(before);
