@@ -33,7 +33,7 @@ pub struct Findings {
     /// Whether accelerometer and reference point in the direction in which the wheels drive.
     pub axes: AxisCheck,
     /// Whether the accelerations of the whole log show another scale or sign.
-    pub has_other_acceleration: Option<bool>,
+    pub(crate) has_other_acceleration: Option<bool>,
     /// Whether the pose turns as gyro and wheels do, and moves where its yaw points.
     pub pose: PoseCheck,
     /// How far the wheels ran backwards beside a speed over ground that has no sign, m.
@@ -47,8 +47,7 @@ pub struct Findings {
 
 impl Findings {
     /// Paths of the pose that are all far shorter than those of the wheels: another unit, or a robot that is stuck all the time.
-    #[must_use]
-    pub fn small_unit(&self) -> Option<Mistake> {
+    pub(crate) fn small_unit(&self) -> Option<Mistake> {
         self.pose.small_unit().map(Mistake::Pose)
     }
 

@@ -4,7 +4,12 @@ use grouser_real::{Real, wrap_angle};
 use grouser_slip::{Measurement, Robot, Wheel, WheelRole};
 
 /// How far a wheel turned between two readings, m; a rate counts as the mean since the reading before, as the filter takes it.
-pub fn wheel_travel(wheel: &Wheel, last: &Measurement, now: &Measurement, passed_s: f64) -> f64 {
+pub(crate) fn wheel_travel(
+    wheel: &Wheel,
+    last: &Measurement,
+    now: &Measurement,
+    passed_s: f64,
+) -> f64 {
     match (last, now) {
         (Measurement::WheelCount { raw: from, .. }, Measurement::WheelCount { raw: to, .. }) => {
             let ticks = wheel.encoder.counter.step(*from, *to) as f64;
@@ -21,7 +26,7 @@ pub fn wheel_travel(wheel: &Wheel, last: &Measurement, now: &Measurement, passed
 
 /// Cosine and sine of the heading of the first powered wheel, where the other ones' differ from it by an angle with more than
 /// this cosine.
-pub fn common_heading(robot: &Robot, min_cosine: f64) -> Option<[f64; 2]> {
+pub(crate) fn common_heading(robot: &Robot, min_cosine: f64) -> Option<[f64; 2]> {
     let mut powered = robot
         .wheels()
         .iter()
@@ -33,7 +38,7 @@ pub fn common_heading(robot: &Robot, min_cosine: f64) -> Option<[f64; 2]> {
 }
 
 /// Way forwards and to the left (m), in the robot's frame halfway, and turn (rad) from one pose to another.
-pub fn displacement(from: [f64; 3], to: [f64; 3]) -> ([f64; 2], f64) {
+pub(crate) fn displacement(from: [f64; 3], to: [f64; 3]) -> ([f64; 2], f64) {
     let turn = wrap_angle(to[2] - from[2]);
     let (sin, cos) = Real::sin_cos(from[2] + 0.5 * turn);
     let (dx, dy) = (to[0] - from[0], to[1] - from[1]);

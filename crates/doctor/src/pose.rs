@@ -77,7 +77,7 @@ pub struct PoseCheck {
     /// The angle from its yaw to the course of straight ways, rad, where it is clear.
     pub course: Option<f64>,
     /// Does its yaw turn as the gyro does?
-    pub gyro_agrees: bool,
+    pub(crate) gyro_agrees: bool,
     /// Nine of ten of its ways are a lesser multiple of the wheels' than this.
     long_way_scale: Option<f64>,
 }

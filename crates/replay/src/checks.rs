@@ -2,9 +2,7 @@
 
 use std::fmt;
 
-use grouser_doctor::Mistake;
-
-use crate::reference_delay::ReferenceDelay;
+use grouser_doctor::{Mistake, ReferenceDelay};
 
 /// A reference of which the filter used less than this share was locked out, not noisy.
 const MIN_USED_SHARE: f64 = 0.5;

@@ -1,6 +1,6 @@
 //! Samples in, rows and a summary out.
 
-use grouser_doctor::{Doctor, Uses, Window};
+use grouser_doctor::{Doctor, ReferenceDelay, Uses, Window};
 use grouser_files::robot::{Corrections, RobotFile};
 use grouser_slip::filter::Learnt;
 use grouser_slip::onboard::SoilEstimate;
@@ -19,8 +19,7 @@ use crate::odometry::Odometry;
 use crate::options::Options;
 use crate::place_way::PlaceWay;
 use crate::reckoning::{Reckoning, inconsistent};
-use crate::reference_delay::ReferenceDelay;
-use crate::samples::{is_used, rotating_wheel};
+use crate::samples::rotating_wheel;
 use crate::sink::{Row, Sink, Step};
 use crate::smooth::latency_ns;
 use crate::steering::WheelSteering;
@@ -273,7 +272,7 @@ impl Engine {
             }
             _ => {}
         }
-        if is_used(&sample.measurement, self.inputs.wheel_sensor) {
+        if self.inputs.wheel_sensor.uses(&sample.measurement) {
             self.doctor.take(&sample);
             self.ground.take(&sample);
             if let Measurement::Position { x, y } = sample.measurement {

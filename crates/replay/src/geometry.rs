@@ -8,9 +8,8 @@ use grouser_slip::{Measurement, Reference};
 
 use crate::choice::Inputs;
 use crate::error::{Error, Result};
-use crate::held::Held;
 use crate::options::Options;
-use crate::samples::{RobotSamples, is_used};
+use crate::samples::{RobotSamples, held};
 use crate::ways::along_rims;
 
 /// Sums are kept of blocks of this length, s: longer than the errors of a reference are correlated.
@@ -214,7 +213,7 @@ fn blocks_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<Block
     let mut turns = Turns::default();
     let (mut ways, mut stepped_s, mut begun_s): ((f64, f64), f64, Option<f64>) =
         ((0.0, 0.0), 0.0, None);
-    let mut held = Held::of(log, file, options, &[])?;
+    let mut held = held(log, file, options, &[])?;
     for sample in log.samples(&vec![0; log.clocks()])? {
         let sample = sample?;
         if !held.keeps(&sample) {
@@ -223,7 +222,7 @@ fn blocks_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<Block
         let sample = samples.convert(sample);
         let start = *start_ns.get_or_insert(sample.time_ns);
         let time_s = sample.time_ns.saturating_sub(start) as f64 * 1e-9;
-        if !is_used(&sample.measurement, inputs.wheel_sensor) {
+        if !inputs.wheel_sensor.uses(&sample.measurement) {
             continue;
         }
         let _refused = means.update(sample);

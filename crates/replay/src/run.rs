@@ -5,14 +5,13 @@ use std::io;
 use grouser_files::robot::RobotFile;
 use grouser_log::Log;
 
-use crate::align::gyro_offset;
-use crate::choice::{Inputs, robot_wheels};
+use crate::choice::Inputs;
+use crate::clocks::Clocks;
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::held::Held;
 use crate::method::Method;
 use crate::options::Options;
-use crate::reference_delay::{Postponed, ReferenceDelay, reference_delay};
+use crate::postponed::Postponed;
 use crate::samples::RobotSamples;
 use crate::sink::{Row, Rows, Sink};
 use crate::summary::Summary;
@@ -88,47 +87,6 @@ pub fn run_into(
     Ok(summary)
 }
 
-/// How the clocks of a log's sensors differ and which rows are readings, found in passes before the run.
-#[derive(Clone, Debug)]
-struct Clocks {
-    /// How much later the gyro's clock stamps the same moment than the encoders', s, where that is to be found.
-    gyro_offset_s: Option<f64>,
-    reference_delay: Option<ReferenceDelay>,
-    held: Held,
-}
-
-impl Clocks {
-    fn of(log: &Log, file: &RobotFile, options: &Options) -> Result<Self> {
-        let mut clocks = Self {
-            gyro_offset_s: None,
-            reference_delay: None,
-            held: Held::of(log, file, options, &[])?,
-        };
-        if !log.unaligned_clocks().is_empty() {
-            let wheels = robot_wheels(log, file)?;
-            let sensor = Inputs::of(log, file, options)?.wheel_sensor;
-            clocks.gyro_offset_s = gyro_offset(log, file, &wheels, sensor)?;
-        }
-        let shifts = clocks.shifts(log);
-        clocks.reference_delay = reference_delay(log, file, options, &shifts, &clocks.held)?;
-        Ok(clocks)
-    }
-
-    /// What is added to the times of each clock of the log, ns.
-    fn shifts(&self, log: &Log) -> Vec<i64> {
-        let mut shifts = vec![0; log.clocks()];
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "the offset is at most half a second"
-        )]
-        let shift_ns = (self.gyro_offset_s.unwrap_or(0.0) * -1e9).round() as i64;
-        for clock in log.unaligned_clocks() {
-            shifts[clock] = shift_ns;
-        }
-        shifts
-    }
-}
-
 fn run_once(
     log: &Log,
     file: &RobotFile,
@@ -140,15 +98,16 @@ fn run_once(
     let inputs = Inputs::of(log, file, options)?;
     let mut file = file.clone();
     let method = options.method_for(&file.robot, inputs.reference);
-    let mut delay = clocks.reference_delay;
-    let early_ns = (delay.as_mut()).map_or(0, |delay| delay.apply(&mut file, method));
-    let mut held = clocks.held.clone();
+    let mut clocks = clocks.clone();
+    let early_ns = clocks.apply_delay(&mut file, method);
+    let shifts = clocks.shifts(log);
+    let mut held = clocks.held;
     let dropout_s = held.dropout_s().unwrap_or(0.0);
     file.filter.dropout = file.filter.dropout.max(dropout_s);
     let mut engine = Engine::new(&file, inputs, options)?;
-    engine.set_clocks(clocks.gyro_offset_s, delay);
+    engine.set_clocks(clocks.gyro_offset_s, clocks.reference_delay);
     let mut postponed = Postponed::by(early_ns);
-    for sample in log.samples(&clocks.shifts(log))? {
+    for sample in log.samples(&shifts)? {
         let sample = sample?;
         if !held.keeps(&sample) {
             continue;

@@ -1,13 +1,14 @@
 //! Which of a log's samples are used, and what they say.
 
-use grouser_doctor::WheelSign;
+use grouser_doctor::{Held, WheelSign};
 use grouser_files::columns::Meaning;
-use grouser_files::robot::{RobotFile, WheelSensor};
-use grouser_log::Measures;
+use grouser_files::robot::RobotFile;
+use grouser_log::{Log, Measures};
 use grouser_slip::{Measurement, Sample};
 
-use crate::choice::{LogWheel, robot_wheels};
+use crate::choice::{Inputs, LogWheel, robot_wheels};
 use crate::error::Result;
+use crate::options::Options;
 
 /// The samples of a live source as those of the robot: wheels in the robot's order, speeds as rates, currents as torques; a
 /// speed over ground of which only the size is measured has the sign of the wheels.
@@ -80,14 +81,11 @@ pub(crate) fn of_robot(sample: Sample, wheels: &[LogWheel]) -> Sample {
     }
 }
 
-/// Is the sample used where wheels are measured by `sensor`? One sensor of the wheels is, and everything else.
-pub(crate) const fn is_used(measurement: &Measurement, sensor: WheelSensor) -> bool {
-    match measurement {
-        Measurement::WheelCount { .. } => matches!(sensor, WheelSensor::Count),
-        Measurement::WheelAngle { .. } => matches!(sensor, WheelSensor::Angle),
-        Measurement::WheelRate { .. } => matches!(sensor, WheelSensor::Rate),
-        _ => true,
-    }
+/// Which readings of a log's reference only repeat its last update. `shifts` are added to the log's clocks, ns.
+pub(crate) fn held(log: &Log, file: &RobotFile, options: &Options, shifts: &[i64]) -> Result<Held> {
+    robot_wheels(log, file)?; // a wheel that the robot lacks is the first error to report
+    let reference = Inputs::of(log, file, options)?.reference;
+    Ok(Held::find(reference, log.samples(shifts)?)?)
 }
 
 /// The wheel whose rotation is measured.

@@ -1,81 +1,21 @@
 //! A log through the check of units, signs and axes.
 
-use grouser_doctor::{Findings, Mistake};
+use grouser_doctor::StartOutcome;
 use grouser_files::robot::RobotFile;
 use grouser_log::Log;
-use grouser_slip::Fault;
-use grouser_slip::filter::{FilterSettings, SlipFilter};
-use grouser_slip::start::{Progress, StartCheck};
 
 use crate::choice::Inputs;
-use crate::error::Result;
-use crate::held::Held;
+use crate::error::{Error, Result};
 use crate::options::Options;
-use crate::samples::{RobotSamples, is_used};
+use crate::samples::{RobotSamples, held};
 
-/// What [`check_start`] found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum StartOutcome {
-    /// Every sensor agrees with the others.
-    Plausible,
-    /// The log does not show every sensor at work: the robot has to rest, drive, turn and speed up.
-    Incomplete,
-    /// A sensor disagrees with others over the whole log.
-    Contradicted(Mistake),
-    /// A sensor disagrees: another unit, another sign, another axis.
-    Implausible {
-        /// What disagrees, how much, and what that looks like.
-        fault: Fault,
-        /// When that was certain, s from the log's start.
-        time_s: f64,
-    },
-}
-
-impl StartOutcome {
-    /// With what a run through the estimator found of how the sensors are described.
-    #[must_use]
-    pub fn beside(self, findings: &Findings) -> Self {
-        let found = match self {
-            Self::Implausible { fault, .. } if is_refuted(&fault, findings) => Self::Plausible,
-            Self::Implausible { .. } => return self,
-            other => other,
-        };
-        let first = findings.mistakes().first().copied();
-        (first.or(findings.small_unit())).map_or(found, Self::Contradicted)
-    }
-}
-
-/// Does the whole log refute what a part of it looked like? Slopes under an accelerometer, and a wheel that spins, look like
-/// another unit or sign for a while.
-fn is_refuted(fault: &Fault, findings: &Findings) -> bool {
-    let Fault::Implausible {
-        field, looks_like, ..
-    } = fault
-    else {
-        return false;
-    };
-    // what shows at rest needs no speed to compare with
-    let is_at_rest = looks_like.ends_with("at rest") || looks_like.ends_with("stand");
-    let is_refuted = match *field {
-        "yaw rate" => {
-            let wheel = findings.turns.as_ref().and_then(|turns| turns.wheel);
-            findings.pose.gyro_agrees || wheel.is_some()
-        }
-        "acceleration forward" | "acceleration left" => {
-            findings.axes.acceleration.is_none() && findings.has_other_acceleration == Some(false)
-        }
-        _ => false,
-    };
-    is_refuted && !is_at_rest
-}
-
-/// Holds the sensors of a log against each other: units, signs and axes.
+/// Compares the sensors of a log with each other: units, signs and axes.
 ///
 /// ```
+/// use grouser_doctor::StartOutcome;
 /// use grouser_files::{columns, robot};
 /// use grouser_log::Log;
-/// use grouser_replay::{Options, StartOutcome, check_start};
+/// use grouser_replay::{Options, check_start};
 ///
 /// let example = std::path::Path::new("../../examples/five-wheel");
 /// let robot = robot::read(&example.join("robot.toml"))?;
@@ -89,39 +29,14 @@ fn is_refuted(fault: &Fault, findings: &Findings) -> bool {
 /// Whatever makes the log useless, and a robot that the filter does not take.
 pub fn check_start(log: &Log, file: &RobotFile, options: &Options) -> Result<StartOutcome> {
     let mut samples = RobotSamples::new(log, file)?;
-    let inputs = Inputs::of(log, file, options)?;
-    let settings = FilterSettings {
-        // a log is in order of time: there is nothing to wait for
-        horizon: 0.0,
-        ..file.filter
-    };
-    let mut filter = SlipFilter::new(&file.robot, settings)?;
-    let mut check = StartCheck::new(&file.robot)?;
-    let mut progress = Progress::Looking;
-    let mut start_ns = None;
-    let mut held = Held::of(log, file, options, &[])?;
-    for sample in log.samples(&vec![0; log.clocks()])? {
-        let sample = sample?;
-        if !held.keeps(&sample) {
-            continue;
-        }
-        let sample = samples.convert(sample);
-        if !is_used(&sample.measurement, inputs.wheel_sensor) {
-            continue;
-        }
-        let start_ns = *start_ns.get_or_insert(sample.time_ns);
-        // What the filter refuses shows itself in what it knows.
-        let _refused = filter.update(sample);
-        match check.take(&sample, &filter.latest()) {
-            Ok(reached) => progress = reached,
-            Err(fault) => {
-                let time_s = sample.time_ns.saturating_sub(start_ns) as f64 * 1e-9;
-                return Ok(StartOutcome::Implausible { fault, time_s });
-            }
-        }
-    }
-    Ok(match progress {
-        Progress::Plausible => StartOutcome::Plausible,
-        Progress::Looking => StartOutcome::Incomplete,
-    })
+    let sensor = Inputs::of(log, file, options)?.wheel_sensor;
+    let mut held = held(log, file, options, &[])?;
+    let readings = log.samples(&vec![0; log.clocks()])?.filter_map(|sample| {
+        let sample = match sample {
+            Ok(sample) => samples.convert(Some(sample).filter(|sample| held.keeps(sample))?),
+            Err(error) => return Some(Err(Error::from(error))),
+        };
+        sensor.uses(&sample.measurement).then_some(Ok(sample))
+    });
+    grouser_doctor::check_start(file, readings)
 }

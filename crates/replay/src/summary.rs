@@ -2,17 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use grouser_doctor::{Findings, Mistake};
+use grouser_doctor::{Findings, HeldReference, Mistake, ReferenceDelay};
 use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
 use crate::checks::{Doubt, MAX_GAP_S};
 use crate::fusion::FusedSummary;
-use crate::held::HeldReference;
 use crate::method::Method;
 use crate::odometry::Odometry;
 use crate::quantiles::Quantiles;
-use crate::reference_delay::ReferenceDelay;
 
 /// Median and the middle 90 % of something; `None` where there was nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

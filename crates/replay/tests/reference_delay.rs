@@ -8,10 +8,11 @@
 use std::fmt::Write as _;
 use std::io::Cursor;
 
+use grouser_doctor::ReferenceDelay;
 use grouser_files::robot::RobotFile;
 use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
-use grouser_replay::{Doubt, Options, ReferenceDelay, calibrate_reference_delay, run};
+use grouser_replay::{Doubt, Options, calibrate_reference_delay, run};
 use grouser_slip::Measurement;
 use grouser_synthetic::Noise;
 

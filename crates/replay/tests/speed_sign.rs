@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 use std::io::Cursor;
 
-use grouser_doctor::Mistake;
+use grouser_doctor::{Mistake, StartOutcome};
 use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
-use grouser_replay::{Doubt, Method, Options, Row, StartOutcome, Summary, check_start, run};
+use grouser_replay::{Doubt, Method, Options, Row, Summary, check_start, run};
 
 /// Its right encoder counts backwards.
 const ROBOT: &str = "format = 1\nname = \"cart\"\n\

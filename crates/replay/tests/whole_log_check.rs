@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 use std::io::Cursor;
 
+use grouser_doctor::StartOutcome;
 use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
-use grouser_replay::{Options, StartOutcome, check_start, run};
+use grouser_replay::{Options, check_start, run};
 use grouser_synthetic::Noise;
 
 const ROBOT: &str = "format = 1\nname = \"cart\"\n[estimator]\nposition_sigma_m = 0.01\n\

@@ -42,7 +42,7 @@ use std::path::Path;
 use grouser_slip::filter::FilterSettings;
 use grouser_slip::onboard::SoilLearnSettings;
 use grouser_slip::window::WindowSettings;
-use grouser_slip::{CounterWidth, Encoder, Reference, Robot, Shaft, Wheel, WheelRole};
+use grouser_slip::{CounterWidth, Encoder, Measurement, Reference, Robot, Shaft, Wheel, WheelRole};
 use grouser_terra::Angle;
 
 use crate::body::{self, BodyFile};
@@ -85,6 +85,17 @@ impl WheelSensor {
             Self::Count => "count",
             Self::Angle => "angle",
             Self::Rate => "rate",
+        }
+    }
+
+    /// Is a measurement used where wheels are measured by this sensor? One sensor of the wheels is, and everything else.
+    #[must_use]
+    pub const fn uses(self, measurement: &Measurement) -> bool {
+        match measurement {
+            Measurement::WheelCount { .. } => matches!(self, Self::Count),
+            Measurement::WheelAngle { .. } => matches!(self, Self::Angle),
+            Measurement::WheelRate { .. } => matches!(self, Self::Rate),
+            _ => true,
         }
     }
 }

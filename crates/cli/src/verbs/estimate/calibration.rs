@@ -5,13 +5,14 @@ use std::fmt::Write as _; // writing to a string cannot fail
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use grouser_doctor::ReferenceDelay;
 use grouser_files::Document;
 use grouser_files::robot::{Revision, revised};
 use grouser_log::Log;
 use grouser_replay::Error::{NoReference, NoWheels, WheelNotMeasured};
 use grouser_replay::{
-    Calibration, Factor, GeometryCalibration, Inputs, IntervalCalibration, ReferenceDelay,
-    calibrate_geometry, calibrate_intervals, calibrate_radius, calibrate_reference_delay, run_into,
+    Calibration, Factor, GeometryCalibration, Inputs, IntervalCalibration, calibrate_geometry,
+    calibrate_intervals, calibrate_radius, calibrate_reference_delay, run_into,
 };
 use grouser_report::{Fields, fields};
 use grouser_slip::WheelRole;

@@ -16,13 +16,14 @@ use std::fmt::Write as _; // writing to a string cannot fail
 use std::io;
 use std::path::PathBuf;
 
+use grouser_doctor::StartOutcome;
 use grouser_files::columns::{self, ColumnMap};
 use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::{Cell, LOOK_AHEAD, LeftOut, Log, UsedTopic};
 use grouser_page::run::LogRecorder;
 use grouser_replay::{
-    Compared, Doubt, Inputs, Method, Options, Row, Sink, StartOutcome, Status, Step, Summary,
-    Truth, check_start, run_into, soil_readings, unused_currents,
+    Compared, Doubt, Inputs, Method, Options, Row, Sink, Status, Step, Summary, Truth, check_start,
+    run_into, soil_readings, unused_currents,
 };
 use grouser_slip::{Reference, Rejected};
 

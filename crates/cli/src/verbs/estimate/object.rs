@@ -4,11 +4,11 @@ use super::reservations::reservations;
 use super::row_watch::WheelRows;
 use super::truth;
 use crate::soil_text;
-use grouser_doctor::TurnCheck;
+use grouser_doctor::{ReferenceDelay, StartOutcome, TurnCheck};
 use grouser_log::{Log, UsedTopic};
 use grouser_replay::{
-    AlongSummary, Consistency, EventAt, FusedSummary, Odometry, ReferenceDelay, SoilReading,
-    Spread, StartOutcome, Summary, TruthError, WheelSummary, YawSummary,
+    AlongSummary, Consistency, EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary,
+    TruthError, WheelSummary, YawSummary,
 };
 use grouser_report::{Fields, fields};
 use grouser_slip::Reference;

@@ -1,12 +1,11 @@
 //! The way of the rims along the robot.
 
-use grouser_doctor::{common_heading, wheel_travel};
 use grouser_files::robot::RobotFile;
 use grouser_real::Real;
 use grouser_slip::{Measurement, Sample, Wheel, WheelRole};
 
 use super::track::Track;
-use crate::steering::WheelSteering;
+use crate::motion::{common_heading, wheel_travel};
 
 /// A wheel that is read less often is not known in between, s.
 const MAX_GAP_S: f64 = 0.5;
@@ -20,7 +19,6 @@ pub(super) struct Rims {
     /// Cosine and sine of the heading; `None` of a robot whose wheels point apart.
     pub(super) along: Option<[f64; 2]>,
     wheels: Vec<Rim>,
-    steering: Option<WheelSteering>,
     /// Of a wheel in the mean.
     share: f64,
     max_speed: f64,
@@ -48,24 +46,17 @@ impl Rims {
             track: Track::default(),
             along: common_heading(&file.robot, PARALLEL_COSINE),
             share: 1.0 / (powered.count().max(1) as f64),
-            steering: file
-                .steering
-                .as_ref()
-                .map(|steering| WheelSteering::new(steering, &file.robot)),
             wheels,
             max_speed: file.settings.max_speed,
         }
     }
 
-    /// Takes a reading of a wheel or of the steering; others have no effect.
+    /// Takes a reading of a wheel or of its steering; others have no effect.
     pub(super) fn take(&mut self, time_s: f64, sample: &Sample) {
-        let steered = (self.steering.iter()).flat_map(|steering| steering.angles(sample));
-        for steered in steered.chain([*sample]) {
-            if let Measurement::SteeringAngle { wheel, angle } = steered.measurement
-                && let Some(rim) = self.wheels.get_mut(wheel)
-            {
-                rim.cosine = Real::cos(angle);
-            }
+        if let Measurement::SteeringAngle { wheel, angle } = sample.measurement
+            && let Some(rim) = self.wheels.get_mut(wheel)
+        {
+            rim.cosine = Real::cos(angle);
         }
         let Some(rim) = (sample.measurement.wheel()).and_then(|wheel| self.wheels.get_mut(wheel))
         else {

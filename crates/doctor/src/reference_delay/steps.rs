@@ -1,7 +1,8 @@
 //! What the reference measured from one stamp to the next.
 
-use grouser_doctor::displacement;
 use grouser_slip::{Measurement, Reference};
+
+use crate::motion::displacement;
 
 /// Nothing is known between two readings that are further apart, s.
 const MAX_GAP_S: f64 = 2.0;

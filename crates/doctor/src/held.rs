@@ -5,13 +5,7 @@
 
 use std::fmt;
 
-use grouser_files::robot::RobotFile;
-use grouser_log::Log;
 use grouser_slip::{Measurement, Reference, Sample};
-
-use crate::choice::{Inputs, robot_wheels};
-use crate::error::Result;
-use crate::options::Options;
 
 /// Of this number of updates the decision is made, and not of fewer than the second number.
 const UPDATES: usize = 400;
@@ -71,9 +65,23 @@ fn bits(measurement: &Measurement, reference: Reference) -> Option<[u64; 2]> {
     }
 }
 
-/// Leaves out the rows that repeat the last update.
+/// Leaves out the rows of a reference that repeat its last update.
+///
+/// ```
+/// use grouser_doctor::Held;
+/// use grouser_slip::{Measurement, Reference, Sample};
+///
+/// // rows of 20 ms, an update each half second
+/// let row = |row: i64| Sample {
+///     time_ns: 20_000_000 * row,
+///     measurement: Measurement::Pose { x: (row / 25) as f64, y: 0.0, yaw: 0.0 },
+/// };
+/// let mut held = Held::find(Reference::Pose, (0..1000).map(|i| Ok::<_, ()>(row(i)))).unwrap();
+/// let kept = (0..1000).filter(|i| held.keeps(&row(*i))).count();
+/// assert_eq!((kept, held.counts().unwrap().updates), (40, 40));
+/// ```
 #[derive(Clone, Debug)]
-pub(crate) struct Held {
+pub struct Held {
     reference: Reference,
     /// `None` where every row is a reading.
     counts: Option<HeldReference>,
@@ -86,15 +94,14 @@ pub(crate) struct Held {
 }
 
 impl Held {
-    /// For a log, to whose clocks `shifts` are added, ns.
-    pub(crate) fn of(
-        log: &Log,
-        file: &RobotFile,
-        options: &Options,
-        shifts: &[i64],
-    ) -> Result<Self> {
-        robot_wheels(log, file)?; // a wheel that the robot lacks is the first error to report
-        let reference = Inputs::of(log, file, options)?.reference;
+    /// For the readings of `reference` among samples in the order of time.
+    ///
+    /// # Errors
+    /// The first of the samples.
+    pub fn find<E>(
+        reference: Reference,
+        samples: impl IntoIterator<Item = Result<Sample, E>>,
+    ) -> Result<Self, E> {
         let mut found = Self {
             reference,
             counts: None,
@@ -107,7 +114,7 @@ impl Held {
             return Ok(found);
         }
         let mut updates = Updates::default();
-        for sample in log.samples(shifts)? {
+        for sample in samples {
             let sample = sample?;
             if let Some(bits) = bits(&sample.measurement, reference)
                 && updates.is_done(sample.time_ns, bits)
@@ -127,13 +134,14 @@ impl Held {
 
     /// The time after which the reference is silent, s, where it is read more seldom than others. Of a speed nothing else
     /// bridges the time between two readings.
-    pub(crate) fn dropout_s(&self) -> Option<f64> {
+    #[must_use]
+    pub fn dropout_s(&self) -> Option<f64> {
         let period_s = (self.period_s).filter(|_| self.reference == Reference::Speed)?;
         Some(SILENT_PERIODS * period_s.min(MAX_PERIOD_S))
     }
 
     /// Is a sample a reading?
-    pub(crate) fn keeps(&mut self, sample: &Sample) -> bool {
+    pub fn keeps(&mut self, sample: &Sample) -> bool {
         let Some(counts) = &mut self.counts else {
             return true;
         };
@@ -154,7 +162,8 @@ impl Held {
     }
 
     /// What was left out.
-    pub(crate) const fn counts(&self) -> Option<HeldReference> {
+    #[must_use]
+    pub const fn counts(&self) -> Option<HeldReference> {
         self.counts
     }
 }

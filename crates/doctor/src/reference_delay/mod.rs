@@ -4,7 +4,6 @@
 //! turns each change of speed into a change of slip.
 
 mod fit;
-mod postponed;
 mod rims;
 mod steps;
 mod track;
@@ -13,15 +12,9 @@ mod tracks;
 use std::fmt;
 
 use grouser_files::robot::RobotFile;
-use grouser_log::Log;
 
-use crate::error::Result;
-use crate::held::Held;
-use crate::method::Method;
-use crate::options::Options;
 use fit::{Delays, Fitted, Kind, fit};
-pub(crate) use postponed::Postponed;
-use tracks::Tracks;
+pub use tracks::Tracks;
 
 /// Possible delays wider than this are no measurement, s.
 const MAX_POSSIBLE_S: f64 = 0.25;
@@ -121,99 +114,38 @@ impl ReferenceDelay {
         !(CORRECTED.min_s..=CORRECTED.max_s).contains(&self.delay_s)
     }
 
-    /// Uses the delay where it is clear and the file states none: as the filter's latency, or, of a reference that is early, by
-    /// postponing it. Returns by how much that is, ns.
-    pub(crate) fn apply(&mut self, file: &mut RobotFile, method: Method) -> i64 {
-        if !self.is_clear || self.is_stated || self.is_beyond_correction() {
-            return 0;
-        }
-        if self.delay_s < 0.0 {
-            self.is_applied = true;
-            #[allow(
-                clippy::cast_possible_truncation,
-                reason = "it is at most half a second"
-            )]
-            return (self.delay_s * -1e9).round() as i64;
-        }
-        self.is_applied = method == Method::Filter;
-        if self.is_applied {
-            file.filter.reference_latency = self.delay_s;
-        }
-        0
-    }
-}
-
-/// The delay of the reference in several logs, each a run. `None` where they do not show it: too short, no absolute reference, or
-/// hardly a change of speed or of turn, or where halves of the logs or wheels and gyro contradict each other.
-///
-/// # Errors
-/// What is wrong with a log.
-///
-/// ```
-/// use grouser_files::{columns, robot};
-/// use grouser_log::Log;
-/// use grouser_replay::{Options, calibrate_reference_delay};
-///
-/// let example = std::path::Path::new("../../examples/five-wheel");
-/// let robot = robot::read(&example.join("robot.toml"))?;
-/// let map = columns::read(&example.join("columns.toml"))?;
-/// let log = Log::find(&[example.join("log.csv")], map)?;
-/// // A free wheel is on the clock of the other wheels.
-/// assert!(calibrate_reference_delay(&[log], &robot, &Options::default())?.is_none());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn calibrate_reference_delay(
-    logs: &[Log],
-    file: &RobotFile,
-    options: &Options,
-) -> Result<Option<ReferenceDelay>> {
-    let tracks = logs
-        .iter()
-        .map(|log| Tracks::of(log, file, options, &[], Held::of(log, file, options, &[])?))
-        .collect::<Result<Vec<_>>>()?;
-    Ok(delay_of(&tracks, file))
-}
-
-/// The delay of the reference in a log, to whose clocks `shifts` are added, ns.
-pub(crate) fn reference_delay(
-    log: &Log,
-    file: &RobotFile,
-    options: &Options,
-    shifts: &[i64],
-    held: &Held,
-) -> Result<Option<ReferenceDelay>> {
-    let tracks = Tracks::of(log, file, options, shifts, held.clone())?;
-    Ok(delay_of(&[tracks], file))
-}
-
-fn delay_of(logs: &[Tracks], file: &RobotFile) -> Option<ReferenceDelay> {
-    let stated_s = file.filter.reference_latency;
-    let within = |delays| {
-        let pairs = logs.iter().flat_map(|tracks| {
-            [
-                (Kind::Way, &tracks.rims, tracks.ways.as_slice()),
-                (Kind::Turn, &tracks.gyro, tracks.turns.as_slice()),
-            ]
-        });
-        let is_measured = |fitted: &Fitted| {
-            let [low, high] = fitted.possible_s;
-            let is_clear = !fitted.is_contradicted && !fitted.is_ambiguous && !fitted.is_at_end;
-            high - low < MAX_POSSIBLE_S && is_clear
+    /// The delay of the reference in several logs, each a run; `None` where they do not show it: too short, no absolute
+    /// reference, hardly a change of speed or of turn, or where halves of the logs or wheels and gyro contradict each other.
+    #[must_use]
+    pub fn find(logs: &[Tracks], file: &RobotFile) -> Option<Self> {
+        let stated_s = file.filter.reference_latency;
+        let within = |delays| {
+            let pairs = logs.iter().flat_map(|tracks| {
+                [
+                    (Kind::Way, &tracks.rims.track, tracks.ways.as_slice()),
+                    (Kind::Turn, &tracks.gyro, tracks.turns.as_slice()),
+                ]
+            });
+            let is_measured = |fitted: &Fitted| {
+                let [low, high] = fitted.possible_s;
+                let is_clear = !fitted.is_contradicted && !fitted.is_ambiguous && !fitted.is_at_end;
+                high - low < MAX_POSSIBLE_S && is_clear
+            };
+            fit(pairs, stated_s, delays).filter(is_measured)
         };
-        fit(pairs, stated_s, delays).filter(is_measured)
-    };
-    let Fitted {
-        delay_s,
-        half_width_s,
-        possible_s: [low, high],
-        ..
-    } = within(CORRECTED).or_else(|| within(CLOCKS))?;
-    Some(ReferenceDelay {
-        delay_s: stated_s + delay_s,
-        half_width_s,
-        stated_s,
-        is_stated: file.is_reference_latency_stated || stated_s != 0.0,
-        is_clear: (low > TOLERANCE_S || high < -TOLERANCE_S) && delay_s.abs() > MIN_DELAY_S,
-        is_applied: false,
-    })
+        let Fitted {
+            delay_s,
+            half_width_s,
+            possible_s: [low, high],
+            ..
+        } = within(CORRECTED).or_else(|| within(CLOCKS))?;
+        Some(Self {
+            delay_s: stated_s + delay_s,
+            half_width_s,
+            stated_s,
+            is_stated: file.is_reference_latency_stated || stated_s != 0.0,
+            is_clear: (low > TOLERANCE_S || high < -TOLERANCE_S) && delay_s.abs() > MIN_DELAY_S,
+            is_applied: false,
+        })
+    }
 }

@@ -1,13 +1,8 @@
 //! The constant by which the gyro's clock differs from the encoders'.
 
-use grouser_files::robot::{RobotFile, WheelSensor};
-use grouser_log::Log;
+use grouser_files::robot::WheelSensor;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
-use grouser_slip::{Measurement, Reference, Robot, WheelRole};
-
-use crate::choice::LogWheel;
-use crate::error::Result;
-use crate::samples::{is_used, of_robot, rotating_wheel};
+use grouser_slip::{Measurement, Reference, Robot, Sample, WheelRole};
 
 /// Turns are compared over this time, s: long against a sample, short against a manoeuvre.
 const WINDOW_S: f64 = 0.2;
@@ -24,17 +19,16 @@ const MIN_TURN_RAD: f64 = 0.002;
 /// with the least mean |turn by encoders − turn by gyro| over windows of 0.2 s.
 ///
 /// The mean of absolute values, not of squares: slip is the outlier here. `None` where the log does not
-/// turn enough, or the best offset stands at the end of the range (±0.5 s).
+/// turn enough, or the best offset is at the end of the range (±0.5 s).
 ///
 /// # Errors
-/// What is wrong with the log.
-pub(crate) fn gyro_offset(
-    log: &Log,
-    file: &RobotFile,
-    wheels: &[LogWheel],
+/// The first of the samples, or a robot that means over windows refuse.
+pub fn gyro_offset<E: From<grouser_slip::Error>>(
+    robot: &Robot,
     sensor: WheelSensor,
-) -> Result<Option<f64>> {
-    let (encoders, gyro) = turns(log, &file.robot, wheels, sensor)?;
+    samples: impl IntoIterator<Item = Result<Sample, E>>,
+) -> Result<Option<f64>, E> {
+    let (encoders, gyro) = turns(robot, sensor, samples)?;
     let size = encoders.iter().map(|turn| turn.1.abs()).sum::<f64>() / encoders.len().max(1) as f64;
     if gyro.len() < 2 || !(size * WINDOW_S > MIN_TURN_RAD) {
         return Ok(None);
@@ -64,7 +58,11 @@ pub(crate) fn gyro_offset(
 /// Yaw rate by the wheels in windows around a time, and yaw by the gyro at a time; s, rad/s, rad.
 type Turns = (Vec<(f64, f64)>, Vec<(f64, f64)>);
 
-fn turns(log: &Log, robot: &Robot, wheels: &[LogWheel], sensor: WheelSensor) -> Result<Turns> {
+fn turns<E: From<grouser_slip::Error>>(
+    robot: &Robot,
+    sensor: WheelSensor,
+    samples: impl IntoIterator<Item = Result<Sample, E>>,
+) -> Result<Turns, E> {
     let settings = WindowSettings {
         reference: Reference::Grip,
         window: WINDOW_S,
@@ -79,11 +77,11 @@ fn turns(log: &Log, robot: &Robot, wheels: &[LogWheel], sensor: WheelSensor) -> 
     let mut start_ns = None;
     let mut last: Option<(f64, f64)> = None;
     let mut yaw = 0.0;
-    for sample in log.samples(&[])? {
-        let sample = of_robot(sample?, wheels);
+    for sample in samples {
+        let sample = sample?;
         let start = *start_ns.get_or_insert(sample.time_ns);
         let time = sample.time_ns.saturating_sub(start) as f64 * 1e-9;
-        if !is_used(&sample.measurement, sensor) {
+        if !sensor.uses(&sample.measurement) {
             continue;
         }
         if let Measurement::YawRate { rate } = sample.measurement {
@@ -94,10 +92,10 @@ fn turns(log: &Log, robot: &Robot, wheels: &[LogWheel], sensor: WheelSensor) -> 
             if gyro.len() < MAX_READINGS {
                 gyro.push((time, yaw));
             }
-        } else if let Some(wheel) = rotating_wheel(&sample.measurement) {
+        } else if sample.measurement.is_rotation() {
             // Only the wheels are shown to this estimator: a refused sample is no matter here.
             if let Ok(estimate) = estimator.update(sample)
-                && Some(wheel) == last_powered
+                && sample.measurement.wheel() == last_powered
                 && let Some(rate) = estimate.body.wheels_yaw_rate
                 && encoders.len() < MAX_READINGS
             {

@@ -1,0 +1,95 @@
+//! Ways and turns of a log as they are stamped: by the wheels, by the gyro, and by the reference.
+
+use grouser_files::robot::{RobotFile, WheelSensor};
+use grouser_slip::{Measurement, Reference, Sample};
+
+use super::rims::Rims;
+use super::steps::{Step, Steps};
+use super::track::Track;
+
+/// Nothing is known between two readings of a gyro that are further apart, s: whether a rate is of the moment of its stamp or
+/// the mean since the one before, half of the time between them, is not known.
+const MAX_GYRO_GAP_S: f64 = 0.07;
+/// Length of a log that is used, s.
+const MAX_LOG_S: f64 = 1800.0;
+
+/// What the reference measured between two stamps.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passed {
+    pub(super) from_s: f64,
+    pub(super) to_s: f64,
+    /// m or rad.
+    pub(super) amount: f64,
+}
+
+/// How far wheels, gyro and reference moved over a log, for [`ReferenceDelay::find`](super::ReferenceDelay::find).
+#[derive(Clone, Debug)]
+pub struct Tracks {
+    sensor: WheelSensor,
+    yaw_rate_scale: f64,
+    /// The powered wheels along the robot, m.
+    pub(super) rims: Rims,
+    /// Turn by the gyro, rad.
+    pub(super) gyro: Track,
+    steps: Steps,
+    start_ns: Option<i64>,
+    last_rate: Option<(f64, f64)>,
+    /// What the reference measured.
+    pub(super) ways: Vec<Passed>,
+    pub(super) turns: Vec<Passed>,
+}
+
+impl Tracks {
+    /// For a log whose motion is measured by `reference` and whose wheels by `sensor`.
+    #[must_use]
+    pub fn new(file: &RobotFile, reference: Reference, sensor: WheelSensor) -> Self {
+        Self {
+            sensor,
+            yaw_rate_scale: file.corrections.yaw_rate_scale,
+            rims: Rims::new(file),
+            gyro: Track::default(),
+            steps: Steps::new(reference, file.corrections.pose_yaw_offset),
+            start_ns: None,
+            last_rate: None,
+            ways: Vec::new(),
+            turns: Vec::new(),
+        }
+    }
+
+    /// Takes a sample that is a reading, not earlier than those before; is the log long enough now?
+    pub fn take(&mut self, sample: &Sample) -> bool {
+        let start = *self.start_ns.get_or_insert(sample.time_ns);
+        let time_s = sample.time_ns.saturating_sub(start) as f64 * 1e-9;
+        if time_s > MAX_LOG_S || !self.sensor.uses(&sample.measurement) {
+            return time_s > MAX_LOG_S;
+        }
+        if let Measurement::YawRate { rate } = sample.measurement {
+            let rate = rate * self.yaw_rate_scale;
+            let last = self.last_rate.replace((time_s, rate));
+            match last.filter(|(last_s, _)| time_s - last_s <= MAX_GYRO_GAP_S) {
+                Some((last_s, last)) => {
+                    let turn = 0.5 * (last + rate) * (time_s - last_s);
+                    self.gyro.add(time_s, turn);
+                }
+                None => self.gyro.interrupt(time_s),
+            }
+        }
+        self.rims.take(time_s, sample);
+        if let Some(step) = self.steps.take(time_s, &sample.measurement) {
+            self.enter(step, self.rims.along);
+        }
+        false
+    }
+
+    fn enter(&mut self, step: Step, along: Option<[f64; 2]>) {
+        let of = |amount| Passed {
+            from_s: step.from_s,
+            to_s: step.to_s,
+            amount,
+        };
+        let [x, y] = step.way;
+        self.ways
+            .extend(along.map(|[cos, sin]| of(cos * x + sin * y)));
+        self.turns.extend(step.turn.map(of));
+    }
+}
