@@ -12,6 +12,9 @@ const OPEN_FOLDERS: &[&str] = &["verbs"];
 /// The laws of a wheel in the soil name each other: soil, contact and lanes hold one set of equations.
 const LAWS_OF_ONE_CONTACT: &[&str] = &["terra"];
 
+/// The maximum number of layers of a crate's modules: a module lies one layer above the highest that it imports.
+const MAX_LAYERS: &[(&str, usize)] = &[("doctor", 6), ("replay", 9)];
+
 type Graph = BTreeMap<String, BTreeSet<String>>;
 
 /// The module of a path of segments; what an open folder's own file holds belongs to the folder.
@@ -174,6 +177,41 @@ fn imports_between_modules_form_no_cycle() {
     assert!(arrows > 600, "only {arrows} imports are found");
 }
 
+/// The modules of the longest chain of imports, the highest first.
+fn longest_chain(graph: &Graph) -> Vec<String> {
+    fn from(
+        graph: &Graph,
+        name: &String,
+        known: &mut BTreeMap<String, Vec<String>>,
+    ) -> Vec<String> {
+        if let Some(chain) = known.get(name) {
+            return chain.clone();
+        }
+        let below = graph.get(name).into_iter().flatten();
+        let chains = below.map(|next| from(graph, next, known));
+        let longest = chains.max_by_key(Vec::len).unwrap_or_default();
+        let chain: Vec<String> = std::iter::once(name.clone()).chain(longest).collect();
+        known.insert(name.clone(), chain.clone());
+        chain
+    }
+    let mut known = BTreeMap::new();
+    let chains = graph.keys().map(|name| from(graph, name, &mut known));
+    chains.max_by_key(Vec::len).unwrap_or_default()
+}
+
+#[test]
+fn modules_lie_on_few_layers() {
+    for (folder, max) in MAX_LAYERS {
+        let chain = longest_chain(&imports(folder));
+        assert!(
+            chain.len() <= *max,
+            "{folder} has {} layers: {}",
+            chain.len(),
+            chain.join(" imports ")
+        );
+    }
+}
+
 #[test]
 fn a_cycle_is_found() {
     let arrows = [("a", "b"), ("b", "c"), ("c", "a"), ("d", "a")];
@@ -187,6 +225,7 @@ fn a_cycle_is_found() {
     );
     graph.remove("c");
     assert_eq!(cycle(&graph), None);
+    assert_eq!(longest_chain(&graph), ["d", "a", "b", "c"]);
     let paths = paths_after("use crate::b::{C, d::E}; crate::f::g()", "crate::");
     assert_eq!(paths, [vec!["b", "C"], vec!["b", "d", "E"], vec!["f", "g"]]);
 }

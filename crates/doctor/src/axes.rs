@@ -42,7 +42,7 @@ pub struct AxisCheck {
 }
 
 /// Compares the directions over a log.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct AxisWatch {
     /// The direction in which all powered wheels drive, as cosine and sine; `None` of a robot whose wheels point apart.
     along: Option<[f64; 2]>,
@@ -72,18 +72,7 @@ impl AxisWatch {
         Self {
             along: common_heading(robot, Real::cos(MAX_ANGLE_RAD)),
             low_speed,
-            rim: 0.0,
-            begun: None,
-            force: ([0.0; 2], 0.0),
-            before: None,
-            by_rims: Changes::default(),
-            forward: (0.0, 0.0),
-            forward_before: None,
-            reference_ns: None,
-            by_reference: Changes::default(),
-            pose: None,
-            passed: [0.0; 2],
-            way: 0.0,
+            ..Self::default()
         }
     }
 
@@ -256,63 +245,5 @@ impl Changes {
             / (speed_variance * variance);
         let significance = (square / (1.0 - square).max(1e-9) * n).sqrt();
         (significance > MIN_SIGNIFICANCE).then_some((covariance, significance))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use grouser_slip::Wheel;
-
-    /// A cart that speeds up and brakes in turn, on a slope, with sensors turned by `turned` rad.
-    fn check(turned: f64) -> AxisCheck {
-        let wheel = |name: &str, y| Wheel::powered(name).at(0.0, y).radius(0.1);
-        let wheels = vec![wheel("left", 0.2), wheel("right", -0.2)];
-        let robot = Robot::new("cart".into(), wheels).unwrap();
-        let mut watch = AxisWatch::new(&robot, 0.01);
-        let (sin, cos) = turned.sin_cos();
-        let (mut speed, mut x) = (0.0, 0.0);
-        for step in 0..2000 {
-            let force = if (step / 200) % 2 == 0 { 0.2 } else { -0.2 };
-            speed += 0.02 * force;
-            x += 0.02 * speed;
-            let time_ns = i64::from(step) * 20_000_000;
-            let along = force + 0.3;
-            for measurement in [
-                Measurement::Acceleration {
-                    forward: cos * along,
-                    left: sin * along,
-                },
-                Measurement::Pose {
-                    x,
-                    y: 0.0,
-                    yaw: -turned,
-                },
-            ] {
-                watch.take(&Sample {
-                    time_ns,
-                    measurement,
-                });
-            }
-            watch.step(time_ns, speed / 0.8);
-        }
-        watch.summary()
-    }
-
-    #[test]
-    fn the_angle_of_turned_sensors_is_found_and_right_ones_are_not_reported() {
-        assert_eq!(check(0.0), AxisCheck::default());
-        assert_eq!(check(0.3), AxisCheck::default());
-        for turned in [1.0, -1.6, 3.1] {
-            let found = check(turned);
-            assert!(
-                (found.acceleration.unwrap() - turned).abs() < 0.01,
-                "{found:?}"
-            );
-            assert!(
-                (found.reference.unwrap() - turned).abs() < 0.01,
-                "{found:?}"
-            );
-        }
     }
 }

@@ -70,30 +70,25 @@ impl Doctor {
 
     /// Takes the means over a window.
     pub fn step(&mut self, window: &Window<'_>) {
-        let Window {
-            now_ns,
-            time_s,
-            body,
-            wheel_speeds,
-        } = *window;
-        let speed = |wheel: usize| wheel_speeds.get(wheel).copied().flatten();
+        let body = window.body;
+        let speed = |wheel: usize| window.wheel_speeds.get(wheel).copied().flatten();
         if let Some(turns) = &mut self.turns {
-            turns.take(time_s, body, |wheel| speed(wheel).unwrap_or(0.0));
+            turns.take(window.time_s, body, |wheel| speed(wheel).unwrap_or(0.0));
         }
         if let Some(exchange) = &mut self.exchange {
             exchange.step(body, speed);
         }
         if let Some(signs) = &mut self.signs {
-            signs.step(body, wheel_speeds);
+            signs.step(body, window.wheel_speeds);
         }
-        let wheels = self.robot.wheels().iter().zip(wheel_speeds);
+        let wheels = self.robot.wheels().iter().zip(window.wheel_speeds);
         let powered = wheels.filter(|(wheel, _)| wheel.role == WheelRole::Powered);
         let speeds = powered.filter_map(|(_, speed)| *speed);
         let (sum, count) =
             speeds.fold((0.0, 0.0), |(sum, count), speed| (sum + speed, count + 1.0));
         if count > 0.0 {
-            self.axes.step(now_ns, sum / count);
-            self.pose.step(now_ns, sum / count, body);
+            self.axes.step(window.now_ns, sum / count);
+            self.pose.step(window.now_ns, sum / count, body);
         }
         self.speed_sign.step(body, self.low_speed);
     }

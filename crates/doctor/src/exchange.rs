@@ -32,7 +32,7 @@ pub struct ExchangeCheck {
 
 /// Regression of each wheel's speed against the mean of all, in bends, on the robot's speed (its slip), the same with the sign
 /// of the bend (a slip of the inner wheels, which can make them faster than the outer ones), and the yaw rate (its arm).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct ExchangeWatch {
     /// The powered wheels, and the described arm of each: d(speed against the mean)/d(yaw rate), m.
     wheels: Vec<usize>,
@@ -77,11 +77,9 @@ impl ExchangeWatch {
         arms.iter().any(|arm| arm.abs() > 1e-3).then(|| Self {
             wheels,
             window,
-            until_ns: None,
-            moments: [[0.0; 3]; 3],
             sums: vec![([0.0; 3], 0.0); arms.len()],
-            turned: [0.0; 2],
             arms,
+            ..Self::default()
         })
     }
 

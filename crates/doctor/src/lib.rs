@@ -6,7 +6,6 @@
 //! |---|---|
 //! | mistakes over a log, row by row | [`Doctor`], [`Findings`], [`Mistake`] |
 //! | the start check of the robot, over a log | [`check_start`], [`StartOutcome`] |
-//! | a size of the speed over ground | [`WheelSign`] |
 //! | clocks that differ, readings that are repeated, before a run | [`gyro_offset`], [`ReferenceDelay`], [`Held`] |
 //!
 //! The primary type is [`Doctor`]. It does not read logs, and estimates no slip.
@@ -38,9 +37,9 @@ pub use findings::{Findings, Uses};
 pub use gyro_clock::gyro_offset;
 pub use held::{Held, HeldReference};
 pub use mistake::Mistake;
+pub use motion::wheel_travel;
 pub use pose::{PoseCheck, PoseFault};
 pub use reference_delay::{ReferenceDelay, Tracks};
-pub use speed_sign::WheelSign;
 pub use start::{StartOutcome, check_start};
 pub use steering::SteeringFault;
 pub use turns::TurnCheck;

@@ -4,12 +4,17 @@ use grouser_real::{Real, wrap_angle};
 use grouser_slip::{Measurement, Robot, Wheel, WheelRole};
 
 /// How far a wheel turned between two readings, m; a rate counts as the mean since the reading before, as the filter takes it.
-pub(crate) fn wheel_travel(
-    wheel: &Wheel,
-    last: &Measurement,
-    now: &Measurement,
-    passed_s: f64,
-) -> f64 {
+/// NaN of readings that have nothing in common.
+///
+/// ```
+/// use grouser_slip::{Measurement, Wheel};
+///
+/// let wheel = Wheel::powered("left").radius(0.1);
+/// let reading = |rate| Measurement::WheelRate { wheel: 0, rate };
+/// assert_eq!(grouser_doctor::wheel_travel(&wheel, &reading(3.0), &reading(2.0), 0.5), 0.1);
+/// ```
+#[must_use]
+pub fn wheel_travel(wheel: &Wheel, last: &Measurement, now: &Measurement, passed_s: f64) -> f64 {
     match (last, now) {
         (Measurement::WheelCount { raw: from, .. }, Measurement::WheelCount { raw: to, .. }) => {
             let ticks = wheel.encoder.counter.step(*from, *to) as f64;

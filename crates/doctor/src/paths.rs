@@ -36,7 +36,7 @@ struct Begun {
 }
 
 /// The paths of a log.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Paths {
     low_speed: f64,
     min_path: f64,
@@ -53,16 +53,11 @@ pub(crate) struct Paths {
 
 impl Paths {
     /// For places of standard deviation `sigma`, m.
-    pub(crate) const fn new(low_speed: f64, sigma: f64) -> Self {
+    pub(crate) fn new(low_speed: f64, sigma: f64) -> Self {
         Self {
             low_speed,
             min_path: MIN_PATH_M.max(PATH_SIGMAS * sigma),
-            speed: 0.0,
-            by_wheels: 0.0,
-            open_straight: None,
-            straight: Vec::new(),
-            open: None,
-            scales: Vec::new(),
+            ..Self::default()
         }
     }
 

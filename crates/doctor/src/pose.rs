@@ -99,7 +99,7 @@ fn is_degrees(scale: f64) -> bool {
 }
 
 /// Compares a pose with gyro and wheels over a log.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PoseWatch {
     /// Heading of wheels that all point one way and are not steered, rad.
     heading: Option<f64>,
@@ -138,36 +138,18 @@ impl PoseWatch {
         low_speed: f64,
         sigma: f64,
     ) -> Self {
-        let powered = robot
-            .wheels()
-            .iter()
-            .filter(|wheel| wheel.role == WheelRole::Powered);
-        let is_fixed =
-            steering.is_none() && powered.clone().all(|wheel| wheel.steers_about.is_none());
+        let mut wheels = robot.wheels().iter();
+        let is_fixed = steering.is_none()
+            && wheels.all(|wheel| wheel.role != WheelRole::Powered || wheel.steers_about.is_none());
         let along = common_heading(robot, Real::cos(0.02));
         let heading = along.filter(|_| is_fixed);
         Self {
             is_parallel: along.is_some(),
             is_ackermann: steering.is_some_and(|steering| steering.kind == SteeringKind::Ackermann),
             heading: heading.map(|[cos, sin]| Real::atan2(sin, cos)),
-            gyro: GyroTurn::default(),
-            has_gyro: false,
-            speed: 0.0,
-            wheels: 0.0,
-            stepped_ns: None,
-            last_yaw: None,
-            turn_ns: None,
-            turn: 0.0,
-            gyro_pose: TurnPair::default(),
-            gyro_wheels: TurnPair::default(),
-            wheels_pose: TurnPair::default(),
-            course_wheels: TurnPair::default(),
-            beyond: None,
-            path: [0.0; 3],
-            course_from: None,
-            course: None,
             min_course: MIN_PATH_M.max(COURSE_SIGMAS * sigma),
             paths: Paths::new(low_speed, sigma),
+            ..Self::default()
         }
     }
 
@@ -370,48 +352,5 @@ impl PoseWatch {
         } else {
             (None, None)
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use grouser_slip::Wheel;
-    use grouser_terra::Angle;
-
-    /// Straight ahead at ten times the mean speed of the rims, as a robot with omni wheels may drive.
-    fn scale(headings_deg: [f64; 3]) -> Option<f64> {
-        let wheels = headings_deg
-            .into_iter()
-            .enumerate()
-            .map(|(index, heading)| {
-                let wheel = Wheel::powered(format!("wheel {index}")).radius(0.1);
-                wheel
-                    .at(0.1 * index as f64, 0.0)
-                    .heading(Angle::from_deg(heading))
-            });
-        let robot = Robot::new("cart".into(), wheels.collect()).unwrap();
-        let mut watch = PoseWatch::new(&robot, None, 0.01, 0.01);
-        for step in 0..400 {
-            let time_ns = i64::from(step) * 100_000_000;
-            watch.step(time_ns, 0.2, &WindowBody::default());
-            let x = 0.2 * f64::from(step);
-            let measurement = Measurement::Pose {
-                x,
-                y: 0.0,
-                yaw: 0.0,
-            };
-            watch.take(&Sample {
-                time_ns,
-                measurement,
-            });
-        }
-        watch.summary().way_scale
-    }
-
-    #[test]
-    fn ways_are_compared_with_wheels_that_point_one_way() {
-        assert!((scale([0.0; 3]).unwrap() - 10.0).abs() < 1e-6);
-        assert_eq!(scale([0.0, 120.0, 240.0]), None);
     }
 }

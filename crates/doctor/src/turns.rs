@@ -22,7 +22,7 @@ const GEOMETRY_BAND_SIGMA: f64 = 2.0;
 const NAMED_LOG_ODDS: f64 = 3.0;
 
 /// What turns by wheels and by gyro say together.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct TurnCheck {
     /// When the robot first drove, s from the log's start.
@@ -45,7 +45,7 @@ pub struct TurnCheck {
 }
 
 /// The check while it runs, of a robot whose powered wheels all point one way.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct TurnWatch {
     /// How much of the turn each powered wheel's rim makes, rad/m.
     shares: Vec<f64>,
@@ -84,22 +84,7 @@ impl TurnWatch {
             track: most - least_arm,
             least: low_speed,
             window,
-            until_ns: None,
-            sums: [0.0; 2],
-            sums_beyond: [0.0; 2],
-            squares: 0.0,
-            windows: 0.0,
-            geometry: Geometry::default(),
-            found: TurnCheck {
-                first_motion_s: None,
-                alarm_s: None,
-                alarms: 0,
-                alarms_beyond_geometry: 0,
-                wheel: None,
-                likelier: 0.0,
-                geometry: Geometry::default().errors(),
-                slip: None,
-            },
+            ..Self::default()
         })
     }
 
@@ -234,73 +219,5 @@ impl Geometry {
             value: self.mean[i],
             variance: self.covariance[i][i],
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use grouser_slip::{Robot, Wheel};
-
-    use super::*;
-
-    fn watch() -> TurnWatch {
-        let wheel = |name: &str, y| Wheel::powered(name).at(0.0, y).ticks_per_turn(1000);
-        let wheels = vec![wheel("left", 0.25), wheel("right", -0.25)];
-        TurnWatch::new(&Robot::new("cart".into(), wheels).unwrap(), 0.02, 0.5).unwrap()
-    }
-
-    /// Drives `seconds` in arcs; the track is described `track` too small, the right radius `radius` too large, and the
-    /// left wheel slips by `slip` from the `from`th second on.
-    fn drive(seconds: u32, [track, radius]: [f64; 2], (slip, from): (f64, f64)) -> TurnCheck {
-        let mut watch = watch();
-        for step in 0..10 * seconds {
-            let time = f64::from(step) / 10.0;
-            let turn = 0.2 * (time / 7.0).sin();
-            let left = 0.3 - 0.25 * turn * (1.0 + track);
-            let right = (0.3 + 0.25 * turn * (1.0 + track)) * (1.0 + radius);
-            let left = if time >= from {
-                left / (1.0 - slip)
-            } else {
-                left
-            };
-            let body = WindowBody {
-                until_ns: Some(i64::from(step) * 100_000_000),
-                yaw_rate: Some(Measured {
-                    value: turn,
-                    variance: 1e-6,
-                }),
-                ..WindowBody::default()
-            };
-            watch.take(time, &body, |wheel| [left, right][wheel]);
-        }
-        watch.summary()
-    }
-
-    #[test]
-    fn an_error_of_track_or_radius_is_geometry_and_no_slip() {
-        for geometry in [[0.03, 0.0], [-0.03, 0.0], [0.0, 0.03], [0.02, -0.02]] {
-            let found = drive(3600, geometry, (0.0, 0.0));
-            assert_eq!(found.alarms_beyond_geometry, 0, "{geometry:?}");
-            assert_eq!(found.wheel, None, "{geometry:?}");
-            let [track, radius] = found.geometry.map(|error| error.value);
-            // a larger right radius makes half of its share more turn as well
-            assert!(
-                (track - geometry[0] - 0.5 * geometry[1]).abs() < 0.005,
-                "{found:?}"
-            );
-            assert!((radius - geometry[1]).abs() < 0.005, "{found:?}");
-        }
-    }
-
-    #[test]
-    fn a_slip_beside_wrong_geometry_is_called() {
-        let found = drive(120, [0.02, 0.02], (0.1, 60.0));
-        assert!(found.alarms_beyond_geometry > 0, "{found:?}");
-    }
-
-    #[test]
-    fn a_slip_from_the_start_beyond_any_geometry_is_called() {
-        let found = drive(60, [0.0, 0.0], (0.15, 0.0));
-        assert!(found.alarms_beyond_geometry > 0, "{found:?}");
     }
 }

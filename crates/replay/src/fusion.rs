@@ -5,12 +5,10 @@ use grouser_slip::detect::{Change, DetectSettings, Detector};
 use grouser_slip::filter::{FilterSettings, Learnt, SlipFilter};
 use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::window::{WindowBody, WindowSettings};
-use grouser_slip::{
-    Degraded, Health, Measurement, Reference, Rejected, Robot, Sample, Slip, WheelRole,
-};
+use grouser_slip::{Degraded, Health, Measurement, Reference, Robot, Sample, Slip, WheelRole};
 
 use crate::checks::{Doubt, ReferenceUse, WayCheck, doubts};
-use crate::consistency::{Consistency, Kind, Residuals};
+use crate::consistency::{Kind, Residuals};
 use crate::error::Result;
 use crate::gather::Gather;
 use crate::method::reaches_filter;
@@ -18,43 +16,10 @@ use crate::moment::Moment;
 use crate::options::Options;
 use crate::smooth::Smoother;
 use crate::soil_learning::SoilLearning;
+use crate::summary::{EventAt, FusedSummary};
 
 /// Maximum number of events that are kept: the first of the log.
 const MAX_EVENTS: usize = 10_000;
-
-/// What the filter says of itself after a log.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FusedSummary {
-    /// Were both directions of time used?
-    pub is_smoothed: bool,
-    /// Residuals by kind of sensor: `wheels`, `yaw_rate`, `reference`.
-    pub consistency: Vec<(&'static str, Consistency)>,
-    /// How much of the reference was used, where a sensor measures the robot's motion.
-    pub reference: Option<ReferenceUse>,
-    /// The filter's way beside the reference's.
-    pub ways: WayCheck,
-    /// Why the result is doubtful; empty where its checks passed.
-    pub doubts: Vec<Doubt>,
-    /// Samples missing between those that came, by each sensor's usual period.
-    pub dropped: u64,
-    /// How often the clock was set.
-    pub clock_steps: u64,
-    /// What began and ended: the first ten thousand of it.
-    pub events: Vec<EventAt>,
-    /// How many more there were.
-    pub more_events: u64,
-    pub(crate) rejected: Rejected,
-}
-
-/// An event that began or ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct EventAt {
-    /// When it was called, s from the log's start.
-    pub time_s: f64,
-    /// What happened.
-    pub change: Change,
-}
 
 /// The filter, what is counted of it, and what looks back.
 #[derive(Debug)]

@@ -11,13 +11,12 @@ use grouser_slip::Health;
 use crate::error::{Error, Result};
 use crate::method::Method;
 use crate::options::Options;
+use crate::quantiles::SIGMAS_90;
 use crate::run::run_into;
 use crate::sink::{Row, Sink};
 
 /// The share of true slips that an interval contains.
 const COVERED_SHARE: f64 = 0.9;
-/// Half-width of the interval that contains 90 % of a normal distribution, in standard deviations: its 95 % quantile.
-pub(crate) const SIGMAS_90: f64 = 1.644_854;
 /// True slips are means of the reference over this time about an estimate, s: noise of a reading averages out.
 const TRUTH_WINDOW_S: f64 = 1.0;
 /// Fewer runs do not show how much runs differ.

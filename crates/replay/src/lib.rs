@@ -41,10 +41,12 @@ mod place_way;
 mod postponed;
 mod quantiles;
 mod reckoning;
+mod record;
 mod reversed;
 mod run;
 mod samples;
 mod sink;
+mod slips;
 mod smooth;
 mod soil_learning;
 mod soil_reading;
@@ -55,6 +57,7 @@ mod tally;
 mod truth;
 mod ways;
 mod wheel_points;
+mod wheel_sign;
 
 pub use calibration::{Calibration, calibrate_radius};
 pub use checks::{Doubt, ReferenceUse, WayCheck};
@@ -63,7 +66,6 @@ pub use clocks::calibrate_reference_delay;
 pub use consistency::Consistency;
 pub use engine::Engine;
 pub use error::{Error, Result};
-pub use fusion::{EventAt, FusedSummary};
 pub use geometry::{Factor, GeometryCalibration, calibrate_geometry};
 pub use ground_change::GroundChange;
 pub use intervals::{IntervalCalibration, calibrate_intervals};
@@ -77,5 +79,7 @@ pub use sink::{Row, Sink, Step};
 pub use smooth::{Smoothed, smoothed};
 pub use soil_reading::{SoilReading, reference_skid, soil_readings};
 pub use start::check_start;
-pub use summary::{AlongSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary};
+pub use summary::{
+    AlongSummary, EventAt, FusedSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary,
+};
 pub use truth::{Compared, Truth, TruthError};

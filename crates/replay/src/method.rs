@@ -82,3 +82,12 @@ pub(crate) fn reaches_filter(
         _ => true,
     }
 }
+
+/// The wheel whose rotation is measured.
+pub(crate) const fn rotating_wheel(measurement: &Measurement) -> Option<usize> {
+    if measurement.is_rotation() {
+        measurement.wheel()
+    } else {
+        None
+    }
+}

@@ -1,5 +1,8 @@
 //! Quantiles of a stream in fixed memory.
 
+/// Half-width of the interval that contains 90 % of a normal distribution, in standard deviations: its 95 % quantile.
+pub(crate) const SIGMAS_90: f64 = 1.644_854;
+
 /// How finely a range is divided.
 const BINS: usize = 1 << 16;
 

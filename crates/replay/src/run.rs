@@ -105,7 +105,6 @@ fn run_once(
     let dropout_s = held.dropout_s().unwrap_or(0.0);
     file.filter.dropout = file.filter.dropout.max(dropout_s);
     let mut engine = Engine::new(&file, inputs, options)?;
-    engine.set_clocks(clocks.gyro_offset_s, clocks.reference_delay);
     let mut postponed = Postponed::by(early_ns);
     for sample in log.samples(&shifts)? {
         let sample = sample?;
@@ -121,5 +120,7 @@ fn run_once(
     }
     let mut summary = engine.finish(sink)?;
     summary.held_reference = held.counts();
+    summary.clock_offset_s = clocks.gyro_offset_s;
+    summary.reference_delay = clocks.reference_delay;
     Ok(summary)
 }

@@ -1,6 +1,6 @@
 //! Which of a log's samples are used, and what they say.
 
-use grouser_doctor::{Held, WheelSign};
+use grouser_doctor::Held;
 use grouser_files::columns::Meaning;
 use grouser_files::robot::RobotFile;
 use grouser_log::{Log, Measures};
@@ -9,6 +9,7 @@ use grouser_slip::{Measurement, Sample};
 use crate::choice::{Inputs, LogWheel, robot_wheels};
 use crate::error::Result;
 use crate::options::Options;
+use crate::wheel_sign::WheelSign;
 
 /// The samples of a live source as those of the robot: wheels in the robot's order, speeds as rates, currents as torques; a
 /// speed over ground of which only the size is measured has the sign of the wheels.
@@ -86,13 +87,4 @@ pub(crate) fn held(log: &Log, file: &RobotFile, options: &Options, shifts: &[i64
     robot_wheels(log, file)?; // a wheel that the robot lacks is the first error to report
     let reference = Inputs::of(log, file, options)?.reference;
     Ok(Held::find(reference, log.samples(shifts)?)?)
-}
-
-/// The wheel whose rotation is measured.
-pub(crate) const fn rotating_wheel(measurement: &Measurement) -> Option<usize> {
-    if measurement.is_rotation() {
-        measurement.wheel()
-    } else {
-        None
-    }
 }

@@ -8,10 +8,10 @@ use grouser_slip::window::WindowBody;
 use grouser_slip::{BodyMotion, Health, Measured, Robot, Sample, Slip, WheelEstimate, WheelRole};
 
 use crate::error::Result;
+use crate::method::rotating_wheel;
 use crate::moment::Moment;
 use crate::path_smoother::LoggedPath;
 use crate::reversed::reversed;
-use crate::samples::rotating_wheel;
 
 /// The backward pass works on this many samples at a time, and begins this many later: that is more than the slip
 /// remembers. Memory is bounded by both: about 50 bytes a sample and 150 a wheel and time.

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use grouser_doctor::{Findings, HeldReference, Mistake, ReferenceDelay};
+use grouser_slip::detect::Change;
 use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
-use crate::checks::{Doubt, MAX_GAP_S};
-use crate::fusion::FusedSummary;
+use crate::checks::{Doubt, MAX_GAP_S, ReferenceUse, WayCheck};
+use crate::consistency::Consistency;
 use crate::method::Method;
 use crate::odometry::Odometry;
 use crate::quantiles::Quantiles;
@@ -106,6 +107,40 @@ impl Status {
             Self::NoSlip => "no slip",
         }
     }
+}
+
+/// What the filter says of itself after a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FusedSummary {
+    /// Were both directions of time used?
+    pub is_smoothed: bool,
+    /// Residuals by kind of sensor: `wheels`, `yaw_rate`, `reference`.
+    pub consistency: Vec<(&'static str, Consistency)>,
+    /// How much of the reference was used, where a sensor measures the robot's motion.
+    pub reference: Option<ReferenceUse>,
+    /// The filter's way beside the reference's.
+    pub ways: WayCheck,
+    /// Why the result is doubtful; empty where its checks passed.
+    pub doubts: Vec<Doubt>,
+    /// Samples missing between those that came, by each sensor's usual period.
+    pub dropped: u64,
+    /// How often the clock was set.
+    pub clock_steps: u64,
+    /// What began and ended: the first ten thousand of it.
+    pub events: Vec<EventAt>,
+    /// How many more there were.
+    pub more_events: u64,
+    pub(crate) rejected: Rejected,
+}
+
+/// An event that began or ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct EventAt {
+    /// When it was called, s from the log's start.
+    pub time_s: f64,
+    /// What happened.
+    pub change: Change,
 }
 
 /// What a whole log says.

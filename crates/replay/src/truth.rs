@@ -9,7 +9,7 @@ use grouser_real::Real;
 use grouser_slip::{Health, Robot};
 
 use crate::error::{Error, Result};
-use crate::intervals::SIGMAS_90;
+use crate::quantiles::SIGMAS_90;
 use crate::sink::{Row, Sink, Step};
 
 /// Truth is linear between two samples that are no further apart than this, s.
