@@ -24,8 +24,7 @@ pub struct Uses {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Findings {
-    /// Whether wheels and gyro disagree, and which wheel's doing that is; of a robot with a gyro that turns by its wheels'
-    /// sides.
+    /// Whether wheels and gyro disagree, and which wheel slips; of a robot with a gyro that turns by the speeds of its sides.
     pub turns: Option<TurnCheck>,
     /// Wheels that show the bends of the other side: their encoders are exchanged. `None` without, and without bends to both
     /// sides.
