@@ -15,5 +15,6 @@ mod pooled_drives;
 mod settling;
 mod step_halving;
 mod terrain;
+mod tipping;
 mod uneven;
 mod written_scenarios;

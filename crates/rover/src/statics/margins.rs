@@ -2,19 +2,19 @@
 
 use grouser_real::Real;
 
-use super::loads::wheel_loads;
-use crate::body::BodyState;
+use super::equations::{Equations, Tipping};
 use crate::robot::RobotModel;
-use crate::vector::{Attitude, Vector};
+use crate::vector::Vector;
 
-/// An edge over which the robot may tip.
+/// An edge over which the robot may tip: some wheels stay on the ground, the others lose their loads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edge {
-    /// The wheels at its ends.
-    pub wheels: [usize; 2],
-    /// How much further the ground may tilt until the robot tips over this edge, rad.
+    /// The wheels that stay: of a rigid robot those at the ends of the edge.
+    pub wheels: Vec<usize>,
+    /// How much further the ground may tilt until the others carry nothing, rad.
     pub tip_over: f64,
-    /// Distance of the plumb line through the centre of gravity from the edge, m.
+    /// Distance of the plumb line through the centre of gravity from the edge, m: the work of the weight over the turning of the
+    /// chassis about level axes. Infinite where only a link turns.
     pub horizontal: f64,
     /// How far the centre of gravity must rise to tip over the edge, m.
     pub vertical: f64,
@@ -28,18 +28,20 @@ pub struct StabilityMargins {
     pub horizontal: f64,
     /// Least height by which the centre of gravity must be raised, m; 0 once it falls by itself.
     pub vertical: f64,
-    /// Least angle by which the ground may tilt further, rad.
+    /// The smallest further tilt of the ground, in any direction, at which no set of non-negative wheel loads balances the robot,
+    /// rad; negative where it does not stand.
     pub tip_over: f64,
-    /// Every edge of the support, counter-clockwise from above.
+    /// Every edge of the support.
     pub edges: Vec<Edge>,
 }
 
-/// The margins of a robot on a plane tilted by `pitch` (nose up) and `roll` (left side up), both in rad.
+/// The margins of a robot on a plane tilted by `pitch` (nose up) and `roll` (left side up), both in rad, by the equations of
+/// [`wheel_loads`](super::wheel_loads).
 ///
-/// The support is the convex hull of the contacts of the wheels that carry something. For an edge along e through
-/// p, with g the centre of gravity and d downwards: the tip-over angle is the one by which d must turn about e to
-/// pass through the edge; the energy (vertical) margin after Messuri & Klein is R (1 − cos angle) in the plane
-/// across the edge, projected on the vertical.
+/// An edge is a motion that the ground allows and in which as many wheels as can stay on it. The tip-over angle is the one by
+/// which gravity must turn until it does no work on that motion. For a rigid robot these are the sides of the convex hull of
+/// its contacts. The energy (vertical) margin is that of Messuri & Klein, R (1 − cos angle) in the plane across the edge,
+/// projected on the vertical.
 ///
 /// ```
 /// use grouser_rover::robot::RobotModel;
@@ -53,37 +55,13 @@ pub struct StabilityMargins {
 /// ```
 #[must_use]
 pub fn stability_margins(model: &RobotModel, pitch: f64, roll: f64) -> StabilityMargins {
-    let loads = wheel_loads(model, pitch, roll);
-    let state = BodyState::at(Vector::ZERO, Attitude::LEVEL);
-    let centre = model.linkage.centre(&model.linkage.pose(&state));
-    let contact = |index: usize| {
-        let mount = &model.wheels[index];
-        mount.centre - Vector::AXES[2] * mount.wheel.radius()
-    };
-    let contacts: Vec<Vector> = (0..model.wheels.len()).map(contact).collect();
-    let least = 1e-3 * model.weight();
-    let up = Attitude::from_angles(roll, -pitch, 0.0).to_robot(Vector::AXES[2]);
-    margins_about(&contacts, |wheel| loads.loads[wheel] > least, centre, up)
+    let equations = Equations::on_plane(model);
+    margins_where(&equations, equations.down(pitch, roll))
 }
 
-/// The margins of what stands on those of its `contacts` that carry something, with its centre of gravity at
-/// `centre`; seen against `up`.
-pub(super) fn margins_about(
-    contacts: &[Vector],
-    carries: impl Fn(usize) -> bool,
-    centre: Vector,
-    up: Vector,
-) -> StabilityMargins {
-    let standing: Vec<usize> = (0..contacts.len())
-        .filter(|index| carries(*index))
-        .collect();
-    let hull = hull(&standing, |index| contacts[index]);
-    let edges: Vec<Edge> = (0..hull.len())
-        .map(|i| {
-            let wheels = [hull[i], hull[(i + 1) % hull.len()]];
-            edge(wheels, wheels.map(|wheel| contacts[wheel]), centre, up)
-        })
-        .collect();
+/// The margins where gravity points `down`.
+pub(super) fn margins_where(equations: &Equations, down: Vector) -> StabilityMargins {
+    let edges: Vec<Edge> = equations.tippings(down).into_iter().map(edge).collect();
     let least = |of: fn(&Edge) -> f64| edges.iter().map(of).fold(f64::INFINITY, f64::min);
     StabilityMargins {
         horizontal: least(|edge| edge.horizontal),
@@ -93,58 +71,16 @@ pub(super) fn margins_about(
     }
 }
 
-fn edge(wheels: [usize; 2], [from, to]: [Vector; 2], centre: Vector, up: Vector) -> Edge {
-    let along = (to - from).unit();
-    // the centre of gravity and the vertical, both across the edge
-    let across = |v: Vector| v - along * v.dot(along);
-    let arm = across(centre - from);
-    let upright = across(up);
-    let inwards = upright.cross(along);
-    let tip_over = Real::atan2(arm.dot(inwards.unit()), arm.dot(upright.unit()));
-    let rise = if tip_over > 0.0 {
-        arm.length() * (1.0 - Real::cos(tip_over)) * upright.length()
-    } else {
-        0.0
-    };
-    // on the horizontal plane: how far the plumb line passes from the edge
-    let level = along - up * along.dot(up);
-    let sideways = up.cross(level.unit());
+fn edge(tipping: Tipping) -> Edge {
+    let [arm, horizontal] = tipping.arms;
     Edge {
-        wheels,
-        tip_over,
-        horizontal: (centre - from).dot(sideways),
-        vertical: rise,
+        wheels: tipping.wheels,
+        tip_over: tipping.tilt,
+        horizontal,
+        vertical: if tipping.tilt > 0.0 {
+            arm * Real::tan(0.5 * tipping.tilt)
+        } else {
+            0.0
+        },
     }
-}
-
-/// Andrew's monotone chain, counter-clockwise.
-fn hull(wheels: &[usize], at: impl Fn(usize) -> Vector) -> Vec<usize> {
-    let mut sorted = wheels.to_vec();
-    sorted.sort_by(|a, b| {
-        let (a, b) = (at(*a), at(*b));
-        a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))
-    });
-    if sorted.len() < 3 {
-        return sorted;
-    }
-    let turns = |a: usize, b: usize, c: usize| {
-        let (u, v) = (at(b) - at(a), at(c) - at(a));
-        u.x * v.y - u.y * v.x
-    };
-    let half = |points: &mut dyn Iterator<Item = usize>| {
-        let mut chain: Vec<usize> = Vec::new();
-        for point in points {
-            while chain.len() >= 2
-                && turns(chain[chain.len() - 2], chain[chain.len() - 1], point) <= 1e-12
-            {
-                chain.pop();
-            }
-            chain.push(point);
-        }
-        chain.pop();
-        chain
-    };
-    let mut out = half(&mut sorted.iter().copied());
-    out.extend(half(&mut sorted.iter().rev().copied()));
-    out
 }

@@ -3,6 +3,7 @@
 //! The primary type is [`Standing`]; `grouser robot ROBOT.toml --stance` prints it.
 
 mod climb;
+mod equations;
 mod loads;
 mod margins;
 mod posture;

@@ -1,6 +1,7 @@
 //! A robot at rest on uneven ground: how rockers, arms and chassis lie, and what each wheel carries.
 
-use super::margins::{StabilityMargins, margins_about};
+use super::equations::Equations;
+use super::margins::{StabilityMargins, margins_where};
 use crate::body::{BodyState, MAX_FREEDOMS, MAX_SPEEDS, Pose, Speeds, solve};
 use crate::error::{Error, Result};
 use crate::robot::RobotModel;
@@ -202,25 +203,17 @@ fn result(
     settled: bool,
 ) -> Stance {
     let linkage = &model.linkage;
-    let (mut loads, mut sinkages, mut contacts) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut loads, mut sinkages) = (Vec::new(), Vec::new());
     for (mount, height) in model.wheels.iter().zip(footing.heights) {
         let at = linkage.point(pose, mount.link, mount.centre);
         let depth = depth(state, at, mount.wheel.radius(), *height);
         loads.push(footing.stiffness * depth.max(0.0));
         sinkages.push(depth);
-        let centre = state.attitude.to_world(at);
-        contacts.push(centre - Vector::AXES[2] * mount.wheel.radius());
     }
-    let centre = state.attitude.to_world(linkage.centre(pose));
     let (roll, pitch, _) = state.attitude.angles();
-    let least = 1e-3 * model.weight();
+    let equations = Equations::new(model, state, pose, |wheel| loads[wheel] > 0.0);
     Stance {
-        margins: margins_about(
-            &contacts,
-            |wheel| loads[wheel] > least,
-            centre,
-            Vector::AXES[2],
-        ),
+        margins: margins_where(&equations, -Vector::AXES[2]),
         loads,
         sinkages,
         roll,

@@ -148,8 +148,8 @@ fn margins<'a>() -> Fields<'a, (&'a RobotModel, &'a StabilityMargins)> {
 
 fn edge<'a>() -> Fields<'a, (&'a RobotModel, &'a Edge)> {
     fields! { |of: (&'a RobotModel, &'a Edge)|
-        "wheels" "the wheels at its ends" =
-            of.1.wheels.map(|wheel| of.0.wheels[wheel].name.clone()).to_vec();
+        "wheels" "the wheels that stay on the ground" =
+            of.1.wheels.iter().map(|wheel| of.0.wheels[*wheel].name.clone()).collect::<Vec<_>>();
         "tip_over_deg" "angle to tipping over it" = of.1.tip_over.to_degrees();
         "horizontal_m" "distance of the plumb line from it" = of.1.horizontal;
         "vertical_m" "height to which the centre of gravity must be raised" = of.1.vertical;
