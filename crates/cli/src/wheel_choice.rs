@@ -2,6 +2,7 @@
 
 use grouser_files::gravity::GRAVITY_LIMITS_M_PER_S2;
 use grouser_rover::robot::RobotModel;
+use grouser_terra::slope::{MAX_SLIP, MAX_SLIP_LIMITS};
 use grouser_terra::{
     Angle, EARTH_GRAVITY_M_PER_S2, GrouserRule, Grousers, Kinematics, RigidWheel, Settings, Slip,
     WheelOnSoil, gravity_of,
@@ -102,6 +103,33 @@ impl GravityArgument {
     }
 }
 
+/// `--max-slip`.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub(crate) struct MaxSlip {
+    /// Greatest slip, driving or braking, at which a slope counts as held
+    #[arg(long, value_name = "S", value_parser = parse_max_slip, default_value_t = MAX_SLIP)]
+    pub(crate) max_slip: f64,
+}
+
+impl MaxSlip {
+    pub(crate) fn settings(self) -> Settings {
+        Settings {
+            max_slip: self.max_slip,
+            ..Settings::default()
+        }
+    }
+}
+
+fn parse_max_slip(text: &str) -> std::result::Result<f64, String> {
+    let slip = parse_finite(text)?;
+    let (low, high) = MAX_SLIP_LIMITS;
+    if (low..=high).contains(&slip) {
+        Ok(slip)
+    } else {
+        Err(format!("must lie in [{low}, {high}]"))
+    }
+}
+
 /// Gravity by its value or by the body it is of.
 fn parse_gravity(text: &str) -> std::result::Result<f64, String> {
     if let Some(gravity) = gravity_of(text) {
@@ -119,7 +147,11 @@ fn parse_gravity(text: &str) -> std::result::Result<f64, String> {
 
 impl WheelArguments {
     /// The wheel on its soil; the soil is noted in the session.
-    pub(crate) fn pair(&self, session: &mut Session) -> Result<(WheelOnSoil, Chosen)> {
+    pub(crate) fn pair(
+        &self,
+        session: &mut Session,
+        settings: Settings,
+    ) -> Result<(WheelOnSoil, Chosen)> {
         let refuse = |error| Names::Flags.error(&error);
         let wheel = self
             .grousers
@@ -129,7 +161,7 @@ impl WheelArguments {
         if let Some(rebound) = self.rebound {
             chosen.soil = chosen.soil.with_rebound(rebound).map_err(refuse)?;
         }
-        let pair = WheelOnSoil::new(wheel, chosen.soil, Settings::default()).map_err(refuse)?;
+        let pair = WheelOnSoil::new(wheel, chosen.soil, settings).map_err(refuse)?;
         Ok((pair, chosen))
     }
 

@@ -6,7 +6,6 @@
     reason = "a test fails by panicking, and prints what it measured or why it is skipped"
 )]
 
-mod climb;
 mod closed_form;
 mod control_page;
 mod drive;

@@ -25,6 +25,14 @@ fn skid_on(soil: &Soil, load: f64) -> f64 {
     pair.free_slip(load, 0.0).unwrap().unwrap().value()
 }
 
+/// A filter believes in every slip.
+fn any_slip() -> Settings {
+    Settings {
+        max_slip: 1.0,
+        ..Settings::default()
+    }
+}
+
 #[test]
 fn the_tables_are_what_the_model_solves() {
     let skid =
@@ -39,7 +47,7 @@ fn the_tables_are_what_the_model_solves() {
     let wheel = RigidWheel::new(0.125, 0.1).unwrap();
     let slopes = (Angle::from_deg(-10.0), Angle::from_deg(15.0));
     let demand = SlipDemand::new(wheel, &sand(), 80.0, slopes, SoilDoubt::default()).unwrap();
-    let pair = WheelOnSoil::new(wheel, sand(), Settings::default()).unwrap();
+    let pair = WheelOnSoil::new(wheel, sand(), any_slip()).unwrap();
     for degrees in [-9.0, -3.0, 1.0, 5.0, 11.0] {
         let slope = Angle::from_deg(degrees);
         if let SlopeOutcome::Holds { slip } = pair.slip_demand(80.0, slope).unwrap() {
@@ -195,7 +203,7 @@ fn tables_are_those_of_whole_searches() {
             Some((mean, squares.sqrt()))
         };
         let wheel = RigidWheel::new(0.15, 0.12).unwrap();
-        let on = |soil: &Soil| WheelOnSoil::new(wheel, *soil, Settings::default()).unwrap();
+        let on = |soil: &Soil| WheelOnSoil::new(wheel, *soil, any_slip()).unwrap();
         let limit = Angle::from_deg(24.0);
         let limits = (Angle::from_rad(-limit.rad()), limit);
         let demand = SlipDemand::new(wheel, &soil, 45.0, limits, SoilDoubt::of(share)).unwrap();
@@ -280,7 +288,7 @@ fn a_soil_that_holds_no_slope_counts_half_way_to_the_end() {
         for place in 0..9 {
             let slope = slopes.0.rad() + (slopes.1.rad() - slopes.0.rad()) * f64::from(place) / 8.0;
             let slips = soils.map(|soil| {
-                let pair = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+                let pair = WheelOnSoil::new(wheel, soil, any_slip()).unwrap();
                 match pair.slip_demand(weight, Angle::from_rad(slope)).unwrap() {
                     SlopeOutcome::Holds { slip } => Some(slip.value()),
                     _ => None,

@@ -46,6 +46,7 @@ mod slip;
 mod slip_model;
 mod slip_search;
 mod slip_velocity;
+pub mod slope;
 mod soil;
 mod soil_history;
 mod status;

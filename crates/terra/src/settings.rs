@@ -2,6 +2,7 @@
 
 use crate::bulldozing::Bulldozing;
 use crate::shear::ShearLaw;
+use crate::slope::MAX_SLIP;
 
 /// How a wheel on soil is computed.
 ///
@@ -11,7 +12,7 @@ use crate::shear::ShearLaw;
 /// let settings = Settings { accuracy: Accuracy::Reference, ..Settings::default() };
 /// assert_eq!(settings.shear.key(), "coupled");
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// How exactly the integrals are taken.
     pub accuracy: Accuracy,
@@ -19,6 +20,19 @@ pub struct Settings {
     pub shear: ShearLaw,
     /// How ploughed soil enters the side force.
     pub bulldozing: Bulldozing,
+    /// A slope is held at a slip of at most this, driving or braking: [`MAX_SLIP`] by default.
+    pub max_slip: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            accuracy: Accuracy::default(),
+            shear: ShearLaw::default(),
+            bulldozing: Bulldozing::default(),
+            max_slip: MAX_SLIP,
+        }
+    }
 }
 
 /// How exactly the integrals are taken, relative to max(|W|, |DP|, |T|/r).

@@ -7,30 +7,20 @@ use crate::kinematics::Kinematics;
 use crate::operating_point::tractive_efficiency;
 use crate::settings::Accuracy;
 use crate::slip::Slip;
-use crate::slip_search::{BestSearch, ROOT_PRECISION, SAMPLES, maximum, root, root_near};
+use crate::slip_search::{BestSearch, ROOT_PRECISION, SAMPLES, root, root_near};
+use crate::slope::{HeldSlip, SlopeSearch, held_slip};
 use crate::wheel_on_soil::WheelOnSoil;
 
-/// Samples of the pull over slip before the steepest slope is sought, less one: the pull has one maximum, or rises to slip 1.
+/// Samples of the torque of a free wheel, which rises with slip on most soils.
 const SCAN_STEPS: u32 = 8;
 const SCAN_STEP: f64 = 1.0 / 8.0;
-
-/// The first round of the search for the steepest slope, and all others: reach and precision of the slip, precision of the
-/// slope (rad). What the slip lacks counts in the slope by its square, and forces at standard accuracy tell no more.
-const FIRST_ROUND: (f64, f64, f64) = (SCAN_STEP, 3e-3, 1e-4);
-const LAST_ROUND: (f64, f64, f64) = (0.02, 1e-5, ROOT_PRECISION);
-
-/// What a slope of the first round may lack beside its precision: ten times what forces to 1e-6 tell, rad.
-const ROUGH_RAD: f64 = 1e-5;
 
 /// Precision of a root of forces to 1e-6, and how far beside it the root of exact forces is looked for.
 const ROUGH_SLIP: f64 = 1e-7;
 const ROUGH_REACHES: [f64; 3] = [1e-6, 1e-5, 1e-3];
 
-/// How far beside a slip that is nearly right the root is looked for.
+/// How far from a slip that is nearly right the root is looked for.
 const NEAR_REACHES: [f64; 3] = [0.02, 0.06, 0.2];
-
-/// Slope and slip are found in turn at most so often; two rounds are enough.
-const SLOPE_ROUNDS: u32 = 12;
 
 /// No slope is steeper than this, rad (85°).
 const MAX_GRADE_RAD: f64 = 85.0 * core::f64::consts::PI / 180.0;
@@ -59,16 +49,21 @@ pub struct SteepestSlope {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SlopeOutcome {
-    /// This slip holds it, and none smaller (below it the wheel slides back).
+    /// This slip holds it, and none of smaller magnitude.
     Holds {
         /// The slip demand; negative on a downhill slope or where the wheel is held by its brake.
         slip: Slip,
     },
-    /// No slip holds it.
+    /// No slip up to the greatest ([`Settings::max_slip`](crate::Settings)) holds it.
     Immobilised {
-        /// The greatest drawbar pull there is, N; `None` if the load is carried at no slip.
+        /// The greatest drawbar pull up to that slip, N; `None` if the load is carried at none.
         max_pull: Option<f64>,
         /// The drawbar pull that the slope requires, N.
+        required_pull: f64,
+    },
+    /// Downhill no braking slip up to the greatest holds it.
+    Slides {
+        /// The drawbar pull that the slope requires, N; negative.
         required_pull: f64,
     },
 }
@@ -107,15 +102,23 @@ impl WheelOnSoil {
         })
     }
 
-    /// The smallest slip at which a wheel of `weight` (N) holds the slope `slope`: W cos α is carried and
-    /// the drawbar pull is W sin α.
+    /// The slip of smallest magnitude at which a wheel of `weight` (N) holds the slope `slope`: W cos α is carried and
+    /// the drawbar pull is W sin α, at a slip of at most that of the settings ([`held_slip`]).
     ///
     /// # Errors
     /// As [`WheelOnSoil::under_load`]; [`Error::OutOfRange`] unless |α| < 90°.
     pub fn slip_demand(&self, weight: f64, slope: Angle) -> Result<SlopeOutcome> {
         let (load, required) = on_slope(weight, slope)?;
-        let pull = |slip: f64| self.forces_under(load, slip, |forces| forces.drawbar_pull);
-        least_slip(required, pull)
+        let surplus = |slip| self.forces_under(load, slip, |f| f.drawbar_pull - required);
+        let required_pull = required;
+        Ok(match held_slip(self.settings().max_slip, surplus)? {
+            HeldSlip::Holds(slip) => return holds(slip),
+            HeldSlip::Immobilised(most) => SlopeOutcome::Immobilised {
+                max_pull: most.map(|most| most + required),
+                required_pull,
+            },
+            HeldSlip::Slides => SlopeOutcome::Slides { required_pull },
+        })
     }
 
     /// The skid of a free wheel: the slip at which the soil turns a wheel under `load` (N) against the
@@ -216,8 +219,8 @@ impl WheelOnSoil {
         let (load, required) = on_slope(weight, slope)?;
         let surplus = |slip| self.forces_under(load, slip, |f| f.drawbar_pull - required);
         match root_near(near.value(), &NEAR_REACHES, surplus)? {
-            Some(slip) => holds(slip),
-            None => self.slip_demand(weight, slope),
+            Some(slip) if slip.abs() <= self.settings().max_slip => holds(slip),
+            _ => self.slip_demand(weight, slope),
         }
     }
 
@@ -265,7 +268,7 @@ impl WheelOnSoil {
         Ok(Some(of(&contact.forces_by(self.tables(), self.order()))))
     }
 
-    /// The steepest slope that a wheel of `weight` (N) holds at any slip in [0, 1]; `None` where it cannot
+    /// The steepest slope that a wheel of `weight` (N) holds at a slip of at most that of the settings; `None` where it cannot
     /// even be carried on the level, or cannot pull itself.
     ///
     /// # Errors
@@ -284,11 +287,7 @@ impl WheelOnSoil {
         Ok(self.steepest_slope(weight)?.map(|steepest| steepest.slope))
     }
 
-    /// [`WheelOnSoil::gradeability`] with the slip of the greatest pull on that slope.
-    ///
-    /// Slope and slip are found in turn: at a fixed slip the pull that is left falls with the slope, and at a fixed slope
-    /// the slip of the greatest pull is sought beside the last one. Since the pull is flat there, what the slip lacks
-    /// counts in the slope by its square.
+    /// [`WheelOnSoil::gradeability`] with the slip that holds that slope.
     ///
     /// # Errors
     /// As [`WheelOnSoil::under_load`].
@@ -299,8 +298,8 @@ impl WheelOnSoil {
     /// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
     /// let contact = WheelOnSoil::new(RigidWheel::new(0.125, 0.1)?, soil, Settings::default())?;
     /// let steepest = contact.steepest_slope(80.0)?.expect("it pulls on the level");
-    /// let best = contact.slip_of_maximum_pull(80.0 * steepest.slope.cos())?.expect("it is carried");
-    /// assert!((best.value - 80.0 * steepest.slope.sin()).abs() < 1e-8);
+    /// // the pull of dry sand rises up to the greatest slip that counts
+    /// assert_eq!(steepest.slip.value(), 0.6);
     /// # Ok::<(), grouser_terra::Error>(())
     /// ```
     pub fn steepest_slope(&self, weight: f64) -> Result<Option<SteepestSlope>> {
@@ -311,8 +310,13 @@ impl WheelOnSoil {
         };
         // the scan and the first round need no more than 1e-6
         let quick = self.with_accuracy(Accuracy::Simulation);
-        let found = steepest(
+        let search = SlopeSearch {
             weight,
+            slopes: (0.0, MAX_GRADE_RAD),
+            max_slip: self.settings().max_slip,
+            near: None,
+        };
+        let found = search.steepest(
             |alpha, slip| surplus_of(&quick, alpha, slip),
             |alpha, slip| surplus_of(self, alpha, slip),
         )?;
@@ -337,130 +341,6 @@ fn on_slope(weight: f64, slope: Angle) -> Result<(f64, f64)> {
 fn holds(slip: f64) -> Result<SlopeOutcome> {
     let slip = Slip::new(slip)?;
     Ok(SlopeOutcome::Holds { slip })
-}
-
-/// The least slip at which `pull` (N) is what is `required`: where the first of some samples in [−1, 1] reaches it, or else at or
-/// below the greatest pull.
-fn least_slip(required: f64, pull: impl Fn(f64) -> Result<Option<f64>>) -> Result<SlopeOutcome> {
-    let surplus = |slip| Ok(pull(slip)?.map(|pull| pull - required));
-    let mut before: Option<(f64, f64)> = None;
-    let mut most = f64::NEG_INFINITY;
-    for i in 0..=2 * SAMPLES {
-        let slip = f64::from(i) / f64::from(SAMPLES) - 1.0;
-        let Some(now) = surplus(slip)? else {
-            before = None;
-            continue;
-        };
-        if now >= 0.0 {
-            return holds(match before {
-                Some(low) => root(low, (slip, now), ROOT_PRECISION, surplus)?,
-                None => slip,
-            });
-        }
-        most = most.max(now);
-        before = Some((slip, now));
-    }
-    // between two samples the pull may still suffice
-    if let Some(best) = best_slip(surplus)? {
-        let slip = best.slip.value();
-        if best.value >= 0.0 {
-            let low = slip - 1.0 / f64::from(SAMPLES);
-            let at_low = surplus(low)?.unwrap_or(f64::NEG_INFINITY);
-            return holds(root(
-                (low, at_low),
-                (slip, best.value),
-                ROOT_PRECISION,
-                surplus,
-            )?);
-        }
-        most = most.max(best.value);
-    }
-    Ok(SlopeOutcome::Immobilised {
-        max_pull: most.is_finite().then_some(most + required),
-        required_pull: required,
-    })
-}
-
-/// The steepest slope (rad) at which `surplus`, of slope and slip, is not negative at the slip in [0, 1] where it is greatest,
-/// and that slip; `rough` is the same to 1e-6 of the weight. `None` where it is negative on the level.
-fn steepest(
-    weight: f64,
-    rough: impl Fn(f64, f64) -> Result<Option<f64>>,
-    surplus: impl Fn(f64, f64) -> Result<Option<f64>>,
-) -> Result<Option<(f64, f64)>> {
-    let Some((mut slip, mut left)) = best_of_scan(|slip| rough(0.0, slip))? else {
-        return Ok(None);
-    };
-    if left < ROUGH_RAD * weight {
-        // between two samples the wheel may still pull
-        (slip, left) = maximum(slip, (SCAN_STEP, LAST_ROUND.1), |slip| surplus(0.0, slip))?;
-        if left < 0.0 {
-            return Ok(None);
-        }
-    }
-    let mut slope = slope_held(slip, (0.0, left), (weight, FIRST_ROUND.2), &rough)?;
-    (slope, slip) = round((slope, slip), weight, FIRST_ROUND, &rough)?;
-    slope = (slope - ROUGH_RAD).max(0.0);
-    for _ in 0..SLOPE_ROUNDS {
-        let before = slip;
-        (slope, slip) = round((slope, slip), weight, LAST_ROUND, &surplus)?;
-        if (slip - before).abs() < FIRST_ROUND.1 {
-            break;
-        }
-    }
-    Ok(Some((slope, slip)))
-}
-
-/// The slip of the greatest surplus beside `slip` on `slope`, and the slope that it holds, first.
-fn round(
-    (slope, slip): (f64, f64),
-    weight: f64,
-    (reach, precision, slope_precision): (f64, f64, f64),
-    surplus: &impl Fn(f64, f64) -> Result<Option<f64>>,
-) -> Result<(f64, f64)> {
-    let (slip, left) = maximum(slip, (reach, precision), |slip| surplus(slope, slip))?;
-    let from = (slope, left.max(0.0));
-    let slope = slope_held(slip, from, (weight, slope_precision), surplus)?;
-    Ok((slope, slip))
-}
-
-/// The slope (rad) above `from` at which `surplus` at `slip` ends, its value at `from` being known and not negative.
-fn slope_held(
-    slip: f64,
-    from: (f64, f64),
-    (weight, precision): (f64, f64),
-    surplus: impl Fn(f64, f64) -> Result<Option<f64>>,
-) -> Result<f64> {
-    // no slope takes less pull than its sine
-    let (mut low, mut step) = (from, (from.1 / weight).max(precision).max(1e-9));
-    loop {
-        let alpha = (low.0 + step).min(MAX_GRADE_RAD);
-        let Some(left) = surplus(alpha, slip)? else {
-            return Ok(low.0);
-        };
-        if left < 0.0 {
-            let mirrored = |x: f64| surplus(-x, slip);
-            return Ok(-root((-alpha, left), (-low.0, low.1), precision, mirrored)?);
-        }
-        if alpha >= MAX_GRADE_RAD {
-            return Ok(alpha);
-        }
-        (low, step) = ((alpha, left), 2.0 * step);
-    }
-}
-
-/// The best of some samples in [0, 1], with its slip first; `None` where there is no value at all.
-fn best_of_scan(of: impl Fn(f64) -> Result<Option<f64>>) -> Result<Option<(f64, f64)>> {
-    let mut best: Option<(f64, f64)> = None;
-    for i in 0..=SCAN_STEPS {
-        let slip = f64::from(i) * SCAN_STEP;
-        if let Some(value) = of(slip)?
-            && best.is_none_or(|best| value > best.1)
-        {
-            best = Some((slip, value));
-        }
-    }
-    Ok(best)
 }
 
 /// The greatest of `quantity` over slip in [0, 1].

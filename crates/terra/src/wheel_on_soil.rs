@@ -66,8 +66,10 @@ impl WheelOnSoil {
     /// ([`LawChoice`](crate::LawChoice)) goes before that of the settings.
     ///
     /// # Errors
-    /// [`Error::NotAbove`] if the pressure-sinkage modulus under a wheel of this width is not positive.
+    /// [`Error::NotAbove`] if the pressure-sinkage modulus under a wheel of this width is not positive; [`Error::OutOfRange`] for
+    /// a greatest slip outside [0.01, 1].
     pub fn new(wheel: RigidWheel, soil: Soil, settings: Settings) -> Result<Self> {
+        Error::check_range("max_slip", settings.max_slip, 0.01, 1.0, "1")?;
         let mut laws = soil.laws();
         check_modulus(&laws, &wheel)?;
         let choice = soil.params().laws;

@@ -570,6 +570,9 @@ proptest! {
                     let near = max_pull.is_some_and(|pull| (pull - required).abs() < 1e-9 * weight);
                     prop_assert!(near || (status[i] == SolveStatus::NoSolution && slip[i].is_nan()), "{what} {max_pull:?}");
                 }
+                SlopeOutcome::Slides { .. } => {
+                    prop_assert_eq!(status[i], SolveStatus::NoSolution, "{}", what);
+                }
                 other => prop_assert!(false, "{other:?}"),
             }
         }

@@ -53,6 +53,23 @@ fn least_slip(of: impl Fn(f64) -> Option<f64>) -> Option<f64> {
     None
 }
 
+/// The slip of smallest magnitude up to 0.6 in steps of 0.01 at which `of` changes its sign from that at slip 0, by halving.
+fn held_slip(of: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+    let sense = if of(0.0)? > 0.0 { -1.0 } else { 1.0 };
+    let is_held = |slip: f64| of(sense * slip).is_some_and(|value| sense * value >= 0.0);
+    let first = (0..=60).find(|i| is_held(f64::from(*i) / 100.0))?;
+    let (mut low, mut high) = (f64::from(first - 1) / 100.0, f64::from(first) / 100.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if is_held(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Some(sense * high)
+}
+
 #[test]
 fn the_slip_that_a_slope_requires() {
     for (key, weight) in [("dry-sand", 80.0), ("snow", 40.0), ("clayey-soil", 200.0)] {
@@ -62,7 +79,7 @@ fn the_slip_that_a_slope_requires() {
             let pull = |slip| forces(&on_soil, load, slip).map(|f| f.0 - required);
             let slope = Angle::from_rad(slope);
             let found = on_soil.slip_demand(weight, slope).unwrap();
-            match (found, least_slip(pull)) {
+            match (found, held_slip(pull)) {
                 (SlopeOutcome::Holds { slip }, Some(expected)) => {
                     assert!(
                         (slip.value() - expected).abs() < 1e-9,
@@ -84,11 +101,16 @@ fn the_slip_that_a_slope_requires() {
                     },
                     None,
                 ) => {
-                    let best = on_soil.slip_of_maximum_pull(load).unwrap().unwrap();
-                    assert!((max_pull.unwrap() - best.value).abs() < 1e-9 * load);
-                    assert!(required_pull == required && best.value < required);
+                    let pulls = (0..=600).filter_map(|i| pull(f64::from(i) / 1000.0));
+                    let best = pulls.fold(f64::NEG_INFINITY, f64::max) + required;
+                    let off = max_pull.unwrap() - best;
+                    assert!((-1e-9 * load..1e-6 * load).contains(&off), "{off}");
+                    assert!(required_pull == required && best < required);
                     let near = on_soil.slip_demand_near(weight, slope, Slip::ZERO).unwrap();
                     assert!(matches!(near, SlopeOutcome::Immobilised { .. }));
+                }
+                (SlopeOutcome::Slides { required_pull }, None) => {
+                    assert!(required_pull == required && pull(-0.6).unwrap() > 0.0);
                 }
                 other => panic!("{key} {slope:?}: {other:?}"),
             }
@@ -213,7 +235,11 @@ fn the_steepest_slope_takes_all_of_the_pull() {
             wheel = wheel.with_grousers(lugs).unwrap();
         }
         let soil = Soil::new(SoilParams { n_1, ..params(key) });
-        let on_soil = WheelOnSoil::new(wheel, soil.unwrap(), Settings::default()).unwrap();
+        let settings = Settings {
+            max_slip: 1.0,
+            ..Settings::default()
+        };
+        let on_soil = WheelOnSoil::new(wheel, soil.unwrap(), settings).unwrap();
         let left = |alpha: f64| {
             let best = on_soil.slip_of_maximum_pull(weight * alpha.cos()).unwrap();
             best.unwrap().value / weight - alpha.sin()

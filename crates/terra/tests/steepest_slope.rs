@@ -55,6 +55,7 @@ fn agrees_with_halving() {
                     .unwrap();
                 let settings = Settings {
                     shear,
+                    max_slip: 1.0,
                     ..Settings::default()
                 };
                 let pair = WheelOnSoil::new(wheel, Soil::new(params).unwrap(), settings).unwrap();

@@ -1,28 +1,25 @@
 //! What a robot needs to keep moving on a plane: slip, energy, sinkage. The exact solver behind every table.
 
+use std::cell::RefCell;
+
 use grouser_rover::robot::RobotModel;
 use grouser_rover::statics::wheel_loads;
-use grouser_terra::{Kinematics, Settings, Slip, Soil, WheelOnSoil};
+use grouser_terra::slope::{
+    HeldSlip, MAX_SLIP, MAX_SLIP_LIMITS, SlopeSearch, crossing, greatest_surplus, held_slip,
+};
+use grouser_terra::{Cautions, Kinematics, Settings, Slip, Soil, WheelOnSoil};
 
 use crate::error::{Error, Result};
-use crate::root::{Bracket, golden_section, root};
 
-/// A slip beyond which a robot counts as immobilised: the laws do not count the thrust that churned soil loses, and a
-/// wheel at slip 0.9 turns ten times for each of its own circumferences.
-pub const MAX_SLIP: f64 = 0.9;
-/// Slips at which the pull is sampled before the smallest sufficient one is refined.
-const SAMPLES: u32 = 16;
-/// A slip is found to this accuracy, far below the tables' bound.
-const SLIP_TOLERANCE: f64 = 1e-10;
-/// Golden-section steps on a peak of the pull between two samples: to 1e-5 of their distance.
-const PEAK_STEPS: u32 = 24;
+/// No slope is steeper, rad: loads and sinkage are those of a wheel that is pressed into the ground.
+pub const MAX_SLOPE_RAD: f64 = 1.2;
 
 /// What a robot needs on a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Demand {
     /// It drives steadily.
     Drives(Driving),
-    /// No slip up to [`MAX_SLIP`] gives the pull that the slope takes.
+    /// No slip up to the greatest gives the pull that the slope takes.
     Immobilised,
     /// Downhill no braking slip holds it.
     Slides,
@@ -39,6 +36,8 @@ pub struct Driving {
     pub work_per_metre: f64,
     /// The greatest sinkage of a wheel, m.
     pub sinkage: f64,
+    /// What to keep in mind about its wheels.
+    pub cautions: Cautions,
 }
 
 impl Driving {
@@ -69,6 +68,7 @@ pub struct DemandSolver {
     model: RobotModel,
     contacts: Vec<WheelOnSoil>,
     weight: f64,
+    max_slip: f64,
 }
 
 /// A robot on a plane: what each wheel carries, and what does not depend on the slip of the powered ones.
@@ -79,6 +79,7 @@ pub(crate) struct Posed<'a> {
     needed: f64,
     /// Sinkage of the free wheels, m.
     free_sinkage: f64,
+    free_cautions: Cautions,
 }
 
 impl DemandSolver {
@@ -108,7 +109,69 @@ impl DemandSolver {
             model,
             contacts,
             weight,
+            max_slip: MAX_SLIP,
         })
+    }
+
+    /// The same, with slopes held at a slip of at most `max_slip` in place of [`MAX_SLIP`].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] outside [`MAX_SLIP_LIMITS`].
+    pub fn with_max_slip(mut self, max_slip: f64) -> Result<Self> {
+        Error::check("robot", "max_slip", max_slip, MAX_SLIP_LIMITS, "1")?;
+        self.max_slip = max_slip;
+        Ok(self)
+    }
+
+    /// The greatest slip at which a slope is held.
+    #[must_use]
+    pub const fn max_slip(&self) -> f64 {
+        self.max_slip
+    }
+
+    /// The steepest slope (rad) that the robot climbs straight on, and its slip; `None` where not even the level is held. It is
+    /// at most the slope on which a wheel loses the ground, and [`MAX_SLOPE_RAD`].
+    ///
+    /// # Errors
+    /// [`Error::Law`].
+    ///
+    /// ```
+    /// use grouser_rover::robot::RobotModel;
+    /// use grouser_terra::catalogue;
+    /// use grouser_terrain::{Demand, DemandSolver};
+    ///
+    /// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/skid-steer.toml");
+    /// let soil = catalogue::find("dry-sand").expect("in the catalogue").soil().expect("complete");
+    /// let solver = DemandSolver::new(RobotModel::read(file.as_ref())?, soil)?;
+    /// let (slope, slip) = solver.steepest()?.expect("it moves on the level");
+    /// assert!(0.2 < slope && slope < 0.5 && slip == 0.6);
+    /// assert_eq!(solver.demand(slope + 1e-6, 0.0)?, Demand::Immobilised);
+    /// # Ok::<(), grouser_terrain::Error>(())
+    /// ```
+    pub fn steepest(&self) -> Result<Option<(f64, f64)>> {
+        const HALVINGS: u32 = 50;
+        let stands = |pitch: f64| wheel_loads(&self.model, pitch, 0.0).stands;
+        let (mut low, mut high) = (0.0, MAX_SLOPE_RAD);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if stands(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let skids = RefCell::default();
+        let surplus = |pitch: f64, slip: f64| {
+            let posed = self.posed_near(pitch, 0.0, &mut skids.borrow_mut())?;
+            posed.map_or(Ok(None), |posed| posed.surplus(slip))
+        };
+        let search = SlopeSearch {
+            weight: self.weight,
+            slopes: (0.0, low),
+            max_slip: self.max_slip,
+            near: None,
+        };
+        search.steepest(surplus, surplus)
     }
 
     /// The robot.
@@ -122,7 +185,7 @@ impl DemandSolver {
     ///
     /// Equation: Σ drawbar pulls = W sin(pitch), all powered wheels at one slip under the loads of
     /// [`wheel_loads`], free wheels at the skid at which the soil turns their bearing; the smallest slip in magnitude that
-    /// solves it, in [−[`MAX_SLIP`], [`MAX_SLIP`]].
+    /// solves it, driving or braking up to the greatest slip ([`held_slip`]).
     ///
     /// Assumes: steady motion along the robot's own axis; the drift down a side slope is not counted.
     ///
@@ -135,11 +198,11 @@ impl DemandSolver {
         let Some(posed) = self.posed(pitch, roll)? else {
             return Ok(Demand::Lifts);
         };
-        match posed.smallest_slip()? {
-            Some(slip) => Ok(Demand::Drives(posed.driving(slip)?)),
-            None if posed.surplus(0.0)?.is_some_and(|surplus| surplus > 0.0) => Ok(Demand::Slides),
-            None => Ok(Demand::Immobilised),
-        }
+        Ok(match posed.held()? {
+            HeldSlip::Holds(slip) => Demand::Drives(posed.driving(slip)?),
+            HeldSlip::Slides => Demand::Slides,
+            HeldSlip::Immobilised(_) => Demand::Immobilised,
+        })
     }
 
     /// The robot on a plane; `None` where a wheel loses the ground.
@@ -158,15 +221,20 @@ impl DemandSolver {
         if !loads.stands {
             return Ok(None);
         }
+        self.under(pitch, loads.loads, skids).map(Some)
+    }
+
+    /// The robot on a plane under given loads; wheels without one neither pull nor resist.
+    pub(crate) fn under(
+        &self,
+        pitch: f64,
+        loads: Vec<f64>,
+        skids: &mut Vec<Slip>,
+    ) -> Result<Posed<'_>> {
         let (mut pull, mut free_sinkage) = (0.0, 0.0_f64);
+        let mut free_cautions = Cautions::default();
         let mut near = std::mem::take(skids).into_iter();
-        for ((mount, contact), load) in self
-            .model
-            .wheels
-            .iter()
-            .zip(&self.contacts)
-            .zip(&loads.loads)
-        {
+        for ((mount, contact), load) in self.model.wheels.iter().zip(&self.contacts).zip(&loads) {
             if mount.motor.is_some() || !(*load > 0.0) {
                 continue;
             }
@@ -187,14 +255,16 @@ impl DemandSolver {
             if let Some(point) = solved.point() {
                 pull += point.forces.drawbar_pull;
                 free_sinkage = free_sinkage.max(point.sinkage);
+                free_cautions.insert_all(point.cautions);
             }
         }
-        Ok(Some(Posed {
+        Ok(Posed {
             solver: self,
-            loads: loads.loads,
+            loads,
             needed: self.weight * pitch.sin() - pull,
             free_sinkage,
-        }))
+            free_cautions,
+        })
     }
 }
 
@@ -226,7 +296,7 @@ impl Posed<'_> {
     /// Everything at a slip; NaN where a wheel is not carried.
     pub(crate) fn driving(&self, slip: f64) -> Result<Driving> {
         let mut work_per_metre = 0.0;
-        let mut sinkage = self.free_sinkage;
+        let (mut sinkage, mut cautions) = (self.free_sinkage, self.free_cautions);
         for (name, contact, load) in self.powered() {
             let law = |source| of_wheel(name, source);
             let motion = Kinematics::straight(Slip::new(slip).map_err(law)?);
@@ -236,86 +306,35 @@ impl Posed<'_> {
                 .and_then(|point| point.energy_per_metre())
                 .unwrap_or(f64::NAN);
             sinkage = sinkage.max(point.map_or(f64::NAN, |point| point.sinkage));
+            cautions.insert_all(point.map(|point| point.cautions).unwrap_or_default());
         }
         Ok(Driving {
             slip,
             work_per_metre,
             sinkage,
+            cautions,
         })
     }
 
-    /// The slip of smallest magnitude at which the pull is what is needed.
-    fn smallest_slip(&self) -> Result<Option<f64>> {
-        let Some(rolling) = self.surplus(0.0)? else {
-            return Ok(None);
-        };
-        if rolling == 0.0 {
-            return Ok(Some(0.0));
-        }
-        // too little pull: more slip; too much, downhill: brake
-        let sense = -rolling.signum();
-        let step = sense * MAX_SLIP / f64::from(SAMPLES);
-        let (mut before, mut best) = ((0.0, rolling), (0.0, rolling));
-        for sample in 1..=SAMPLES {
-            let slip = f64::from(sample) * step;
-            let Some(surplus) = self.surplus(slip)? else {
-                break;
-            };
-            if surplus * rolling <= 0.0 {
-                return self
-                    .between(before, (slip, surplus), SLIP_TOLERANCE)
-                    .map(Some);
-            }
-            if surplus * sense > best.1 * sense {
-                best = (slip, surplus);
-            }
-            before = (slip, surplus);
-        }
-        // a peak between samples may reach what no sample does
-        let (mut low, mut high) = (
-            best.0 - step,
-            if (best.0 - sense * MAX_SLIP).abs() < 1e-9 {
-                best.0
-            } else {
-                best.0 + step
-            },
-        );
-        if best.0 == 0.0 {
-            low = 0.0;
-        }
-        for _ in 0..PEAK_STEPS {
-            let [a, b] = golden_section(low, high);
-            let (Some(at_a), Some(at_b)) = (self.surplus(a)?, self.surplus(b)?) else {
-                return Ok(None);
-            };
-            for at in [(a, at_a), (b, at_b)] {
-                if at.1 * rolling <= 0.0 {
-                    let from = (best.0 - step).abs().min(best.0.abs()) * sense;
-                    let Some(at_from) = self.surplus(from)? else {
-                        return Ok(None);
-                    };
-                    return self.between((from, at_from), at, SLIP_TOLERANCE).map(Some);
-                }
-            }
-            if at_a * sense > at_b * sense {
-                high = b;
-            } else {
-                low = a;
-            }
-        }
-        Ok(None)
+    /// What slip holds the robot.
+    pub(crate) fn held(&self) -> Result<HeldSlip> {
+        held_slip(self.solver.max_slip, |slip| self.surplus(slip))
+    }
+
+    /// The greatest surplus of driving wheels, N; `None` where none is carried.
+    pub(crate) fn reserve(&self) -> Result<Option<f64>> {
+        let found = greatest_surplus(self.solver.max_slip, |slip| self.surplus(slip))?;
+        Ok(found.map(|best| best.1))
     }
 
     /// The slip between two at which the surplus changes its sign.
     pub(crate) fn between(&self, from: (f64, f64), to: (f64, f64), tolerance: f64) -> Result<f64> {
-        root(
-            Bracket {
-                from,
-                to,
-                tolerance,
-            },
-            |slip| Ok(self.surplus(slip)?.unwrap_or(f64::NAN)),
-        )
+        let (low, high) = if from.0 < to.0 {
+            (from, to)
+        } else {
+            (to, from)
+        };
+        crossing(low, high, tolerance, |slip| self.surplus(slip))
     }
 }
 

@@ -7,6 +7,7 @@
 //! crate does not drive, estimate or learn: the soil is given, with intervals where they are known.
 #![forbid(unsafe_code)]
 
+mod climb;
 mod demand;
 mod error;
 mod headings;
@@ -16,13 +17,14 @@ pub mod mission;
 pub mod plan;
 mod pose;
 pub mod raster;
-mod root;
 mod soil_draws;
 mod soil_map;
 mod table;
 
-pub use demand::{Demand, DemandSolver, Driving, MAX_SLIP};
+pub use climb::{ClimbStep, climb};
+pub use demand::{Demand, DemandSolver, Driving, MAX_SLOPE_RAD};
 pub use error::{Error, Result};
+pub use grouser_terra::slope::MAX_SLIP;
 pub use headings::Headings;
 pub use map::{
     Band, Journal, MapLayout, MapMaker, MapSettings, MapSoil, Quantity, State, Strip, read_strip,

@@ -357,5 +357,5 @@ fn learning_arrives_where_the_prior_plan_is_turned_back() {
     assert_eq!(tallies[3].immobilised, 0);
     assert_eq!(arrived(3), arrived(4), "as often as the oracle");
     assert!(arrived(3) > arrived(2), "{} {}", arrived(3), arrived(2));
-    assert!(mean(&tallies[3].over_oracle) < 1.3);
+    assert!(mean(&tallies[3].over_oracle) < 1.4);
 }

@@ -1,10 +1,9 @@
-//! The table against the exact solver, and the exact solver against `climb`, which is another program for the same question.
+//! The table against the exact solver.
 
 use grouser_rover::ground::Noise;
 use grouser_rover::robot::RobotModel;
-use grouser_rover::statics::climb;
 use grouser_terra::{Soil, catalogue};
-use grouser_terrain::{Demand, DemandSolver, Envelope, MAX_SLIP, SLIP_BOUND, SlipTable};
+use grouser_terrain::{Demand, DemandSolver, Envelope, SLIP_BOUND, SlipTable};
 
 const ROBOTS: [&str; 3] = ["five-wheel", "rocker-bogie", "skid-steer"];
 
@@ -18,33 +17,6 @@ fn robot(name: &str) -> RobotModel {
 
 fn soil(key: &str) -> Soil {
     catalogue::find(key).unwrap().soil().unwrap()
-}
-
-#[test]
-fn straight_uphill_the_demand_is_that_of_climb() {
-    for name in ROBOTS {
-        for key in ["dry-sand", "sandy-loam", "lunar"] {
-            let model = robot(name);
-            let solver = DemandSolver::new(model.clone(), soil(key)).unwrap();
-            let slopes: Vec<f64> = (0..12).map(|i| 0.03 * f64::from(i)).collect();
-            for step in climb(&model, &soil(key), &slopes).unwrap() {
-                if step.lifts {
-                    continue;
-                }
-                let found = solver.demand(step.slope, 0.0).unwrap();
-                match (found, step.slip.filter(|slip| *slip <= MAX_SLIP)) {
-                    (Demand::Drives(found), Some(slip)) => {
-                        assert!((found.slip - slip).abs() < 1e-8, "{name} {key} {step:?}");
-                        let energy = step.energy_per_metre.unwrap();
-                        assert!((found.work_per_metre / energy - 1.0).abs() < 1e-6);
-                        assert!((found.sinkage - step.sinkage.unwrap()).abs() < 1e-8);
-                    }
-                    (Demand::Immobilised, None) => {}
-                    other => panic!("{name} {key} {step:?}: {other:?}"),
-                }
-            }
-        }
-    }
 }
 
 /// The greatest difference in slip, its 99.9 % quantile, and how many poses were answered differently.

@@ -8,9 +8,9 @@ use std::path::PathBuf;
 use grouser_figure::{Axis, Chart, Curve, Figure, Style};
 use grouser_report::number::{parse_finite, shown};
 use grouser_report::{Fields, fields};
-use grouser_rover::robot::RobotModel;
-use grouser_rover::statics::{ClimbStep, climb, wheel_loads};
-use grouser_terra::{Angle, Caution, Kinematics, Settings, SlopeOutcome, Soil, WheelOnSoil};
+use grouser_terra::slope::greatest_surplus;
+use grouser_terra::{Angle, Caution, Kinematics, Slip, SlopeOutcome, Soil, WheelOnSoil};
+use grouser_terrain::{ClimbStep, DemandSolver, MAX_SLOPE_RAD, climb};
 
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
@@ -20,20 +20,14 @@ use crate::output_choice::Output;
 use crate::session::Session;
 use crate::soil_choice::SoilArguments;
 use crate::verb_report::Report;
-use crate::wheel_choice::{GravityArgument, GrouserArguments};
+use crate::wheel_choice::{GravityArgument, GrouserArguments, MaxSlip};
 use proof::Proved;
 
 /// Slopes of the table between the level and the steepest one.
 const ROWS: u32 = 12;
 
-/// Steps in which the steepest slope of a robot is halved: to 1e-6 of 70°.
-const BISECTIONS: u32 = 22;
-
 /// A robot this close to tipping over on its steepest slope is limited by that and not by the soil, rad.
 const NEAR_TIPPING_RAD: f64 = 1e-4;
-
-/// No slope of the table is steeper, rad: loads and sinkage are those of a wheel that is pressed into the ground.
-const MAX_SLOPE_RAD: f64 = 1.2;
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -67,7 +61,9 @@ pub(crate) struct Arguments {
     mass_kg: Option<f64>,
     #[command(flatten)]
     gravity: GravityArgument,
-    /// Prove that no slip holds a slope that is steeper by this, in degrees; for a wheel (exit code 3 if not proved)
+    #[command(flatten)]
+    max_slip: MaxSlip,
+    /// Prove that no slip up to the greatest holds a slope that is steeper by this, in degrees; for a wheel (exit code 3 if not proved)
     #[arg(long, value_name = "DEG", num_args = 0..=1, default_missing_value = "0.1", value_parser = parse_finite, conflicts_with = "robot")]
     certify: Option<f64>,
     /// Write a table (.csv) or a figure (.svg, .png); may be given several times
@@ -78,13 +74,14 @@ pub(crate) struct Arguments {
 /// A wheel or a robot on its soil.
 enum Climber {
     Wheel { pair: Box<WheelOnSoil>, weight: f64 },
-    Robot(Box<RobotModel>),
+    Robot(Box<DemandSolver>),
 }
 
 /// What is known of a climb.
 struct Climbed {
     soil: String,
     gravity: f64,
+    max_slip: f64,
     /// The steepest slope, rad; `None` where the level is too much already.
     steepest: Option<f64>,
     steps: Vec<ClimbStep>,
@@ -97,17 +94,17 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let chosen = arguments.soil.choose(session)?;
     let climber = climber(arguments, &chosen.soil, session)?;
     let gravity = match &climber {
-        Climber::Robot(model) => model.gravity(),
+        Climber::Robot(solver) => solver.model().gravity(),
         Climber::Wheel { .. } => arguments.gravity.with_mass(arguments.mass_kg.is_some())?,
     };
-    let steepest = climber.steepest(&chosen.soil)?;
+    let steepest = climber.steepest()?;
     let slopes: Vec<f64> = match steepest {
         Some(steepest) => (0..=ROWS)
             .map(|row| steepest * f64::from(row) / f64::from(ROWS))
             .collect(),
         None => vec![0.0],
     };
-    let steps = climber.steps(&chosen.soil, &slopes)?;
+    let steps = climber.steps(&slopes)?;
     let proof = match (&climber, arguments.certify) {
         (Climber::Wheel { pair, weight }, Some(margin)) => {
             Some(Proved::new(pair, *weight, steepest, margin)?)
@@ -117,6 +114,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let climbed = Climbed {
         soil: chosen.name,
         gravity,
+        max_slip: arguments.max_slip.max_slip,
         steepest,
         steps,
         proof,
@@ -155,15 +153,10 @@ fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<
     if let Some(path) = &arguments.robot {
         session.used_file(path)?;
         let model = arguments.gravity.of(input::robot(path)?);
-        let level = wheel_loads(&model, 0.0, 0.0);
-        if !level.stands {
-            let name = model.robot.name().to_owned();
-            let load = level.loads.iter().copied().fold(f64::INFINITY, f64::min);
-            return Err(
-                Error::from(grouser_terrain::Error::DoesNotStand { name, load }).in_file(path),
-            );
-        }
-        return Ok(Climber::Robot(Box::new(model)));
+        let solver = DemandSolver::new(model, *soil)
+            .and_then(|solver| solver.with_max_slip(arguments.max_slip.max_slip))
+            .map_err(|error| Error::from(error).in_file(path))?;
+        return Ok(Climber::Robot(Box::new(solver)));
     }
     let (Some(radius), Some(width)) = (arguments.radius_m, arguments.width_m) else {
         return Err(Error::usage(
@@ -194,7 +187,8 @@ fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<
         }));
     }
     let wheel = arguments.grousers.on(radius, width).map_err(refuse)?;
-    let pair = WheelOnSoil::new(wheel, *soil, Settings::default()).map_err(refuse)?;
+    let settings = arguments.max_slip.settings();
+    let pair = WheelOnSoil::new(wheel, *soil, settings).map_err(refuse)?;
     Ok(Climber::Wheel {
         pair: Box::new(pair),
         weight,
@@ -202,7 +196,7 @@ fn climber(arguments: &Arguments, soil: &Soil, session: &mut Session) -> Result<
 }
 
 impl Climber {
-    fn steepest(&self, soil: &Soil) -> Result<Option<f64>> {
+    fn steepest(&self) -> Result<Option<f64>> {
         match self {
             Self::Wheel { pair, weight } => {
                 let slope = pair.gradeability(*weight);
@@ -210,31 +204,13 @@ impl Climber {
                     .map_err(|error| Names::Flags.error(&error))?
                     .map(Angle::rad))
             }
-            Self::Robot(model) => {
-                let holds = |slope: f64| -> Result<bool> {
-                    let steps = climb(model, soil, &[slope])?;
-                    Ok(steps[0].slip.is_some() && !steps[0].lifts && steps[0].tip_over > 0.0)
-                };
-                if !holds(0.0)? {
-                    return Ok(None);
-                }
-                let (mut low, mut high) = (0.0, MAX_SLOPE_RAD);
-                for _ in 0..BISECTIONS {
-                    let middle = 0.5 * (low + high);
-                    if holds(middle)? {
-                        low = middle;
-                    } else {
-                        high = middle;
-                    }
-                }
-                Ok(Some(low))
-            }
+            Self::Robot(solver) => Ok(solver.steepest()?.map(|(slope, _)| slope)),
         }
     }
 
-    fn steps(&self, soil: &Soil, slopes: &[f64]) -> Result<Vec<ClimbStep>> {
+    fn steps(&self, slopes: &[f64]) -> Result<Vec<ClimbStep>> {
         match self {
-            Self::Robot(model) => Ok(climb(model, soil, slopes)?),
+            Self::Robot(solver) => Ok(climb(solver, slopes)?),
             Self::Wheel { pair, weight } => slopes
                 .iter()
                 .map(|slope| wheel_step(pair, *weight, *slope))
@@ -256,25 +232,20 @@ fn wheel_step(pair: &WheelOnSoil, weight: f64, slope: f64) -> grouser_terra::Res
         Some(slip) => pair.under_load(load, &Kinematics::straight(slip))?.point(),
         None => None,
     };
-    let most = pair.slip_of_maximum_pull(load)?;
+    let most = greatest_surplus(pair.settings().max_slip, |slip| {
+        let solved = pair.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
+        Ok::<_, grouser_terra::Error>(solved.point().map(|point| point.forces.drawbar_pull))
+    })?;
     Ok(ClimbStep {
         slope,
         slip: slip.map(grouser_terra::Slip::value),
         energy_per_metre: point.and_then(|point| point.energy_per_metre()),
         sinkage: point.map(|point| point.sinkage),
-        reserve: most.map_or(f64::NAN, |best| best.value) - weight * angle.sin(),
+        reserve: most.map_or(f64::NAN, |best| best.1) - weight * angle.sin(),
         tip_over: f64::NAN,
         lifts: false,
         cautions: point.map(|point| point.cautions).unwrap_or_default(),
     })
-}
-
-/// Energy per metre, where the wheels do not spin nearly on the spot: it is without bound at slip 1.
-fn energy(step: &ClimbStep) -> Option<f64> {
-    let rolls = step
-        .slip
-        .is_some_and(|slip| slip < super::curve::SPINNING_SLIP);
-    step.energy_per_metre.filter(|_| rolls)
 }
 
 fn step<'a>() -> Fields<'a, &'a ClimbStep> {
@@ -282,9 +253,9 @@ fn step<'a>() -> Fields<'a, &'a ClimbStep> {
     fields! { |step: &'a ClimbStep|
         "slope_deg" "slope" .shown("deg") = step.slope.to_degrees();
         "slip" "slip that holds it" .shown("").missing("none") = step.slip;
-        "energy_j_per_m" "energy" .shown("J/m").missing("none") = energy(step);
+        "energy_j_per_m" "energy" .shown("J/m").missing("none") = step.energy_per_metre;
         "sinkage_m" "sinkage" .shown("mm").missing("none") = step.sinkage;
-        "reserve_n" "greatest pull less what the slope takes" .shown("N").missing("none") = known(step.reserve);
+        "reserve_n" "pull margin up to the greatest slip" .shown("N").missing("none") = known(step.reserve);
         "tip_over_deg" "tilt left before it tips over" .shown("deg").missing("–") =
             known(step.tip_over.to_degrees());
         "cautions" "cautions" = step.cautions.iter().map(Caution::key).collect::<Vec<_>>();
@@ -295,6 +266,7 @@ fn object<'a>() -> Fields<'a, &'a Climbed> {
     fields! { |climbed: &'a Climbed|
         "soil" "soil" = climbed.soil.as_str();
         "gravity_m_per_s2" "gravity" = climbed.gravity;
+        "max_slip" "greatest slip at which a slope is held" = climbed.max_slip;
         "steepest_slope_deg" "the steepest slope that is climbed" = climbed.steepest.map(f64::to_degrees);
         "steps" "slopes from the level to the steepest" rows(step()) = &climbed.steps;
         "proof" "what is proved, with --certify" group(proof::fields()) = climbed.proof.as_ref();
@@ -338,7 +310,7 @@ impl Climbed {
         ))
         .columns(3)
         .panel(panel("Slip *s*", line(&|step| step.slip)))
-        .panel(panel("Energy (J/m)", line(&energy)))
+        .panel(panel("Energy (J/m)", line(&|step| step.energy_per_metre)))
         .panel(panel(
             "Reserve of pull (N)",
             line(&|step| Some(step.reserve)),
@@ -348,17 +320,6 @@ impl Climbed {
     /// What the numbers do not say by themselves.
     fn warnings(&self) -> Vec<String> {
         let mut list = Vec::new();
-        let spins = |step: &ClimbStep| {
-            step.slip
-                .is_some_and(|slip| slip >= super::curve::SPINNING_SLIP)
-        };
-        if self.steps.iter().any(spins) {
-            list.push(
-                "the steepest slope is held only by wheels that spin nearly on the spot, where the laws do not hold: \
-                 they do not count the thrust that disturbed soil loses"
-                    .to_owned(),
-            );
-        }
         if self
             .steepest
             .is_some_and(|slope| slope > 0.99 * MAX_SLOPE_RAD)

@@ -3,6 +3,7 @@
 use grouser_files::gravity::read_gravity;
 use grouser_files::soil::names_file;
 use grouser_files::{Document, Section};
+use grouser_terra::slope::MAX_SLIP_LIMITS;
 
 use super::front::Choice;
 use super::profile::MAX_SLOPE_DEG;
@@ -115,7 +116,7 @@ fn of_section(root: &Section<'_>) -> Result<MissionFile> {
         wheel_mass: root.optional_text("wheel_mass_kg")?.map(str::to_owned),
         measure: root.optional_choice("soil_measure", &SoilMeasure::ALL)?,
         min_reserve: root.optional_number("min_reserve", (0.0, 1.0))?,
-        max_slip: root.optional_number("max_slip", (0.01, 0.95))?,
+        max_slip: root.optional_number("max_slip", MAX_SLIP_LIMITS)?,
         points: root.optional_whole("points", (2, 200))?,
         seed: root.optional_whole("seed", (0, i64::MAX))?,
         choice: root.optional_choice("choice", &CHOICES)?,

@@ -43,6 +43,7 @@ mod wheel;
 mod write;
 
 use grouser_real::OutOfRange;
+use grouser_terra::slope::{MAX_SLIP, MAX_SLIP_LIMITS};
 use grouser_terra::{RigidWheel, Settings, WheelOnSoil};
 
 use crate::error::{Error, Result};
@@ -62,10 +63,6 @@ pub use write::to_toml;
 /// The mass of a wheel where the user has no formula, kg: rim and one disc of aluminium sheet of 2 mm (2700 kg/m³), and solid
 /// lugs of the same metal. It stands for no real wheel: hub, gear and stiffeners are not in it.
 pub const SHEET_WHEEL_MASS_KG: &str = "2700 * (0.002 * (2*pi*radius_m*width_m + pi*radius_m^2) + grouser_count*grouser_height_m*grouser_thickness_m*width_m)";
-
-/// The greatest slip that counts as driving where nothing else is given: the laws do not count the strength that disturbed soil
-/// loses under a spinning wheel. The same as the bound of `grouser plan`.
-pub const DEFAULT_MAX_SLIP: f64 = 0.6;
 
 /// The least reserve of pull where nothing else is given, share of the weight: as much as three degrees of slope.
 pub const DEFAULT_MIN_RESERVE: f64 = 0.05;
@@ -148,7 +145,7 @@ pub struct MissionParams {
 }
 
 impl MissionParams {
-    /// A mission with [`SHEET_WHEEL_MASS_KG`], the worst soil, [`DEFAULT_MIN_RESERVE`] and [`DEFAULT_MAX_SLIP`].
+    /// A mission with [`SHEET_WHEEL_MASS_KG`], the worst soil, [`DEFAULT_MIN_RESERVE`] and [`MAX_SLIP`].
     #[must_use]
     pub fn new(
         wheels: Vec<MissionWheel>,
@@ -166,7 +163,7 @@ impl MissionParams {
             mass_place: "the formula of the mass".to_owned(),
             measure: SoilMeasure::default(),
             min_reserve: DEFAULT_MIN_RESERVE,
-            max_slip: DEFAULT_MAX_SLIP,
+            max_slip: MAX_SLIP,
         }
     }
 }
@@ -308,7 +305,7 @@ impl MissionParams {
             ));
         }
         OutOfRange::check("min_reserve", self.min_reserve, (0.0, 1.0), "1")
-            .and_then(|()| OutOfRange::check("max_slip", self.max_slip, (0.01, 0.95), "1"))
+            .and_then(|()| OutOfRange::check("max_slip", self.max_slip, MAX_SLIP_LIMITS, "1"))
             .map_err(Error::OutOfRange)
     }
 }

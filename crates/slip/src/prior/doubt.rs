@@ -116,7 +116,12 @@ pub(super) struct Traced {
 
 impl Family {
     pub(super) fn new(wheel: RigidWheel, soil: &Soil, doubt: &SoilDoubt) -> Result<Self> {
-        let on = |soil| WheelOnSoil::new(wheel, soil, Settings::default());
+        // a wheel that spins on the spot has a slip too: the filter's prior covers every slip
+        let settings = Settings {
+            max_slip: 1.0,
+            ..Settings::default()
+        };
+        let on = |soil| WheelOnSoil::new(wheel, soil, settings);
         let neighbours = doubt.neighbours(soil).into_iter().flatten();
         Ok(Self {
             own: on(*soil)?,

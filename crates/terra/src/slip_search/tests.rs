@@ -45,7 +45,7 @@ fn a_straight_line_takes_two_steps_to_its_root() {
     let count = core::cell::Cell::new(0);
     let f = |x: f64| {
         count.set(count.get() + 1);
-        Ok(Some(x - 0.3))
+        Ok::<_, ()>(Some(x - 0.3))
     };
     let found = root((0.0, -0.3), (1.0, 0.7), 1e-6, f).unwrap();
     assert!((found - 0.300_000_4).abs() < 1e-12 && count.get() == 2);
@@ -56,7 +56,7 @@ fn a_straight_line_takes_two_steps_to_its_root() {
     // no bracket is too narrow for a precision of 0
     root((0.0, -0.3), (1.0, 0.7), 0.0, |x| {
         count.set(count.get() + 1);
-        Ok(Some(if x < 0.3 { -1.0 } else { 1.0 }))
+        Ok::<_, ()>(Some(if x < 0.3 { -1.0 } else { 1.0 }))
     })
     .unwrap();
     assert_eq!(count.get(), 2 + 199);
@@ -67,22 +67,28 @@ fn a_root_nearby_is_sought_within_the_least_reach_that_encloses_it() {
     let least = core::cell::Cell::new(1.0_f64);
     let f = |x: f64| {
         least.set(least.get().min(x));
-        Ok(Some(x * x * x - 0.027))
+        Ok::<_, ()>(Some(x * x * x - 0.027))
     };
     let found = root_near(0.29, &[0.005, 0.02, 0.3], f).unwrap().unwrap();
     assert!((found - 0.3).abs() < 1e-12 && (least.get() - 0.27).abs() < 1e-15);
     assert_eq!(root_near(0.29, &[0.005], f).unwrap(), None);
     // a root at the upper end counts, one at the lower end does not
     assert_eq!(
-        root_near(0.0, &[0.5], |x| Ok(Some(x - 0.5))).unwrap(),
+        root_near(0.0, &[0.5], |x| Ok::<_, ()>(Some(x - 0.5))).unwrap(),
         Some(0.5)
     );
-    assert_eq!(root_near(0.0, &[0.5], |x| Ok(Some(x + 0.5))).unwrap(), None);
+    assert_eq!(
+        root_near(0.0, &[0.5], |x| Ok::<_, ()>(Some(x + 0.5))).unwrap(),
+        None
+    );
     // falling, without a value, and beyond −1 and 1
-    assert_eq!(root_near(0.3, &[0.1], |x| Ok(Some(0.3 - x))).unwrap(), None);
-    assert_eq!(root_near(0.3, &[0.1], |_| Ok(None)).unwrap(), None);
+    assert_eq!(
+        root_near(0.3, &[0.1], |x| Ok::<_, ()>(Some(0.3 - x))).unwrap(),
+        None
+    );
+    assert_eq!(root_near(0.3, &[0.1], |_| Ok::<_, ()>(None)).unwrap(), None);
     for (near, at) in [(0.9, 0.99), (-0.9, -0.99)] {
-        let inside = |x: f64| Ok((x.abs() <= 1.0).then_some(x - at));
+        let inside = |x: f64| Ok::<_, ()>((x.abs() <= 1.0).then_some(x - at));
         let found = root_near(near, &[0.5], inside).unwrap().unwrap();
         assert!((found - at).abs() < 1e-12);
     }
@@ -95,7 +101,7 @@ fn looked_at(
     by: (f64, f64),
     flat: f64,
 ) -> (Vec<f64>, (f64, f64)) {
-    let mut search = MaximumSearch::new((near, f(near)), by, flat);
+    let mut search = MaximumSearch::new((near, f(near)), 1.0, by, flat);
     let mut places = Vec::new();
     while let Some(slip) = search.next_slip() {
         places.push(slip);
@@ -248,9 +254,12 @@ fn a_maximum_at_an_end() {
         "{best:?}"
     );
     // without any value it stays where it began
-    let nothing = maximum(0.5, (0.1, 1e-2), |_| Ok(None)).unwrap();
+    let nothing = maximum(0.5, 1.0, (0.1, 1e-2), |_| Ok::<_, ()>(None)).unwrap();
     assert_eq!(nothing.1, f64::NEG_INFINITY);
-    let found = maximum(0.5, (0.2, 1e-6), |x| Ok((x < 0.6).then_some(x - x * x * x))).unwrap();
+    let found = maximum(0.5, 1.0, (0.2, 1e-6), |x| {
+        Ok::<_, ()>((x < 0.6).then_some(x - x * x * x))
+    })
+    .unwrap();
     assert!((found.0 - 1.0 / 3_f64.sqrt()).abs() < 1e-6);
 }
 

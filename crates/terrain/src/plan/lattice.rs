@@ -31,7 +31,7 @@ impl Default for PlanSettings {
     fn default() -> Self {
         Self {
             max_risk: 0.05,
-            max_slip: 0.6,
+            max_slip: grouser_terra::slope::MAX_SLIP,
             min_tip_over_deg: 10.0,
             rim_speed: 0.25,
             turn_energy: 0.0,

@@ -1,22 +1,18 @@
 //! The nodes of a table.
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 
 use grouser_terra::Slip;
+use grouser_terra::slope::{SlopeSearch, crossing};
 
 use super::check::check;
 use super::{Beyond, Envelope, SLIP_BOUND, Side, SlipTable, TableError};
-use crate::demand::{DemandSolver, Driving, MAX_SLIP, Posed};
+use crate::demand::{DemandSolver, Driving, Posed};
 use crate::error::{Error, Result};
-use crate::root::{Bracket, golden_section, root};
 
 /// Nodes over roll and over t of the coarsest grid, and how often both are doubled at most.
 const COARSEST: [usize; 2] = [9, 17];
 const MAX_DOUBLINGS: u32 = 2;
-/// Slips at which the greatest holdable pitch is looked for before it is refined.
-const SAMPLES: u32 = 6;
-/// Golden-section search for a peak ends at this width in slip; a parabola gives the rest, because the pitch is flat there.
-const PEAK_WIDTH: f64 = 4e-3;
 /// A pitch is found to this accuracy, rad.
 const PITCH_TOLERANCE_RAD: f64 = 1e-11;
 /// Share of the bound that the grid may use; the rest is left to cells that were not checked.
@@ -111,15 +107,8 @@ fn filled(near: &Near<'_>, envelope: Envelope, [rolls, steps]: [usize; 2]) -> Re
             .ok_or_else(|| does_not_move(solver))?;
         rolling.push(level);
         for (limits, sense) in limits.iter_mut().zip([1.0, -1.0]) {
-            let beside: Option<&Limit> = limits.last();
-            let known = match beside {
-                Some(beside) => limit_near(near, envelope, (roll, level), sense, *beside)?,
-                None => None,
-            };
-            limits.push(match known {
-                Some(known) => known,
-                None => limit(near, envelope, (roll, level), sense)?,
-            });
+            let found = limit(near, envelope, (roll, level), sense, limits.last())?;
+            limits.push(found);
         }
     }
     let mut sides = Vec::with_capacity(2);
@@ -182,13 +171,9 @@ fn pitch_of(
     if !(from.1 >= 0.0 && to.1 <= 0.0) {
         return Ok(None);
     }
-    let bracket = Bracket {
-        from,
-        to,
-        tolerance: PITCH_TOLERANCE_RAD,
-    };
-    let pitch = root(bracket, surplus)?;
-    Ok((!pitch.is_nan()).then_some(pitch))
+    let (first, last) = ((-to.0, to.1), (-from.0, from.1));
+    let mirrored = |pitch: f64| surplus(-pitch).map(Some);
+    Ok(Some(-crossing(first, last, PITCH_TOLERANCE_RAD, mirrored)?))
 }
 
 /// The pitch at which the surplus vanishes, by the method of secants from a pitch that is near it; `None`
@@ -221,167 +206,30 @@ fn secant(
     Ok(None)
 }
 
-/// How far up (`sense` 1) or down (−1) the robot drives at this roll: the peak of the pitch over the slip
-/// near the peak of a roll beside it; `None` where it is not there.
-///
-/// Two parabolas through three places each, the second one a tenth as wide: the pitch is flat at the peak,
-/// and the error of the vertex enters as its square.
-fn limit_near(
-    near: &Near<'_>,
-    envelope: Envelope,
-    (roll, rolling): (f64, f64),
-    sense: f64,
-    guess: Limit,
-) -> Result<Option<Limit>> {
-    const WIDTHS: [f64; 2] = [2e-2, 2e-3];
-    let Some(mut slip) = guess.slip else {
-        return Ok(None);
-    };
-    let end = sense * envelope.max_pitch;
-    let range = (rolling.min(end), rolling.max(end));
-    let mut best = Limit {
-        slip: None,
-        ..guess
-    };
-    for width in WIDTHS {
-        let mut pitches = [0.0; 3];
-        for (pitch, off) in pitches.iter_mut().zip([-1.0, 0.0, 1.0]) {
-            let at = slip + off * width;
-            if !(at.abs() <= MAX_SLIP) || at * sense <= 0.0 {
-                return Ok(None);
-            }
-            let Some(found) = pitch_of(near, (roll, at), range, Some(best.pitch))? else {
-                return Ok(None);
-            };
-            *pitch = found;
-            if best.slip.is_none() || (found - best.pitch) * sense > 0.0 {
-                best = Limit {
-                    pitch: found,
-                    slip: Some(at),
-                };
-            }
-        }
-        let [left, middle, right] = pitches;
-        let off = 0.5 * width * (left - right) / (left - 2.0 * middle + right);
-        // no peak between them
-        if !((left - 2.0 * middle + right) * sense < 0.0 && off.abs() <= width) {
-            return Ok(None);
-        }
-        slip += off;
-    }
-    let Some(found) = pitch_of(near, (roll, slip), range, Some(best.pitch))? else {
-        return Ok(None);
-    };
-    if (found - best.pitch) * sense > 0.0 && slip.abs() <= MAX_SLIP {
-        best = Limit {
-            pitch: found,
-            slip: Some(slip),
-        };
-    }
-    Ok(Some(best))
-}
-
-/// As [`limit_near`], by a search over all slips.
+/// How far up (`sense` 1) or down (−1) the robot drives at this roll, perhaps near the limit of a roll beside it.
 pub(super) fn limit(
     near: &Near<'_>,
     envelope: Envelope,
     (roll, rolling): (f64, f64),
     sense: f64,
+    beside: Option<&Limit>,
 ) -> Result<Limit> {
-    let end = sense * envelope.max_pitch;
-    let capped = Limit {
-        pitch: end,
-        slip: None,
+    let surplus = |slope: f64, slip: f64| -> Result<Option<f64>> {
+        let posed = near.posed(sense * slope, roll)?;
+        Ok(posed.surplus(sense * slip)?.map(|surplus| sense * surplus))
     };
-    let range = if sense > 0.0 {
-        (rolling, end)
-    } else {
-        (end, rolling)
+    let search = SlopeSearch {
+        weight: near.solver.model().weight(),
+        slopes: (sense * rolling, envelope.max_pitch),
+        max_slip: near.solver.max_slip(),
+        near: beside.and_then(|beside| beside.slip).map(f64::abs),
     };
-    // beyond the envelope the pitch of a slip is not known: such a slip reaches further than the envelope
-    let last_found = Cell::new(rolling);
-    let pitch = |slip: f64| -> Result<Option<f64>> {
-        let found = pitch_of(near, (roll, slip), range, Some(last_found.get()))?;
-        last_found.set(found.unwrap_or(last_found.get()));
-        Ok(found)
-    };
-    let mut best = (0.0, rolling);
-    for sample in 1..=SAMPLES {
-        let slip = sense * MAX_SLIP * f64::from(sample) / f64::from(SAMPLES);
-        let Some(found) = pitch(slip)? else {
-            // either the slip reaches beyond the envelope, or it is worse than rolling
-            if holds_at(near, (end, roll), slip, sense)? {
-                return Ok(capped);
-            }
-            continue;
-        };
-        if (found - best.1) * sense > 0.0 {
-            best = (slip, found);
-        }
-    }
-    let step = sense * MAX_SLIP / f64::from(SAMPLES);
-    let last = sense * MAX_SLIP;
-    let is_last = (best.0 - last).abs() < 1e-9;
-    if is_last {
-        // still rising at the end?
-        let before = pitch(last - 1e-3 * sense)?;
-        if before.is_none_or(|before| (before - best.1) * sense < 0.0) {
-            return Ok(Limit {
-                pitch: best.1,
-                slip: Some(last),
-            });
-        }
-    }
-    let (mut low, mut high) = (best.0 - step, if is_last { last } else { best.0 + step });
-    let [mut a, mut b] = golden_section(low, high);
-    let (Some(mut at_a), Some(mut at_b)) = (pitch(a)?, pitch(b)?) else {
-        return Ok(capped);
-    };
-    while (high - low).abs() > PEAK_WIDTH {
-        let left_is_better = at_a * sense > at_b * sense;
-        if left_is_better {
-            (high, b, at_b) = (b, a, at_a);
-            a = golden_section(low, high)[0];
-        } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = golden_section(low, high)[1];
-        }
-        let Some(at_new) = pitch(if left_is_better { a } else { b })? else {
-            return Ok(capped);
-        };
-        if left_is_better {
-            at_a = at_new;
-        } else {
-            at_b = at_new;
-        }
-    }
-    // the vertex of the parabola through three places about the peak, where it lies between them
-    let (left, right) = (0.5 * (a + b) - PEAK_WIDTH, 0.5 * (a + b) + PEAK_WIDTH);
-    let middle = 0.5 * (a + b);
-    let mut found = vec![(a, at_a), (b, at_b)];
-    if let (Some(l), Some(m), Some(r)) = (pitch(left)?, pitch(middle)?, pitch(right)?) {
-        let curvature = l - 2.0 * m + r;
-        let vertex = middle + 0.5 * PEAK_WIDTH * (l - r) / curvature;
-        found.push((middle, m));
-        if (vertex - middle).abs() <= PEAK_WIDTH {
-            found.extend(pitch(vertex)?.map(|at| (vertex, at)));
-        }
-    }
-    for (slip, at) in found {
-        if (at - best.1) * sense > 0.0 && slip.abs() <= MAX_SLIP {
-            best = (slip, at);
-        }
-    }
+    let found = search.steepest(surplus, surplus)?;
+    let (slope, slip) = found.unwrap_or((sense * rolling, 0.0));
     Ok(Limit {
-        pitch: best.1,
-        slip: Some(best.0),
+        pitch: sense * slope,
+        slip: (slope < envelope.max_pitch).then_some(sense * slip),
     })
-}
-
-/// Does the slip hold the robot at the end of the envelope?
-fn holds_at(near: &Near<'_>, (pitch, roll): (f64, f64), slip: f64, sense: f64) -> Result<bool> {
-    let surplus = near.posed(pitch, roll)?.surplus(slip)?;
-    Ok(surplus.is_some_and(|surplus| surplus * sense >= 0.0))
 }
 
 fn side(
@@ -439,7 +287,7 @@ fn side(
                     next_slip(
                         &here,
                         (slips, known),
-                        end.unwrap_or(sense * MAX_SLIP),
+                        end.unwrap_or(sense * near.solver.max_slip()),
                         sense,
                     )?
                 }

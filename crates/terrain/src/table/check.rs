@@ -58,7 +58,7 @@ pub(super) fn check(
             };
             let mut limit = across.along(&side.limit);
             if side.beyond == Beyond::Soil {
-                let exact = build::limit(&near, table.envelope, (roll, rolling), sense)?;
+                let exact = build::limit(&near, table.envelope, (roll, rolling), sense, None)?;
                 limit_errors[which] = limit_errors[which].max((exact.pitch - limit).abs());
                 error.checks += 1;
                 // what lies beyond the true limit is marginal, and has no slip to compare with

@@ -304,6 +304,7 @@ impl SlipTable {
             slip: spot.slip,
             work_per_metre: read(&side.work) / (1.0 - spot.slip.max(0.0)),
             sinkage: read(&side.sinkage),
+            cautions: grouser_terra::Cautions::default(),
         }
     }
 }

@@ -255,6 +255,7 @@ impl<'a> World<'a> {
         Demand::Drives(Driving {
             slip,
             work_per_metre: works.sum(),
+            cautions: grouser_terra::Cautions::default(),
             sinkage: points.iter().map(|point| point.sinkage).fold(0.0, f64::max),
         })
     }
@@ -277,7 +278,7 @@ fn the_balance_of_the_world_is_the_demand_of_its_soil() {
     let mut kinds = [0; 4];
     for (i, j) in (-8..=8).flat_map(|i| (-2..=2).map(move |j| (i, j))) {
         let pose = SurfacePose {
-            pitch: 0.08 * f64::from(i),
+            pitch: 0.1 * f64::from(i),
             roll: 0.12 * f64::from(j),
         };
         let expected = soils[0].solver.demand(pose.pitch, pose.roll).unwrap();

@@ -7,9 +7,6 @@ use grouser_terra::WheelOnSoil;
 
 use crate::error::{Error, Result};
 
-/// The proof covers slips up to this: at 1 a wheel spins on the spot, and its laws have no meaning.
-const MAX_SLIP: f64 = 0.99;
-
 /// Time for the proof, s.
 const TIME_LIMIT_S: f64 = 60.0;
 
@@ -19,6 +16,7 @@ const MARGIN_LIMITS_DEG: [f64; 2] = [0.001, 30.0];
 /// A slope and what is proved about it.
 pub(super) struct Proved {
     slope_deg: f64,
+    max_slip: f64,
     proof: SlopeProof,
 }
 
@@ -40,15 +38,20 @@ impl Proved {
             ));
         }
         let slope_deg = steepest.map_or(0.0, |slope| slope.to_degrees() + margin_deg);
+        let max_slip = pair.settings().max_slip;
         let proof = prove_no_slip_holds(
             pair.wheel(),
             pair.soil(),
             weight,
             slope_deg,
-            MAX_SLIP,
+            max_slip,
             TIME_LIMIT_S,
         )?;
-        Ok(Self { slope_deg, proof })
+        Ok(Self {
+            slope_deg,
+            max_slip,
+            proof,
+        })
     }
 
     pub(super) const fn is_proved(&self) -> bool {
@@ -67,9 +70,10 @@ impl Proved {
         } else {
             "measured, not proved"
         };
+        let max_slip = shown(self.max_slip);
         let lower = self.proof.certificate.as_ref().map_or(0.0, |c| c.lower);
         format!(
-            "proved: no slip from 0 to {MAX_SLIP} holds {slope}°; at least {} N of pull are missing (that the rule of integration is off \
+            "proved: no slip from 0 to {max_slip} holds {slope}°; at least {} N of pull are missing (that the rule of integration is off \
              by at most 1e-8 of each force is {how})\n",
             shown(lower)
         )
@@ -79,7 +83,7 @@ impl Proved {
 pub(super) fn fields<'a>() -> Fields<'a, &'a Proved> {
     fields! { |of: &'a Proved|
         "slope_deg" "the slope of the proof" = of.slope_deg;
-        "max_slip" "slips from 0 to this are covered" = MAX_SLIP;
+        "max_slip" "slips from 0 to this are covered" = of.max_slip;
         "is_proved" "no such slip holds the slope" = of.proof.is_proved;
         "rule_is_proved" "the error of the rule of integration is proved; else it is measured" = of.proof.is_rule_proved;
         "shortage_n" "pull that is missing at the best slip that was found" = of.proof.shortage;

@@ -68,7 +68,9 @@ struct LoadsOrSinkages {
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let outputs = Output::begin(&arguments.output)?;
-    let (pair, chosen) = arguments.wheel.pair(session)?;
+    let (pair, chosen) = arguments
+        .wheel
+        .pair(session, grouser_terra::Settings::default())?;
     let slips = slips(arguments)?;
     let gravity = (arguments.gravity).with_mass(!arguments.prescribed.mass_kg.is_empty())?;
     let families: Vec<Family> = prescribed(&arguments.prescribed, gravity)

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use grouser_design::mission::{DesignPoint, MissionFront, MissionProfile};
-use grouser_rover::statics::climb;
 use grouser_terra::Caution;
+use grouser_terrain::{DemandSolver, climb};
 
 use super::carrier::Carrier;
 use crate::error::Result;
@@ -63,14 +63,16 @@ impl Checked {
             .map(|slope| slope.slope_deg.to_radians())
             .collect();
         for (soil, row) in params.soils.iter().zip(&point.stations) {
-            let steps = climb(&model, &soil.soil, &slopes)?;
+            let solver =
+                DemandSolver::new(model.clone(), soil.soil)?.with_max_slip(params.max_slip)?;
+            let steps = climb(&solver, &slopes)?;
             for (step, ours) in steps.iter().zip(row) {
                 let theirs = step.energy_per_metre;
                 self.difference = match (ours.energy, theirs) {
                     (Some(ours), Some(theirs)) => self.difference.max((ours / theirs - 1.0).abs()),
                     (Some(_), None) => f64::INFINITY,
-                    // `climb` also counts slips above the mission's greatest.
-                    (None, _) => self.difference,
+                    (None, None) => self.difference,
+                    (None, Some(_)) => f64::INFINITY,
                 };
                 if is_shown {
                     for caution in step.cautions.iter() {

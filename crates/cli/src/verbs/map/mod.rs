@@ -25,7 +25,7 @@ use crate::input;
 use crate::session::Session;
 use crate::soil_choice::SoilArguments;
 use crate::verb_report::Report;
-use crate::wheel_choice::GravityArgument;
+use crate::wheel_choice::{GravityArgument, MaxSlip};
 
 use outputs::Outputs;
 use work::Shard;
@@ -86,6 +86,8 @@ pub(crate) struct Arguments {
     height_step_m: f64,
     #[command(flatten)]
     gravity: GravityArgument,
+    #[command(flatten)]
+    max_slip: MaxSlip,
     /// Compute only part I of N of the map, into a file beside the output
     #[arg(long, value_name = "I/N", value_parser = work::parse_shard)]
     shard: Option<Shard>,
@@ -138,7 +140,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
                 .zip(others.iter().map(Vec::as_slice)),
         )
         .collect();
-    let mut tables = soils::tables(&model, &soils_with_draws, envelope)?.into_iter();
+    let mut tables =
+        soils::tables(&model, &soils_with_draws, envelope, arguments.max_slip)?.into_iter();
     let Some((soil, draws)) = tables.next() else {
         return Err(crate::error::Error::usage_without_hint(
             "a map needs a soil",

@@ -11,6 +11,7 @@ use super::Arguments;
 use crate::error::Result;
 use crate::progress::Progress;
 use crate::session::Session;
+use crate::wheel_choice::MaxSlip;
 
 /// The soils drawn from the intervals; none where there are no intervals.
 pub(super) fn draws(
@@ -69,6 +70,7 @@ pub(super) fn tables(
     model: &RobotModel,
     soils: &[(&Soil, &[Soil])],
     envelope: Envelope,
+    max_slip: MaxSlip,
 ) -> Result<Vec<(SoilTable, Vec<SoilTable>)>> {
     let jobs: Vec<(usize, usize, &Soil)> = soils
         .iter()
@@ -80,7 +82,7 @@ pub(super) fn tables(
         .collect();
     let progress = Progress::of_items(jobs.len() as u64, "soils");
     let table = |(of, index, soil): (usize, usize, &Soil)| -> grouser_terrain::Result<SoilTable> {
-        let solver = DemandSolver::new(model.clone(), *soil)?;
+        let solver = DemandSolver::new(model.clone(), *soil)?.with_max_slip(max_slip.max_slip)?;
         if of > 0 {
             // a patch may be impassable; ground as a whole may not
             let table = SlipTable::new_or_closed(&solver, envelope)?;

@@ -60,7 +60,7 @@ pub(super) fn job(
     let drawn: Vec<_> = drawn.iter().map(Soil::params).collect();
     let others: Vec<_> = others.iter().flatten().map(Soil::params).collect();
     let text = format!(
-        "{} {:?} {digests:?} {:?} {drawn:?} {legend:?} {others:?} {} {envelope:?} {:?} {:?} {:?} {:?}",
+        "{} {:?} {digests:?} {:?} {drawn:?} {legend:?} {others:?} {} {envelope:?} {:?} {:?} {:?} {:?} {:?}",
         env!("CARGO_PKG_VERSION"),
         option_env!("GROUSER_COMMIT"),
         soil.params(),
@@ -69,6 +69,7 @@ pub(super) fn job(
         arguments.height_step_m,
         gravity,
         arguments.cvar,
+        arguments.max_slip.max_slip,
     );
     input::digest(text.as_bytes())
 }

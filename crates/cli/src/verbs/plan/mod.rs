@@ -8,6 +8,7 @@ use std::path::PathBuf;
 
 use grouser_report::number::{parse_finite, shown};
 use grouser_terra::Caution;
+use grouser_terra::slope::MAX_SLIP;
 use grouser_terrain::Headings;
 use grouser_terrain::plan::{Plan, PlanMap, PlanSettings, plan};
 
@@ -42,7 +43,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "P", value_parser = parse_finite, default_value = "0.05")]
     max_risk: f64,
     /// Greatest slip, driving or braking, that 95 % of the soil draws may demand
-    #[arg(long, value_name = "S", value_parser = parse_finite, default_value = "0.6")]
+    #[arg(long, value_name = "S", value_parser = parse_finite, default_value_t = MAX_SLIP)]
     max_slip: f64,
     /// Least tip-over margin, in degrees
     #[arg(long, value_name = "DEG", value_parser = parse_finite, default_value = "10")]

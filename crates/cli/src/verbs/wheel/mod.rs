@@ -13,7 +13,7 @@ use crate::law_error::Names;
 use crate::operation::{self, Answer, Prescribed};
 use crate::session::Session;
 use crate::verb_report::Report;
-use crate::wheel_choice::{GravityArgument, WheelArguments};
+use crate::wheel_choice::{GravityArgument, MaxSlip, WheelArguments};
 use grouser_report::number::{parse_finite, shown};
 use grouser_report::{Fields, Table, fields};
 
@@ -33,6 +33,8 @@ pub(crate) struct Arguments {
     /// Slope in degrees, uphill positive: the wheel's weight is the load, W cos α of it is carried, and the pull must hold W sin α
     #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true, conflicts_with = "sinkage_m")]
     slope_deg: Option<f64>,
+    #[command(flatten)]
+    max_slip: MaxSlip,
     #[command(flatten)]
     gravity: GravityArgument,
     /// Draw the wheel and the stress under it (.svg or .png)
@@ -70,7 +72,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         .as_deref()
         .map(figure_file::Target::of)
         .transpose()?;
-    let (pair, chosen) = arguments.wheel.pair(session)?;
+    let (pair, chosen) = arguments
+        .wheel
+        .pair(session, arguments.max_slip.settings())?;
     let mass = arguments.prescribed.mass_kg;
     let gravity = arguments.gravity.with_mass(mass.is_some())?;
     let weight = arguments
@@ -143,7 +147,8 @@ fn immobilised(
         slope,
         lugs: None,
     };
-    let failure = Some("no slip holds the slope".to_owned());
+    let max_slip = shown(arguments.max_slip.max_slip);
+    let failure = Some(format!("no slip up to {max_slip} holds the slope"));
     Report::done(fields().object(solved), text(solved)).failing(failure)
 }
 
