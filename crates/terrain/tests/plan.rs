@@ -446,3 +446,32 @@ fn the_cvar_of_a_way_is_a_bound_where_the_draws_have_no_order() {
     }
     assert!(looser > 30, "{looser}");
 }
+
+/// Every way passes a column of cells in which the robot brakes: it is closed where the braking slip is beyond the greatest one.
+#[test]
+fn braking_beyond_the_greatest_slip_closes_a_cell() {
+    let headings = Headings::new(8).unwrap();
+    let mut layout = MapLayout::plain(9, 7, 1.5, headings);
+    layout.turning_radius = 0.0;
+    let mut map = PlanMap::unknown(layout);
+    let settings = PlanSettings {
+        max_slip: 0.25,
+        ..PlanSettings::default()
+    };
+    for (slip, is_open) in [(0.2, true), (0.3, false), (-0.2, true), (-0.3, false)] {
+        for cell in 0..map.cells() {
+            let own = if cell % 9 == 4 { slip } else { 0.1 };
+            for pose in cell * headings.count()..(cell + 1) * headings.count() {
+                map.pitch[pose] = 0.0;
+                map.tip_over[pose] = 40.0;
+                map.risk[pose] = 0.0;
+                map.slip[pose] = own;
+                map.slip_high[pose] = own;
+                map.energy[pose] = 20.0;
+                map.energy_cvar[pose] = 20.0;
+            }
+        }
+        let found = plan(&map, (27, 35), &settings, 0).unwrap();
+        assert_eq!(matches!(found, Plan::Found { .. }), is_open, "{slip}");
+    }
+}
