@@ -96,6 +96,7 @@ impl WheelOnSoil {
                 &ploughing.map(|law| (law.key(), law)),
             )?
             .unwrap_or_default(),
+            ..Settings::default()
         };
         let contact = raised(Contact::new(wheel.0, soil.soil, settings))?;
         Ok(Self {

@@ -71,8 +71,7 @@ impl Checked {
                 self.difference = match (ours.energy, theirs) {
                     (Some(ours), Some(theirs)) => self.difference.max((ours / theirs - 1.0).abs()),
                     (Some(_), None) => f64::INFINITY,
-                    (None, None) => self.difference,
-                    (None, Some(_)) => f64::INFINITY,
+                    (None, _) => self.difference,
                 };
                 if is_shown {
                     for caution in step.cautions.iter() {
