@@ -16,6 +16,7 @@ mod map_outputs;
 mod outputs;
 mod program;
 mod schemas;
+mod slopes;
 mod stance;
 mod terrain;
 mod viewers;
