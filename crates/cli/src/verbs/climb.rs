@@ -26,6 +26,9 @@ use proof::Proved;
 /// Slopes of the table between the level and the steepest one.
 const ROWS: u32 = 12;
 
+/// The table ends this far below the steepest slope, rad: rounding decides whether that itself is held.
+const BELOW_RAD: f64 = 1e-9;
+
 /// A robot this close to tipping over on its steepest slope is limited by that and not by the soil, rad.
 const NEAR_TIPPING_RAD: f64 = 1e-4;
 
@@ -100,7 +103,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let steepest = climber.steepest()?;
     let slopes: Vec<f64> = match steepest {
         Some(steepest) => (0..=ROWS)
-            .map(|row| steepest * f64::from(row) / f64::from(ROWS))
+            .map(|row| (steepest - BELOW_RAD).max(0.0) * f64::from(row) / f64::from(ROWS))
             .collect(),
         None => vec![0.0],
     };
