@@ -117,6 +117,7 @@ impl Error {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::File(error) => error.hint(),
+            Self::Terrain { fault, .. } => fault.hint().map(str::to_owned),
             Self::NoSlipSetpoint { .. } => {
                 Some("give `optimum` under `[control]` in the scenario".to_owned())
             }

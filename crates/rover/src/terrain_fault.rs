@@ -76,11 +76,17 @@ pub enum TerrainFault {
         /// What is read.
         wanted: &'static str,
     },
-    /// Its heights are not in metres.
-    #[error("its heights are in the unit {code} of its coordinate system, not in metres (9001)")]
-    HeightUnit {
-        /// The EPSG code of the unit.
-        code: u32,
+    /// A tag states what cannot be read as heights in metres.
+    #[error("its {tag} is {value}: {why}")]
+    Tag {
+        /// Its name.
+        tag: &'static str,
+        /// Its value.
+        value: String,
+        /// Why it is refused.
+        why: &'static str,
+        /// How to convert the file.
+        convert: &'static str,
     },
     /// It is cut short, or damaged, or uses what is not read.
     #[error("it cannot be decoded: {reason}")]
@@ -98,10 +104,10 @@ pub enum NoCell {
     #[error("a picture does not say how large it is")]
     Picture,
     /// It names no coordinate system.
-    #[error("it does not say what its coordinates are")]
+    #[error("it names no coordinate system by ProjectedCRSGeoKey (3072)")]
     NoSystem,
     /// Its coordinates are degrees.
-    #[error("its coordinates are degrees")]
+    #[error("GTModelTypeGeoKey (1024) is 2: its coordinates are degrees")]
     Degrees,
     /// An ASCII grid whose cells and corner are those of degrees.
     #[error("cells of {cell} with a corner within 180 by 90 look like degrees")]
@@ -110,7 +116,7 @@ pub enum NoCell {
         cell: f64,
     },
     /// Its coordinates are in another unit of length.
-    #[error("its coordinates are in the unit {code}, not in metres (9001)")]
+    #[error("ProjLinearUnitsGeoKey (3076) is {code}: its coordinates are not in metres (9001)")]
     Unit {
         /// The EPSG code of the unit.
         code: u32,
@@ -126,12 +132,73 @@ pub enum NoCell {
         /// m.
         height: f64,
     },
-    /// Its rows do not run west to east.
-    #[error("it is turned against its coordinates")]
-    Turned,
+    /// It does not state where it is, and its scale depends on the place.
+    #[error(
+        "it has no ModelTiepointTag (33922), and the scale of its coordinate system depends on the place"
+    )]
+    NoPlace,
+    /// Its coordinate system is not known to be in metres that are true to scale.
+    #[error(
+        "ProjectedCRSGeoKey (3072) is {code}, which is not known to be in metres that are true to scale on the ground"
+    )]
+    System {
+        /// The EPSG code of the system.
+        code: u32,
+    },
+    /// The scale of its projection is not computed.
+    #[error(
+        "ProjMethodGeoKey (3075) is {code}, a projection whose scale on the ground is not computed"
+    )]
+    Method {
+        /// GeoTIFF's code of the method.
+        code: u32,
+    },
+    /// Its coordinates are not true to scale.
+    #[error("{tag} is {code}: 1 m on the ground is {low:.4} m to {high:.4} m of its coordinates")]
+    Scale {
+        /// The name of the key.
+        tag: &'static str,
+        /// Its value.
+        code: u32,
+        /// Smallest scale.
+        low: f64,
+        /// Largest scale.
+        high: f64,
+    },
 }
 
+/// How to convert heights.
+pub(crate) const HEIGHTS_TO_METRES: &str = "convert its heights to metres first, for example from feet by \
+    `gdal_translate -scale 0 10000 0 3048 -ot Float32 in.tif out.tif` and `gdal_edit.py -units m out.tif`";
+
 impl TerrainFault {
+    /// What to do about it, where that is known.
+    #[must_use]
+    pub const fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Tag { convert, .. } => Some(convert),
+            Self::NoCell { why } => Some(match why {
+                NoCell::Picture | NoCell::NoSystem | NoCell::NoScale | NoCell::NotSquare { .. } => {
+                    "`--cell-m`, or `cell_m` in a scenario, gives the size of its cells on the ground"
+                }
+                NoCell::Degrees
+                | NoCell::LooksLikeDegrees { .. }
+                | NoCell::Unit { .. }
+                | NoCell::NoPlace
+                | NoCell::System { .. }
+                | NoCell::Method { .. }
+                | NoCell::Scale { .. } => {
+                    "project it first to metres that are true to scale, for example to the UTM zone of its place by \
+                     `gdalwarp -r bilinear -t_srs EPSG:32632 in.tif out.tif`"
+                }
+            }),
+            Self::Samples { .. } => Some(
+                "`gdal_translate -b 1 -ot Float32 in.tif out.tif` writes its first band as floats",
+            ),
+            _ => None,
+        }
+    }
+
     /// What a decoder says.
     #[allow(
         clippy::needless_pass_by_value,

@@ -163,22 +163,13 @@ impl Error {
     /// What to do about it, where that is known.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
-        use grouser_rover::ground::NoCell;
         match self {
             Self::OwnFile(error) => error.hint(),
             Self::Rover(error) => error.hint(),
-            Self::Terrain {
-                fault: TerrainFault::NoCell { why },
-                ..
-            } => Some(match why {
-                NoCell::Degrees | NoCell::LooksLikeDegrees { .. } => {
-                    "project it to metres first, for example `gdalwarp -t_srs EPSG:32632 in.tif out.tif`"
-                        .to_owned()
-                }
-                _ => "`--cell-m` gives the size of its cells".to_owned(),
-            }),
+            Self::Terrain { fault, .. } => fault.hint().map(str::to_owned),
             Self::OtherMap { .. } => Some(
-                "give what the map was made with, or make another map with `grouser map`".to_owned(),
+                "give what the map was made with, or make another map with `grouser map`"
+                    .to_owned(),
             ),
             _ => None,
         }

@@ -10,6 +10,7 @@ mod climb;
 mod map;
 mod mission;
 mod plan;
+mod planes;
 mod planned_drive;
 mod relief_of_examples;
 mod soil_map;

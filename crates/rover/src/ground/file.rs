@@ -4,9 +4,12 @@
 //! height of their own.
 
 mod ascii;
+mod epsg;
 mod georeference;
 mod geotiff;
+mod height_tiff;
 mod picture;
+mod projection;
 
 use grouser_terra::OutOfRange;
 use std::io::{Cursor, Read as _};
@@ -16,6 +19,7 @@ use grouser_files::regular;
 
 pub use georeference::Georeference;
 pub use geotiff::{GeoTiff, PiecePlace};
+pub use height_tiff::HeightTiff;
 
 use super::height_map::{CELL_LIMITS_M, HeightMap, MAX_CELLS};
 use crate::error::{Error, Result};
@@ -23,6 +27,35 @@ use crate::terrain_fault::TerrainFault;
 
 /// Greatest size of a terrain file, bytes.
 const MAX_BYTES: u64 = 1 << 28;
+
+/// Heights beyond these are not heights, m.
+const HEIGHT_LIMITS_M: (f32, f32) = (-1e6, 1e6);
+
+/// Numbers that mark unknown heights in a file that does not declare them as its no-data value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct UndeclaredNoData {
+    /// The first of them.
+    pub value: f64,
+    /// Number of cells.
+    pub cells: u64,
+}
+
+impl UndeclaredNoData {
+    /// Is it a number that is written for no data? No ground has any of them.
+    ///
+    /// Source: the customs of ESRI's and GDAL's formats (-9999 and its like, the smallest float) and of 16-bit models
+    /// such as SRTM and MOLA (-32768, -32767).
+    fn is_one(value: f64) -> bool {
+        const MIN_FILL_VALUE: f64 = 1e36;
+        [-9999.0, -32_768.0, -32_767.0, -99_999.0, -999_999.0].contains(&value)
+            || (value.is_finite() && value.abs() >= MIN_FILL_VALUE)
+    }
+
+    fn count(found: &mut Option<Self>, value: f64) {
+        found.get_or_insert(Self { value, cells: 0 }).cells += 1;
+    }
+}
 
 /// A terrain file.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,6 +167,8 @@ pub struct Raster {
     pub cell: f64,
     /// The outer corner of the upper left cell, m; `None` where the file does not say it here.
     pub upper_left: Option<[f64; 2]>,
+    /// What was read as unknown, although the file does not declare it.
+    pub undeclared: Option<UndeclaredNoData>,
 }
 
 impl Raster {

@@ -9,7 +9,8 @@ mod shape;
 
 pub use craters::{Crater, Craters};
 pub use file::{
-    GeoTiff, Georeference, HeightFile, PiecePlace, Raster, parse_heights, read_heights, read_raster,
+    GeoTiff, Georeference, HeightFile, HeightTiff, PiecePlace, Raster, UndeclaredNoData,
+    parse_heights, read_heights, read_raster,
 };
 pub use height_map::HeightMap;
 pub(crate) use height_map::{CELL_LIMITS_M, max_width, side_limits};

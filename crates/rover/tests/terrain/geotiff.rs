@@ -227,21 +227,19 @@ fn no_data_is_no_height() {
         }
         assert!(map.known(0.0, 0.75));
     }
-    // without the tag the same number is a height that no ground has
+    // numbers that no ground has and files write for no data are unknown without the tag
     let mut holed = truth.clone();
-    holed[7] = f32::MIN;
-    let fault = refused(&Tiff::floats(5, 4, &holed));
-    assert!(
-        matches!(
-            fault,
-            TerrainFault::OutOfRange(OutOfRange {
-                field: "height",
-                unit: "m",
-                ..
-            })
-        ),
-        "{fault}"
-    );
+    for nothing in [f32::MIN, f32::MAX, -9999.0, -32_768.0, -32_767.0] {
+        holed[7] = nothing;
+        let map = read("tif", &Tiff::floats(5, 4, &holed).bytes()).unwrap();
+        assert!(!map.known(1.0, 0.25) && map.known(1.5, 0.25), "{nothing}");
+    }
+    // the heights next to them are heights
+    for height in [-9998.0, 32_767.0, 1e6] {
+        holed[7] = height;
+        let map = read("tif", &Tiff::floats(5, 4, &holed).bytes()).unwrap();
+        assert!(map.known(1.0, 0.25), "{height}");
+    }
     // infinite is not unknown
     holed[7] = f32::INFINITY;
     let fault = refused(&Tiff::floats(5, 4, &holed));
@@ -321,10 +319,13 @@ fn degrees_and_feet_are_not_metres() {
     assert_eq!(no_cell(&with_keys(&[1024, 0, 1, 2])), NoCell::Degrees);
     let feet = with_keys(&[1024, 0, 1, 1, 3076, 0, 1, 9003]);
     assert_eq!(no_cell(&feet), NoCell::Unit { code: 9003 });
-    let metres = with_keys(&[1024, 0, 1, 1, 3076, 0, 1, 9001, 4099, 0, 1, 9001]);
+    let metres = with_keys(&[
+        1024, 0, 1, 1, 3072, 0, 1, 32_632, 3076, 0, 1, 9001, 4099, 0, 1, 9001,
+    ]);
     assert!(read("tif", &metres.bytes()).is_ok());
-    let high_feet = with_keys(&[1024, 0, 1, 1, 4099, 0, 1, 9002]);
-    assert_eq!(refused(&high_feet), TerrainFault::HeightUnit { code: 9002 });
+    let high_feet = with_keys(&[1024, 0, 1, 1, 3072, 0, 1, 32_632, 4099, 0, 1, 9002]);
+    // a cell of the scenario's own says nothing of heights
+    assert!(read_with_cell("tif", &high_feet.bytes()).is_err());
     // and what is said names value and unit
     assert!(refused(&high_feet).to_string().contains("9002"));
 }
@@ -340,7 +341,7 @@ fn scales_that_are_none() {
             }
         ));
     }
-    for cell in [0.0, -0.5, 1e-9, 1e9] {
+    for cell in [0.0, 1e-9, 2e3] {
         let tiff = small().with(SCALE, Value::Double(vec![cell, cell, 0.0]));
         let fault = refused(&tiff);
         assert!(
@@ -371,7 +372,13 @@ fn scales_that_are_none() {
     );
     matrix[1] = 0.1;
     let turned = small().without(SCALE).with(34_264, Value::Double(matrix));
-    assert_eq!(no_cell(&turned), NoCell::Turned);
+    for found in [
+        read("tif", &turned.bytes()),
+        read_with_cell("tif", &turned.bytes()),
+    ] {
+        let fault = found.unwrap_err();
+        assert!(matches!(fault, TerrainFault::Tag { .. }), "{fault}");
+    }
 }
 
 #[test]

@@ -76,13 +76,14 @@ pub(crate) const OFFSETS: u16 = 273;
 pub(crate) const ROWS_PER_STRIP: u16 = 278;
 pub(crate) const LENGTHS: u16 = 279;
 pub(crate) const SCALE: u16 = 33_550;
+pub(crate) const TIE_POINTS: u16 = 33_922;
 pub(crate) const KEYS: u16 = 34_735;
 pub(crate) const NO_DATA: u16 = 42_113;
 pub(crate) const TILE_OFFSETS: u16 = 324;
 pub(crate) const TILE_LENGTHS: u16 = 325;
 
 impl Tiff {
-    /// Floats in one strip, with cells of half a metre in a projected system.
+    /// Floats in one strip, with cells of half a metre in a zone of UTM.
     pub(crate) fn floats(columns: u32, rows: u32, heights: &[f32]) -> Self {
         let strip: Vec<u8> = heights.iter().flat_map(|h| h.to_le_bytes()).collect();
         Self::of(columns, rows, 32, 3, strip)
@@ -100,7 +101,14 @@ impl Tiff {
                 (ROWS_PER_STRIP, Value::Long(vec![rows])),
                 (339, Value::Short(vec![format])),
                 (SCALE, Value::Double(vec![0.5, 0.5, 0.0])),
-                (KEYS, Value::Short(vec![1, 1, 0, 1, 1024, 0, 1, 1])),
+                (
+                    TIE_POINTS,
+                    Value::Double(vec![0.0, 0.0, 0.0, 500e3, 5_300e3, 0.0]),
+                ),
+                (
+                    KEYS,
+                    Value::Short(vec![1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, 32_632]),
+                ),
             ],
             pieces: vec![strip],
         }

@@ -6,7 +6,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use grouser_files::regular;
-use grouser_rover::ground::{GeoTiff, Georeference, HeightFile, NoCell, TerrainFault, read_raster};
+use grouser_rover::ground::{
+    Georeference, HeightFile, HeightTiff, TerrainFault, UndeclaredNoData, read_raster,
+};
 
 use crate::error::{Error, Result};
 
@@ -20,21 +22,28 @@ const CELL_LIMITS_M: (f64, f64) = (1e-3, 1e3);
 const HEIGHT_LIMITS_M: (f32, f32) = (-1e6, 1e6);
 
 /// What is doubtful about an elevation model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DemCaution {
     /// It names no coordinate system: its numbers are taken for metres.
     NoSystem,
+    /// Numbers that mark no data are not declared as such: they count as unknown.
+    UndeclaredNoData(UndeclaredNoData),
 }
 
 impl DemCaution {
     /// In words.
     #[must_use]
-    pub const fn text(self) -> &'static str {
+    pub fn text(self) -> String {
         match self {
             Self::NoSystem => {
                 "the elevation model names no coordinate system: its coordinates are taken for metres"
+                    .to_owned()
             }
+            Self::UndeclaredNoData(UndeclaredNoData { value, cells, .. }) => format!(
+                "{cells} cells of the elevation model count as unknown: their height is {value}, which it does not \
+                 declare as its no-data value (GDAL_NODATA, 42113)"
+            ),
         }
     }
 }
@@ -47,13 +56,13 @@ pub struct Dem {
     rows: u32,
     cell: f64,
     georeference: Georeference,
-    cautions: Vec<DemCaution>,
+    undeclared: Option<UndeclaredNoData>,
     /// The first row that is held, and the rows from there on.
     held: (u32, Vec<f32>),
 }
 
 enum Source {
-    Tiff(Box<GeoTiff<BufReader<File>>>),
+    Tiff(Box<HeightTiff<BufReader<File>>>),
     /// All of it: `held` has every row.
     Memory,
 }
@@ -122,8 +131,18 @@ impl Dem {
         };
         let dem = if matches!(ending.as_str(), "tif" | "tiff") {
             let file = regular::open(path)?;
-            let tiff = GeoTiff::open(BufReader::new(file)).map_err(of_file)?;
-            Self::of_tiff(path, tiff, cell).map_err(of_file)?
+            let tiff = HeightTiff::open(BufReader::new(file), cell).map_err(of_file)?;
+            let (columns, rows) = tiff.size();
+            Self {
+                path: path.to_owned(),
+                columns,
+                rows,
+                cell: tiff.cell(),
+                georeference: tiff.georeference().clone(),
+                undeclared: None,
+                source: Source::Tiff(Box::new(tiff)),
+                held: (0, Vec::new()),
+            }
         } else {
             let file = HeightFile {
                 path: path.to_owned(),
@@ -142,7 +161,7 @@ impl Dem {
                 rows: u32::try_from(rows).unwrap_or(u32::MAX),
                 cell: raster.cell,
                 georeference,
-                cautions: vec![DemCaution::NoSystem],
+                undeclared: raster.undeclared,
                 held: (0, raster.heights),
             }
         };
@@ -156,49 +175,6 @@ impl Dem {
         }
         Error::check("elevation model", "cell", dem.cell, CELL_LIMITS_M, "m")?;
         Ok(dem)
-    }
-
-    fn of_tiff(
-        path: &Path,
-        tiff: GeoTiff<BufReader<File>>,
-        cell: Option<f64>,
-    ) -> Result<Self, TerrainFault> {
-        let georeference = tiff.georeference().clone();
-        if tiff.bands() != 1 {
-            return Err(TerrainFault::Samples {
-                found: format!("{} bands", tiff.bands()),
-                wanted: "one band of heights",
-            });
-        }
-        let mut cautions = Vec::new();
-        let own = georeference.cell_without_system();
-        let cell = match (cell, own) {
-            (Some(cell), _) => cell,
-            (None, Err(fault)) => return Err(fault),
-            (None, Ok(cell)) => {
-                let is_arc = !georeference.has_system() && looks_like_degrees(&georeference, cell);
-                if is_arc {
-                    return Err(TerrainFault::NoCell {
-                        why: NoCell::LooksLikeDegrees { cell },
-                    });
-                }
-                cell
-            }
-        };
-        if !georeference.has_system() {
-            cautions.push(DemCaution::NoSystem);
-        }
-        let (columns, rows) = tiff.size();
-        Ok(Self {
-            path: path.to_owned(),
-            source: Source::Tiff(Box::new(tiff)),
-            columns,
-            rows,
-            cell,
-            georeference,
-            cautions,
-            held: (0, Vec::new()),
-        })
     }
 
     /// Columns and rows.
@@ -219,10 +195,15 @@ impl Dem {
         &self.georeference
     }
 
-    /// What is doubtful about it.
+    /// What is doubtful about it, as far as its rows were read.
     #[must_use]
-    pub fn cautions(&self) -> &[DemCaution] {
-        &self.cautions
+    pub fn cautions(&self) -> Vec<DemCaution> {
+        let (system, undeclared) = match &self.source {
+            Source::Tiff(tiff) => (None, tiff.undeclared()),
+            Source::Memory => (Some(DemCaution::NoSystem), self.undeclared),
+        };
+        let undeclared = undeclared.map(DemCaution::UndeclaredNoData);
+        system.into_iter().chain(undeclared).collect()
     }
 
     /// Rows of the model, as far as it has them. Rows are given in order: those above `rows` are forgotten.
@@ -250,12 +231,12 @@ impl Dem {
                 *first = rows.start;
             }
             while end < rows.end {
-                end = read_row_of_pieces(tiff, end, columns, heights).map_err(|fault| {
-                    Error::Terrain {
+                end = tiff
+                    .read_rows(end, heights)
+                    .map_err(|fault| Error::Terrain {
                         file: self.path.clone(),
                         fault,
-                    }
-                })?;
+                    })?;
             }
         }
         Ok(Window {
@@ -264,40 +245,4 @@ impl Dem {
             heights: &self.held.1,
         })
     }
-}
-
-/// Appends the rows of all pieces side by side that begin at `top`; gives the row after them.
-fn read_row_of_pieces(
-    tiff: &mut GeoTiff<BufReader<File>>,
-    top: u32,
-    columns: usize,
-    heights: &mut Vec<f32>,
-) -> Result<u32, TerrainFault> {
-    let across = tiff.pieces_across();
-    let first = top / tiff.piece_height() * across;
-    let high = tiff.place(first).high;
-    let start = heights.len();
-    heights.resize(start + high as usize * columns, f32::NAN);
-    for index in first..first + across {
-        let place = tiff.place(index);
-        let mut cells = (0..place.cells()).map(|i| {
-            let (row, column) = (i / place.wide as usize, i % place.wide as usize);
-            start + row * columns + place.left as usize + column
-        });
-        tiff.read_piece(index, |height| {
-            if let Some(slot) = cells.next().and_then(|cell| heights.get_mut(cell)) {
-                *slot = height;
-            }
-        })?;
-    }
-    Ok(top + high)
-}
-
-/// Without a coordinate system: cells of some seconds of arc within 180 by 90.
-fn looks_like_degrees(georeference: &Georeference, cell: f64) -> bool {
-    const MAX_CELL_DEG: f64 = 1.0 / 60.0;
-    let inside = |place: [f64; 2]| place[0].abs() <= 180.0 && place[1].abs() <= 90.0;
-    let placed = georeference.centre(0, 0);
-    cell < MAX_CELL_DEG
-        && placed.is_some_and(|place| inside(place) && place != [0.5 * cell, -0.5 * cell])
 }

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 
 use grouser_report::number::{parse_finite, shown};
 use grouser_terra::Caution;
-use grouser_terrain::raster::Dem;
+use grouser_terrain::raster::{Dem, DemCaution};
 use grouser_terrain::{Envelope, Headings, MapLayout, MapMaker, MapSettings, MapSoil, SoilMap};
 
 use crate::error::Result;
@@ -112,7 +112,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let [max_pitch, max_roll] =
         [arguments.max_pitch_deg, arguments.max_roll_deg].map(f64::to_radians);
     let envelope = Envelope::within(&model, max_pitch, max_roll)?;
-    let mut warnings = warnings(&dem, [max_pitch, max_roll], &envelope);
+    let mut warnings = warnings([max_pitch, max_roll], &envelope);
     let drawn = soils::draws(arguments, &chosen.soil, session)?;
     let place = soils::soil_map(arguments, &dem, session)?;
     let legend = place.as_ref().map_or(&[][..], SoilMap::soils);
@@ -162,6 +162,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         join: arguments.join,
     }
     .run(&mut dem)?;
+    warnings.extend(dem.cautions().into_iter().map(DemCaution::text));
     let Some(journals) = made.journals else {
         let text = format!(
             "shard {} of {}: {} strips in {}\n",
@@ -204,9 +205,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
 }
 
 /// What is doubtful before the map is made.
-fn warnings(dem: &Dem, requested: [f64; 2], envelope: &Envelope) -> Vec<String> {
-    let cautions = dem.cautions().iter();
-    let mut warnings: Vec<String> = cautions.map(|caution| caution.text().to_owned()).collect();
+fn warnings(requested: [f64; 2], envelope: &Envelope) -> Vec<String> {
+    let mut warnings = Vec::new();
     if envelope.max_pitch < requested[0] {
         warnings.push(format!(
             "a wheel loses the ground within the requested pitch and roll: the map ends at {:.1}° and {:.1}°",

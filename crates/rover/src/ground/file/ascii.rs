@@ -1,6 +1,6 @@
 //! ESRI ASCII grids.
 
-use super::{Raster, check_size};
+use super::{Raster, UndeclaredNoData, check_size};
 use crate::terrain_fault::{NoCell, TerrainFault};
 use grouser_terra::OutOfRange;
 
@@ -33,6 +33,7 @@ pub(super) fn read(bytes: &[u8], cell: Option<f64>) -> Result<Raster, TerrainFau
     // a height takes two bytes at least: a short file that announces much gets no room for it
     let room = expected.min(text.len() as u64 / 2 + 1);
     let mut heights = Vec::with_capacity(usize::try_from(room).unwrap_or(0));
+    let mut undeclared = None;
     for word in words {
         let found = heights.len() as u64;
         let Ok(value) = word.parse::<f64>() else {
@@ -49,12 +50,13 @@ pub(super) fn read(bytes: &[u8], cell: Option<f64>) -> Result<Raster, TerrainFau
                 expected,
             });
         }
+        let is_declared = value == header.nothing;
+        let is_known = !is_declared && !UndeclaredNoData::is_one(value);
+        if !is_declared && !is_known {
+            UndeclaredNoData::count(&mut undeclared, value);
+        }
         #[allow(clippy::cast_possible_truncation, reason = "7 digits are enough")]
-        heights.push(if value == header.nothing {
-            f32::NAN
-        } else {
-            value as f32
-        });
+        heights.push(if is_known { value as f32 } else { f32::NAN });
     }
     if heights.len() as u64 != expected {
         return Err(TerrainFault::Count {
@@ -68,6 +70,7 @@ pub(super) fn read(bytes: &[u8], cell: Option<f64>) -> Result<Raster, TerrainFau
         heights,
         cell,
         upper_left: Some(header.upper_left(rows, cell)),
+        undeclared,
     })
 }
 

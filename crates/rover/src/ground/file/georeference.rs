@@ -5,18 +5,28 @@ use std::io::{BufRead, Seek};
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
-use crate::terrain_fault::{NoCell, TerrainFault};
+use super::epsg::HEIGHTS_IN_METRES;
+use super::projection::{check_scale, is_listed};
+use crate::terrain_fault::{HEIGHTS_TO_METRES, NoCell, TerrainFault};
 
-/// GeoTIFF's keys: the model type with its values, where in a cell its coordinates are, and the units of coordinates and of heights.
+/// GeoTIFF's keys: the model type with its values, where in a cell its coordinates are, the coordinate systems, and
+/// the units of coordinates and of heights.
 const MODEL_TYPE_KEY: u32 = 1024;
 const PROJECTED: u32 = 1;
 const GEOGRAPHIC: u32 = 2;
 const RASTER_TYPE_KEY: u32 = 1025;
 const PIXEL_IS_POINT: u32 = 2;
 const LINEAR_UNITS_KEY: u32 = 3076;
+const VERTICAL_SYSTEM_KEY: u32 = 4096;
 const VERTICAL_UNITS_KEY: u32 = 4099;
+/// GeoTIFF's code for what the file describes itself.
+pub(super) const USER_DEFINED: u32 = 32_767;
 /// EPSG's code of the metre.
 const METRE: u32 = 9001;
+/// GeoTIFF's tag of numbers of the coordinate system, which its keys refer to.
+const KEY_DOUBLES_TAG: u16 = 34_736;
+/// Relative difference of the sides of a square cell: rounding of the file.
+const MAX_SIDE_DIFFERENCE: f64 = 1e-9;
 
 /// The tags that place an image on the ground, as the file has them; empty where it has none.
 ///
@@ -25,7 +35,6 @@ const METRE: u32 = 9001;
 ///
 /// // cells of 2 m, the outer corner of the upper left one at (100, 50)
 /// let here = Georeference::of_grid(2.0, [100.0, 50.0]);
-/// assert_eq!(here.cell_without_system(), Ok(2.0));
 /// assert_eq!(here.centre(0, 0), Some([101.0, 49.0]));
 /// assert!(!here.has_system());
 /// ```
@@ -74,17 +83,24 @@ impl Georeference {
         }
     }
 
-    /// A key of the coordinate system that is a whole number.
-    fn key(&self, wanted: u32) -> Option<u32> {
+    /// The entry of a key: where its value is, and the value or its index there.
+    fn entry(&self, wanted: u32) -> Option<[u16; 2]> {
         let mut entries = self.keys.chunks_exact(4).skip(1);
-        let found = entries.find(|entry| u32::from(entry[0]) == wanted && entry[1] == 0);
-        found.map(|entry| entry[3].into())
+        let found = entries.find(|entry| u32::from(entry[0]) == wanted);
+        found.map(|entry| [entry[1], entry[3]])
     }
 
-    /// EPSG's code of the unit of heights, where the file names one.
-    #[must_use]
-    pub fn height_unit(&self) -> Option<u32> {
-        self.key(VERTICAL_UNITS_KEY)
+    /// A key of the coordinate system that is a whole number.
+    pub(super) fn key(&self, wanted: u32) -> Option<u32> {
+        let [held, value] = self.entry(wanted)?;
+        (held == 0).then_some(value.into())
+    }
+
+    /// A key of the coordinate system that is a number.
+    pub(super) fn number(&self, wanted: u32) -> Option<f64> {
+        let [held, index] = self.entry(wanted)?;
+        let found = self.key_doubles.get(usize::from(index)).copied();
+        found.filter(|_| held == KEY_DOUBLES_TAG)
     }
 
     /// Does the file name a coordinate system?
@@ -93,44 +109,78 @@ impl Georeference {
         matches!(self.key(MODEL_TYPE_KEY), Some(PROJECTED | GEOGRAPHIC))
     }
 
-    /// The size of a cell, m.
-    ///
-    /// # Errors
-    /// [`TerrainFault::NoCell`]: no coordinate system, degrees, another unit than metres, no scale, cells that are no squares.
-    pub fn cell(&self) -> Result<f64, TerrainFault> {
-        if self.has_system() {
-            self.cell_without_system()
-        } else {
-            Err(TerrainFault::NoCell {
-                why: NoCell::NoSystem,
-            })
+    /// Refuses heights that are not metres upwards.
+    pub(super) fn check_heights(&self) -> Result<(), TerrainFault> {
+        let refused = |tag, code: u32, why| TerrainFault::Tag {
+            tag,
+            value: code.to_string(),
+            why,
+            convert: HEIGHTS_TO_METRES,
+        };
+        if let Some(code) = self.key(VERTICAL_UNITS_KEY).filter(|code| *code != METRE) {
+            let why = "its heights are not in metres (9001)";
+            return Err(refused("VerticalUnitsGeoKey (4099)", code, why));
         }
+        let system = self.key(VERTICAL_SYSTEM_KEY);
+        let odd =
+            system.filter(|code| *code != USER_DEFINED && !is_listed(&HEIGHTS_IN_METRES, *code));
+        odd.map_or(Ok(()), |code| {
+            let why = "that system is not known to have metres upwards";
+            Err(refused("VerticalGeoKey (4096)", code, why))
+        })
     }
 
-    /// As [`Georeference::cell`], but coordinates in no system count as metres.
+    /// Refuses images whose columns do not run to the east, or rows not to the south.
+    pub(super) fn check_orientation(&self) -> Result<(), TerrainFault> {
+        let straight = match (self.scale.as_slice(), self.transformation.as_slice()) {
+            ([width, height, ..], _) => !(*width < 0.0 || *height < 0.0),
+            (_, [a, b, _, _, d, e, ..]) => *b == 0.0 && *d == 0.0 && !(*a < 0.0 || *e > 0.0),
+            _ => true,
+        };
+        if straight {
+            return Ok(());
+        }
+        Err(TerrainFault::Tag {
+            tag: if self.scale.is_empty() {
+                "ModelTransformationTag (34264)"
+            } else {
+                "ModelPixelScaleTag (33550)"
+            },
+            value: "turned or mirrored".into(),
+            why: "its columns must run to the east and its rows to the south",
+            convert: "`gdalwarp -r bilinear in.tif out.tif` turns it",
+        })
+    }
+
+    /// The size of a cell of an image of `size` columns and rows, m.
     ///
     /// # Errors
-    /// As [`Georeference::cell`].
-    pub fn cell_without_system(&self) -> Result<f64, TerrainFault> {
-        let none = |why| Err(TerrainFault::NoCell { why });
-        if self.key(MODEL_TYPE_KEY) == Some(GEOGRAPHIC) {
-            return none(NoCell::Degrees);
+    /// [`TerrainFault::NoCell`]: no coordinate system, degrees, another unit than metres, a projection that is not true to
+    /// scale there, no scale, cells that are not square.
+    pub fn cell(&self, size: (u32, u32)) -> Result<f64, TerrainFault> {
+        self.metres(size)
+            .map_err(|why| TerrainFault::NoCell { why })
+    }
+
+    fn metres(&self, size: (u32, u32)) -> Result<f64, NoCell> {
+        match self.key(MODEL_TYPE_KEY) {
+            Some(PROJECTED) => {}
+            Some(GEOGRAPHIC) => return Err(NoCell::Degrees),
+            _ => return Err(NoCell::NoSystem),
         }
         if let Some(code) = self.key(LINEAR_UNITS_KEY).filter(|code| *code != METRE) {
-            return none(NoCell::Unit { code });
+            return Err(NoCell::Unit { code });
         }
-        let [width, height] = match self.scale.as_slice() {
-            [width, height, ..] => [*width, *height],
+        let [width, height] = match (self.scale.as_slice(), self.transformation.as_slice()) {
+            ([width, height, ..], _) => [*width, *height],
             // rows of a 4 x 4 matrix from column and row to x and y
-            _ => match self.transformation.as_slice() {
-                [a, b, _, _, d, e, ..] if *b == 0.0 && *d == 0.0 => [a.abs(), e.abs()],
-                [_, _, _, _, _, _, ..] => return none(NoCell::Turned),
-                _ => return none(NoCell::NoScale),
-            },
+            (_, [a, _, _, _, _, e, ..]) => [a.abs(), e.abs()],
+            _ => return Err(NoCell::NoScale),
         };
-        if !((width - height).abs() <= 1e-9 * width.abs()) {
-            return none(NoCell::NotSquare { width, height });
+        if !((width - height).abs() <= MAX_SIDE_DIFFERENCE * width.abs()) {
+            return Err(NoCell::NotSquare { width, height });
         }
+        check_scale(self, size)?;
         Ok(width)
     }
 

@@ -10,11 +10,14 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
 use super::georeference::Georeference;
+use super::height_tiff::HeightTiff;
 use super::{Raster, check_size};
 use crate::terrain_fault::TerrainFault;
 
-/// EPSG's code of the metre.
-const METRE: u32 = 9001;
+/// Images of a file that are looked at: the heights, their overviews, and a mask of each.
+const MAX_IMAGES: usize = 64;
+/// The bit of `NewSubfileType` that a mask has (TIFF 6.0, page 36).
+const MASK: u32 = 4;
 /// Greatest number of cells of one tile or strip.
 const MAX_CHUNK_BYTES: u64 = 1 << 25;
 
@@ -22,40 +25,22 @@ const WANTED: &str = "one band of whole numbers up to 32 bits or of floats of 32
 
 type Fault<T> = Result<T, TerrainFault>;
 
-/// One band of whole numbers or floats, as a whole. The cell comes from the file's own scale where its coordinates are
-/// metres; geographic ones (degrees), or none at all, require `cell_m`.
+/// Heights, as a whole.
 pub(super) fn read(bytes: &[u8], cell: Option<f64>) -> Fault<Raster> {
-    let mut file = GeoTiff::open(Cursor::new(bytes))?;
+    let mut file = HeightTiff::open(Cursor::new(bytes), cell)?;
     let (columns, rows) = file.size();
     check_size(u64::from(columns), u64::from(rows))?;
-    if file.bands() != 1 {
-        return Err(TerrainFault::Samples {
-            found: format!("{} bands", file.bands()),
-            wanted: WANTED,
-        });
-    }
-    let cell = match cell {
-        Some(cell) => cell,
-        None => file.georeference().cell()?,
-    };
-    let mut heights = vec![f32::NAN; columns as usize * rows as usize];
-    for index in 0..file.pieces() {
-        let place = file.place(index);
-        let mut into = (0..place.cells()).map(|i| {
-            let (row, column) = (i / place.wide as usize, i % place.wide as usize);
-            (place.top as usize + row) * columns as usize + place.left as usize + column
-        });
-        file.read_piece(index, |height| {
-            if let Some(slot) = into.next().and_then(|place| heights.get_mut(place)) {
-                *slot = height;
-            }
-        })?;
+    let mut heights = Vec::with_capacity(columns as usize * rows as usize);
+    let mut top = 0;
+    while top < rows {
+        top = file.read_rows(top, &mut heights)?;
     }
     Ok(Raster {
         columns: columns as usize,
         heights,
-        cell,
+        cell: file.cell(),
         upper_left: None,
+        undeclared: file.undeclared(),
     })
 }
 
@@ -118,13 +103,7 @@ impl<R: BufRead + Seek> GeoTiff<R> {
         let size = decoder.dimensions().map_err(TerrainFault::damaged)?;
         let bands = check_samples(&mut decoder)?;
         let georeference = Georeference::of(&mut decoder);
-        if let Some(code) = georeference.height_unit().filter(|code| *code != METRE) {
-            return Err(TerrainFault::HeightUnit { code });
-        }
-        let nothing = decoder
-            .get_tag_ascii_string(Tag::GdalNodata)
-            .ok()
-            .and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
+        let nothing = no_data(&mut decoder)?;
         let cut = cut(&mut decoder, size)?;
         check_places(&mut decoder, &cut, (size.1, bands), length)?;
         Ok(Self {
@@ -162,6 +141,30 @@ impl<R: BufRead + Seek> GeoTiff<R> {
             .get_tag_ascii_string(Tag::from_u16_exhaustive(tag))
             .ok()
             .map(|text| text.trim_end_matches('\0').to_owned())
+    }
+
+    /// Refuses a file with a mask, which would leave heights out that are read as known.
+    pub(super) fn check_mask(&mut self) -> Fault<()> {
+        let decoder = &mut self.decoder;
+        let mut has_mask = false;
+        for _ in 0..MAX_IMAGES {
+            if !decoder.more_images() {
+                break;
+            }
+            decoder.next_image().map_err(TerrainFault::damaged)?;
+            let kind = tag(decoder, Tag::NewSubfileType)?.unwrap_or(0);
+            has_mask |= kind & MASK != 0;
+        }
+        decoder.seek_to_image(0).map_err(TerrainFault::damaged)?;
+        if !has_mask {
+            return Ok(());
+        }
+        Err(TerrainFault::Tag {
+            tag: "NewSubfileType (254)",
+            value: "4 for one of its images".into(),
+            why: "its mask of unknown heights is not read",
+            convert: "`gdalwarp -dstnodata -9999 in.tif out.tif` writes the mask into the heights",
+        })
     }
 
     /// Number of pieces, in rows from the upper left one.
@@ -229,6 +232,24 @@ impl<R: BufRead + Seek> GeoTiff<R> {
         }
         Ok(())
     }
+}
+
+/// The number that stands for no data, where the file declares one.
+fn no_data<R: BufRead + Seek>(decoder: &mut Decoder<R>) -> Fault<Option<f64>> {
+    let Ok(text) = decoder.get_tag_ascii_string(Tag::GdalNodata) else {
+        return Ok(None);
+    };
+    let text = text.trim_matches(['\0', ' ', '\n']);
+    if text.is_empty() {
+        return Ok(None);
+    }
+    let number = text.parse().map_err(|_| TerrainFault::Tag {
+        tag: "GDAL_NODATA (42113)",
+        value: TerrainFault::shown(text),
+        why: "that is not a number",
+        convert: "`gdal_edit.py -a_nodata -9999 in.tif` declares another one",
+    })?;
+    Ok(Some(number))
 }
 
 /// Bands of one kind, black lowest; gives their number.

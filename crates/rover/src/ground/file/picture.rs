@@ -77,5 +77,6 @@ pub(super) fn read(
         heights,
         cell,
         upper_left: None,
+        undeclared: None,
     })
 }

@@ -1,0 +1,695 @@
+//! One plane of 10 degrees, stated in many ways: each is read as 10.0 ± 0.1 degrees by both readers of heights, or
+//! refused by both with the name of the tag.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use grouser_rover::ground::{HeightFile, read_heights};
+use grouser_terrain::raster::Dem;
+use tiff::encoder::TiffEncoder;
+use tiff::tags::Tag;
+
+const COLUMNS: u16 = 12;
+const ROWS: u16 = 8;
+/// 60 degrees north in the coordinates of EPSG:3857, m.
+const WEB_60_NORTH: [f64; 2] = [1_224_514.0, 8_399_738.0];
+const UTM: [f64; 2] = [500e3, 5_300e3];
+/// Tags: keys, key doubles, GDAL's metadata, no data.
+const KEYS: u16 = 34_735;
+const DOUBLES: u16 = 34_736;
+const METADATA: u16 = 42_112;
+const NO_DATA: u16 = 42_113;
+
+/// The numbers of the cells.
+enum Cells {
+    Floats(Vec<f32>),
+    Doubles(Vec<f64>),
+    Words(Vec<i16>),
+}
+
+/// A GeoTIFF: UTM zone 32 north, cells of 1 m, unless changed.
+struct Plane {
+    cells: Cells,
+    scale: Vec<f64>,
+    matrix: Vec<f64>,
+    place: [f64; 2],
+    keys: Vec<[u16; 4]>,
+    doubles: Vec<f64>,
+    texts: Vec<(u16, String)>,
+    bands: u16,
+    has_mask: bool,
+}
+
+/// The height of the plane on a column of cells of 1 m.
+fn height(column: u16) -> f64 {
+    200.0 + f64::from(column) * 10.0_f64.to_radians().tan()
+}
+
+fn columns() -> impl Iterator<Item = u16> {
+    (0..ROWS).flat_map(|_| 0..COLUMNS)
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "heights of a test")]
+fn plane() -> Plane {
+    Plane {
+        cells: Cells::Floats(columns().map(|column| height(column) as f32).collect()),
+        scale: vec![1.0, 1.0, 0.0],
+        matrix: Vec::new(),
+        place: UTM,
+        keys: system(32_632),
+        doubles: Vec::new(),
+        texts: Vec::new(),
+        bands: 1,
+        has_mask: false,
+    }
+}
+
+/// A projected system of EPSG.
+fn system(code: u16) -> Vec<[u16; 4]> {
+    vec![[1024, 0, 1, 1], [1025, 0, 1, 1], [3072, 0, 1, code]]
+}
+
+impl Plane {
+    fn key(mut self, code: u16, value: u16) -> Self {
+        self.keys.retain(|key| key[0] != code);
+        self.keys.push([code, 0, 1, value]);
+        self
+    }
+
+    fn system(self, code: u16, place: [f64; 2]) -> Self {
+        Self {
+            keys: system(code),
+            place,
+            ..self
+        }
+    }
+
+    /// A projection by its method and parameters.
+    fn method(mut self, code: u16, parameters: &[(u16, f64)], place: [f64; 2]) -> Self {
+        self = self.key(3072, 32_767).key(3075, code);
+        for (key, value) in parameters {
+            let index = u16::try_from(self.doubles.len()).unwrap();
+            self.keys.push([*key, DOUBLES, 1, index]);
+            self.doubles.push(*value);
+        }
+        Self { place, ..self }
+    }
+
+    fn text(mut self, tag: u16, text: &str) -> Self {
+        self.texts.push((tag, text.to_owned()));
+        self
+    }
+
+    fn item(self, name: &str, text: &str) -> Self {
+        let role = name.to_ascii_lowercase();
+        self.text(
+            METADATA,
+            &format!(
+                "<GDALMetadata>\n  <Item name=\"{name}\" sample=\"0\" role=\"{role}\">{text}</Item>\n</GDALMetadata>"
+            ),
+        )
+    }
+
+    /// Whole numbers of tenths of a millimetre less 200 m.
+    fn words(mut self) -> Self {
+        #[allow(clippy::cast_possible_truncation, reason = "heights of a test")]
+        let words = columns().map(|column| ((height(column) - 200.0) * 1e4).round() as i16);
+        self.cells = Cells::Words(words.collect());
+        self.text(
+            METADATA,
+            "<GDALMetadata><Item name=\"OFFSET\" sample=\"0\" role=\"offset\">200</Item>\
+             <Item name=\"SCALE\" sample=\"0\" role=\"scale\">0.0001</Item></GDALMetadata>",
+        )
+    }
+
+    /// Two cells are this number.
+    fn hole(mut self, number: f32) -> Self {
+        match &mut self.cells {
+            Cells::Floats(cells) => cells[29..31].fill(number),
+            #[allow(clippy::cast_possible_truncation, reason = "a whole number of 16 bits")]
+            Cells::Words(cells) => cells[29..31].fill(number as i16),
+            Cells::Doubles(cells) => cells[29..31].fill(number.into()),
+        }
+        self
+    }
+
+    fn matrix(mut self, [a, b, d, e]: [f64; 4]) -> Self {
+        let [x, y] = self.place;
+        self.scale.clear();
+        self.matrix = vec![
+            a, b, 0.0, x, d, e, 0.0, y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+        ];
+        self
+    }
+
+    fn size(mut self, width: f64, height: f64) -> Self {
+        self.scale = vec![width, height, 0.0];
+        self
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let mut out = Cursor::new(Vec::new());
+        let mut encoder = TiffEncoder::new(&mut out).unwrap();
+        for is_mask in [false, true] {
+            if is_mask && !self.has_mask {
+                break;
+            }
+            let mut directory = encoder.image_directory().unwrap();
+            let tag = Tag::from_u16_exhaustive;
+            let (bytes, bits, format): (Vec<u8>, u16, u16) = match &self.cells {
+                Cells::Floats(cells) => (floats(cells, self.bands), 32, 3),
+                Cells::Doubles(cells) => {
+                    let bytes = cells.iter().flat_map(|cell| cell.to_le_bytes());
+                    (bytes.collect(), 64, 3)
+                }
+                Cells::Words(cells) => {
+                    let bytes = cells.iter().flat_map(|cell| cell.to_le_bytes());
+                    (bytes.collect(), 16, 2)
+                }
+            };
+            let start = directory.write_data(&bytes[..]).unwrap();
+            for (code, value) in [
+                (254, if is_mask { 4 } else { 0 }),
+                (256, u32::from(COLUMNS)),
+                (257, u32::from(ROWS)),
+                (273, u32::try_from(start).unwrap()),
+                (278, u32::from(ROWS)),
+                (279, u32::try_from(bytes.len()).unwrap()),
+            ] {
+                directory.write_tag(tag(code), value).unwrap();
+            }
+            let bands = usize::from(self.bands);
+            for (code, value) in [(258, bits), (339, format)] {
+                directory
+                    .write_tag(tag(code), &vec![value; bands][..])
+                    .unwrap();
+            }
+            for (code, value) in [(259, 1_u16), (262, 1), (277, self.bands), (284, 1)] {
+                directory.write_tag(tag(code), value).unwrap();
+            }
+            if self.bands > 1 {
+                directory
+                    .write_tag(tag(338), &vec![0_u16; bands - 1][..])
+                    .unwrap();
+            }
+            let tie = [0.0, 0.0, 0.0, self.place[0], self.place[1], 0.0];
+            let tie = if self.scale.is_empty() {
+                &tie[..0]
+            } else {
+                &tie
+            };
+            for (code, value) in [
+                (33_550, &self.scale[..]),
+                (33_922, tie),
+                (34_264, &self.matrix),
+                (DOUBLES, &self.doubles),
+            ] {
+                if !value.is_empty() {
+                    directory.write_tag(tag(code), value).unwrap();
+                }
+            }
+            if !self.keys.is_empty() {
+                let mut keys = self.keys.clone();
+                keys.sort_unstable();
+                let count = u16::try_from(keys.len()).unwrap();
+                let all = [&[[1, 1, 0, count]][..], &keys].concat().concat();
+                directory.write_tag(tag(KEYS), &all[..]).unwrap();
+            }
+            for (code, text) in &self.texts {
+                directory.write_tag(tag(*code), text.as_str()).unwrap();
+            }
+            directory.finish().unwrap();
+        }
+        out.into_inner()
+    }
+}
+
+fn floats(cells: &[f32], bands: u16) -> Vec<u8> {
+    let of_cell = |cell: &f32| vec![cell.to_le_bytes(); bands.into()].concat();
+    cells.iter().flat_map(of_cell).collect()
+}
+
+/// What the answer must be.
+#[derive(Clone, Copy, Debug)]
+enum Right {
+    /// 10 degrees.
+    Read,
+    /// Refused, with these words.
+    Refused(&'static str),
+}
+use Right::{Read, Refused};
+
+/// By both readers: the smallest and the largest slope between neighbours along x, the largest along y, degrees; or
+/// the message with its hint.
+fn slopes(path: &Path) -> [Result<[f64; 3], String>; 2] {
+    let file = HeightFile::new(path.to_owned(), None);
+    let message = |text: String, hint: Option<String>| {
+        format!("{text}\n{}", hint.expect("a refusal has a hint"))
+    };
+    let of_drive = read_heights(&file)
+        .map_err(|error| message(error.to_string(), error.hint()))
+        .map(|map| {
+            let ((left, bottom), (right, _)) = map.extent();
+            let cell = (right - left) / f64::from(COLUMNS - 1);
+            steepest(cell, |row, column| {
+                let (x, y) = (
+                    left + cell * f64::from(column),
+                    bottom + cell * f64::from(ROWS - 1 - row),
+                );
+                map.known(x, y).then(|| map.height(x, y))
+            })
+        });
+    let of_map = Dem::open(path, None, 0.001)
+        .and_then(|mut dem| {
+            let cell = dem.cell();
+            let window = dem.window(0..ROWS.into())?;
+            Ok(steepest(cell, |row, column| {
+                window.height(row.into(), column.into()).map(f64::from)
+            }))
+        })
+        .map_err(|error| message(error.to_string(), error.hint()));
+    [of_drive, of_map]
+}
+
+fn steepest(cell: f64, height: impl Fn(u16, u16) -> Option<f64>) -> [f64; 3] {
+    let mut out = [f64::INFINITY, f64::NEG_INFINITY, 0.0_f64];
+    let mut known = 0;
+    for row in 0..ROWS - 1 {
+        for column in 0..COLUMNS - 1 {
+            let here = [(row, column), (row, column + 1), (row + 1, column)]
+                .map(|(row, column)| height(row, column));
+            if let [Some(own), Some(right), Some(below)] = here {
+                let slope = ((right - own) / cell).atan().to_degrees();
+                out = [
+                    out[0].min(slope),
+                    out[1].max(slope),
+                    out[2].max(((below - own) / cell).atan().to_degrees().abs()),
+                ];
+                known += 1;
+            }
+        }
+    }
+    assert!(known > 60, "{known} cells are known");
+    out
+}
+
+/// What is wrong with the answers of both readers to a file.
+fn wrong(folder: &Path, (name, ending): (&str, &str), bytes: &[u8], right: Right) -> Vec<String> {
+    let path: PathBuf = folder.join(format!("{}.{ending}", name.replace([' ', '/'], "-")));
+    fs::write(&path, bytes).unwrap();
+    let is_right = |found: &Result<[f64; 3], String>| match (found, right) {
+        (Ok([low, high, across]), Read) => {
+            (low - 10.0).abs() <= 0.1 && (high - 10.0).abs() <= 0.1 && *across <= 0.1
+        }
+        (Err(message), Refused(words)) => message.contains(words),
+        _ => false,
+    };
+    slopes(&path)
+        .into_iter()
+        .zip(["drive", "map"])
+        .filter(|(found, _)| !is_right(found))
+        .map(|(found, reader)| format!("{name}, {reader}: {found:?} in place of {right:?}"))
+        .collect()
+}
+
+#[test]
+fn a_plane_of_ten_degrees_is_read_as_one_or_refused_however_it_is_stated() {
+    let folder = std::env::temp_dir().join(format!("grouser-planes-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let cases = [numbers(), systems(), units(), projections(), placements()]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>();
+    assert!(cases.len() >= 55, "{}", cases.len());
+    let mut all = Vec::new();
+    for (name, plane, right) in cases {
+        all.extend(wrong(&folder, (name, "tif"), &plane.bytes(), right));
+    }
+    for (name, head, nothing, right) in [
+        ("a grid", "xllcorner 0\nyllcorner 0\ncellsize 1", 0, Read),
+        (
+            "a grid by its centre",
+            "xllcenter 5\nyllcenter 5\ncellsize 1",
+            0,
+            Read,
+        ),
+        ("a grid without its no data", "cellsize 1", -32_768, Read),
+        (
+            "a grid of another no data",
+            "cellsize 1\nNODATA_value -1",
+            -9999,
+            Read,
+        ),
+        (
+            "a grid of seconds",
+            "xllcorner 11.5\nyllcorner 48.1\ncellsize 0.00027777777",
+            0,
+            Refused("degrees"),
+        ),
+    ] {
+        let mut text = format!("ncols {COLUMNS}\nnrows {ROWS}\n{head}\n");
+        for (index, column) in columns().enumerate() {
+            let is_hole = nothing != 0 && index == 29;
+            let value = if is_hole {
+                nothing.into()
+            } else {
+                height(column)
+            };
+            write!(text, "{value:.5} ").unwrap();
+        }
+        all.extend(wrong(&folder, (name, "asc"), text.as_bytes(), right));
+    }
+    fs::remove_dir_all(&folder).unwrap();
+    assert!(all.is_empty(), "{}", all.join("\n"));
+}
+
+type Case = (&'static str, Plane, Right);
+
+/// Kinds of numbers, no data, units of a band.
+fn numbers() -> Vec<Case> {
+    let doubles = Cells::Doubles(columns().map(height).collect());
+    let feet = "US survey foot";
+    vec![
+        ("floats", plane(), Read),
+        (
+            "doubles",
+            Plane {
+                cells: doubles,
+                ..plane()
+            },
+            Read,
+        ),
+        ("words with scale and offset", plane().words(), Read),
+        (
+            "words with no data",
+            plane().words().text(NO_DATA, "-1").hole(-1.0),
+            Read,
+        ),
+        (
+            "words without their no data",
+            plane().words().hole(-32_768.0),
+            Read,
+        ),
+        (
+            "a scale in words",
+            plane().item("SCALE", "one"),
+            Refused("SCALE"),
+        ),
+        (
+            "an endless offset",
+            plane().item("OFFSET", "inf"),
+            Refused("OFFSET"),
+        ),
+        (
+            "a unit of feet",
+            plane().item("UNITTYPE", feet),
+            Refused("UNITTYPE"),
+        ),
+        (
+            "a unit of ft",
+            plane().item("UNITTYPE", "ft"),
+            Refused("UNITTYPE"),
+        ),
+        ("a unit of metres", plane().item("UNITTYPE", "metre"), Read),
+        (
+            "no data",
+            plane().text(NO_DATA, "-9999").hole(-9999.0),
+            Read,
+        ),
+        (
+            "no data of nan",
+            plane().text(NO_DATA, "nan").hole(f32::NAN),
+            Read,
+        ),
+        (
+            "no data in words",
+            plane().text(NO_DATA, "none").hole(-1.0),
+            Refused("GDAL_NODATA"),
+        ),
+        ("-9999 undeclared", plane().hole(-9999.0), Read),
+        ("-32768 undeclared", plane().hole(-32_768.0), Read),
+        ("-32767 undeclared", plane().hole(-32_767.0), Read),
+        (
+            "the smallest float undeclared",
+            plane().hole(f32::MIN),
+            Read,
+        ),
+        ("the largest float undeclared", plane().hole(f32::MAX), Read),
+        (
+            "another no data declared",
+            plane().text(NO_DATA, "-32768").hole(-9999.0),
+            Read,
+        ),
+        (
+            "a mask",
+            Plane {
+                has_mask: true,
+                ..plane()
+            },
+            Refused("NewSubfileType"),
+        ),
+        (
+            "two bands",
+            Plane {
+                bands: 2,
+                ..plane()
+            },
+            Refused("bands"),
+        ),
+    ]
+}
+
+/// Systems of EPSG and units of a system.
+fn systems() -> Vec<Case> {
+    let refused = Refused("ProjectedCRSGeoKey (3072)");
+    vec![
+        ("Lambert 93", plane().system(2154, [7e5, 6.6e6]), Read),
+        ("the British grid", plane().system(27_700, [4e5, 3e5]), Read),
+        (
+            "Mercator of the web at 60 N",
+            plane().system(3857, WEB_60_NORTH).size(2.0, 2.0),
+            refused,
+        ),
+        (
+            "Mercator of the web, south",
+            plane().system(3857, [0.0, -4e6]),
+            refused,
+        ),
+        (
+            "Mercator of the web at the equator",
+            plane().system(3857, [2e6, 1e4]),
+            Read,
+        ),
+        (
+            "World Mercator",
+            plane().system(3395, [0.0, 8.36e6]),
+            refused,
+        ),
+        (
+            "equidistant at 60 N",
+            plane().system(4087, [1e6, 6.68e6]),
+            refused,
+        ),
+        (
+            "equidistant at the equator",
+            plane().system(4087, [1e6, 1e4]),
+            Read,
+        ),
+        ("polar at 70 N", plane().system(3413, [0.0, -2.2e6]), Read),
+        (
+            "polar at 50 N",
+            plane().system(3413, [0.0, -4.5e6]),
+            refused,
+        ),
+        (
+            "polar at the pole",
+            plane().system(3413, [0.0, 0.0]),
+            refused,
+        ),
+        (
+            "Antarctic at 71 S",
+            plane().system(3031, [0.0, 2.08e6]),
+            Read,
+        ),
+        (
+            "Antarctic far north",
+            plane().system(3031, [4e6, 4e6]),
+            refused,
+        ),
+        ("universal polar", plane().system(32_661, [2e6, 2e6]), Read),
+        (
+            "feet of California",
+            plane().system(2227, [6e6, 2e6]),
+            refused,
+        ),
+        (
+            "feet of New York",
+            plane().system(2263, [1e6, 2e5]),
+            refused,
+        ),
+        (
+            "axes to the south",
+            plane().system(2048, [0.0, 3.7e6]),
+            refused,
+        ),
+        (
+            "equal area of the United States",
+            plane().system(2163, [2e6, 0.0]),
+            refused,
+        ),
+        (
+            "far from the zone",
+            plane().system(32_632, [1.9e6, 5.3e6]),
+            refused,
+        ),
+        ("an unknown system", plane().system(31, UTM), refused),
+    ]
+}
+
+/// Units of a system, systems of heights, and no projected system.
+fn units() -> Vec<Case> {
+    let none = Plane {
+        keys: Vec::new(),
+        ..plane()
+    };
+    vec![
+        (
+            "feet",
+            plane().key(3076, 9003),
+            Refused("ProjLinearUnitsGeoKey (3076)"),
+        ),
+        ("metres", plane().key(3076, 9001), Read),
+        (
+            "heights in feet",
+            plane().key(4099, 9002),
+            Refused("VerticalUnitsGeoKey (4099)"),
+        ),
+        ("heights in metres", plane().key(4099, 9001), Read),
+        (
+            "a system of feet upwards",
+            plane().key(4096, 6360),
+            Refused("VerticalGeoKey (4096)"),
+        ),
+        (
+            "a system of depths",
+            plane().key(4096, 5715),
+            Refused("VerticalGeoKey (4096)"),
+        ),
+        ("a system of metres upwards", plane().key(4096, 3855), Read),
+        (
+            "degrees",
+            Plane {
+                keys: vec![[1024, 0, 1, 2], [2048, 0, 1, 4326]],
+                ..plane()
+            },
+            Refused("GTModelTypeGeoKey"),
+        ),
+        ("geocentric", plane().key(1024, 3), refusal_without_system()),
+        ("nothing stated", none, refusal_without_system()),
+    ]
+}
+
+const fn refusal_without_system() -> Right {
+    Refused("ProjectedCRSGeoKey (3072)")
+}
+
+/// Projections by their parameters.
+fn projections() -> Vec<Case> {
+    let refused = Refused("ProjMethodGeoKey (3075)");
+    let mars = [(2057, 3_396_190.0), (3078, 0.0)];
+    vec![
+        (
+            "a transverse Mercator",
+            plane().method(1, &[(3092, 0.9996), (3082, 5e5)], UTM),
+            Read,
+        ),
+        (
+            "a transverse Mercator far away",
+            plane().method(1, &[(3092, 0.9996), (3082, 5e5)], [2e6, 5e6]),
+            refused,
+        ),
+        (
+            "a Mercator true at 60 N",
+            plane().method(7, &[(3078, 60.0)], [0.0, 4.2e6]),
+            Read,
+        ),
+        (
+            "a Mercator true at the equator",
+            plane().method(7, &[], [0.0, 8.4e6]),
+            refused,
+        ),
+        (
+            "a polar stereographic of the Moon",
+            plane().method(15, &[(2057, 1_737_400.0), (3081, -90.0)], [1e5, 5e4]),
+            Read,
+        ),
+        (
+            "the same at 75 S",
+            plane().method(15, &[(2057, 1_737_400.0), (3081, -90.0)], [3e5, 3.6e5]),
+            refused,
+        ),
+        (
+            "Mars near the equator",
+            plane().method(17, &mars, [8.1e6, -2.8e5]),
+            Read,
+        ),
+        (
+            "Mars at 45 N",
+            plane().method(17, &mars, [8.1e6, 2.67e6]),
+            refused,
+        ),
+        (
+            "Mars with its own parallel",
+            plane().method(17, &[(2057, 3_396_190.0), (3078, 45.0)], [5.7e6, 2.66e6]),
+            Read,
+        ),
+        (
+            "a conic",
+            plane().method(8, &[(3078, 45.0), (3079, 49.0)], UTM),
+            Refused("ProjMethodGeoKey (3075)"),
+        ),
+    ]
+}
+
+/// Places of the cells.
+fn placements() -> Vec<Case> {
+    vec![
+        ("pixels are points", plane().key(1025, 2), Read),
+        ("a matrix", plane().matrix([1.0, 0.0, 0.0, -1.0]), Read),
+        (
+            "rows to the north",
+            plane().matrix([1.0, 0.0, 0.0, 1.0]),
+            Refused("ModelTransformationTag"),
+        ),
+        (
+            "columns to the west",
+            plane().matrix([-1.0, 0.0, 0.0, -1.0]),
+            Refused("ModelTransformationTag"),
+        ),
+        (
+            "turned by 30 degrees",
+            plane().matrix([0.866, 0.5, 0.5, -0.866]),
+            Refused("ModelTransformationTag"),
+        ),
+        (
+            "a negative scale",
+            plane().size(1.0, -1.0),
+            Refused("ModelPixelScaleTag"),
+        ),
+        (
+            "cells that are not square",
+            plane().size(1.0, 2.0),
+            Refused("square"),
+        ),
+        (
+            "no scale",
+            Plane {
+                scale: Vec::new(),
+                ..plane()
+            },
+            Refused("scale"),
+        ),
+    ]
+}
