@@ -23,7 +23,7 @@ import polars as pl
 
 GROUSER = pathlib.Path(os.environ.get("GROUSER", pathlib.Path(__file__).parents[1] / "target/release/grouser"))
 SOILS = ["dry-sand", "sandy-loam", "clayey-soil", "snow", "lunar"]
-ADDED = ["vertical_force_n", "drawbar_pull_n", "torque_nm", "status"]
+ADDED = ["vertical_force_n", "drawbar_pull_n", "torque_nm", "status", "cautions"]
 SAMPLE = 40
 TOLERANCE = 1e-9  # of the standard rule (README)
 
