@@ -372,3 +372,45 @@ fn bad_terrain_and_flags_are_refused() {
     let empty = map(&path("empty.asc"), &path("empty.tif"), &[]);
     assert_eq!(empty.code, Some(1), "{empty:?}");
 }
+
+/// A GeoTIFF of 20 by 20 floats, whose last one is infinite: the file is refused only when its cells are read.
+fn endless_height() -> Vec<u8> {
+    let mut heights = [0.0_f32; 400];
+    heights[399] = f32::INFINITY;
+    let mut out = b"II*\0".to_vec();
+    out.extend(1608_u32.to_le_bytes());
+    out.extend(heights.iter().flat_map(|height| height.to_le_bytes()));
+    let entries: [(u16, u16, u32); 9] = [
+        (256, 4, 20),
+        (257, 4, 20),
+        (258, 3, 32),
+        (259, 3, 1),
+        (262, 3, 1),
+        (273, 4, 8),
+        (278, 4, 20),
+        (279, 4, 1600),
+        (339, 3, 3),
+    ];
+    out.extend(9_u16.to_le_bytes());
+    for (tag, kind, value) in entries {
+        out.extend(tag.to_le_bytes());
+        out.extend(kind.to_le_bytes());
+        out.extend(1_u32.to_le_bytes());
+        out.extend(value.to_le_bytes());
+    }
+    out.extend([0; 4]);
+    out
+}
+
+#[test]
+fn a_refused_map_leaves_no_file() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.path(name).display().to_string();
+    fs::write(folder.path("dem.tif"), endless_height()).unwrap();
+    let refused = map(&path("dem.tif"), &path("map.tif"), &["--cell-m", "1"]);
+    refused.assert_refused("an endless height");
+    assert!(refused.err.contains("height"), "{refused:?}");
+    let left = fs::read_dir(folder.path("")).unwrap();
+    let names: Vec<_> = left.map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(names, ["dem.tif"]);
+}

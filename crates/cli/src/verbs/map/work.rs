@@ -133,7 +133,13 @@ impl Job<'_> {
         progress.advance(done.len() as u64);
         let (computed, resumed) = (count(&open), count(&done));
         for group in open.chunks(STRIPS_A_THREAD * rayon::current_num_threads()) {
-            for strip in self.group(group, dem)? {
+            let strips = self.group(group, dem).inspect_err(|error| {
+                // after a refusal there is nothing to resume
+                if !matches!(error, grouser_terrain::Error::File { .. }) {
+                    let _ = std::fs::remove_file(self.outputs.journal());
+                }
+            })?;
+            for strip in strips {
                 journal.add(&strip)?;
                 progress.advance(1);
             }
