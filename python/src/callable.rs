@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use grouser::opt::{Differences, Jacobian, Model};
+use grouser::opt::{Differences, Jacobian, Model, Watch};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -132,13 +132,26 @@ impl Model for Callable {
     }
 
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        self.evaluate(x, values, Some(jacobian), &mut || false);
+    }
+
+    fn evaluate(
+        &self,
+        x: &[f64],
+        values: &mut [f64],
+        jacobian: Option<&mut Jacobian>,
+        watch: &mut dyn Watch,
+    ) {
         let Some(gradients) = &self.gradients else {
             let differences = Differences::new(|x: &[f64], f: &mut [f64]| self.plain_values(x, f))
                 .within(&self.bounds.0, &self.bounds.1);
-            differences.derivatives(x, values, jacobian);
+            differences.evaluate(x, values, jacobian, watch);
             return;
         };
         self.plain_values(x, values);
+        let Some(jacobian) = jacobian else {
+            return;
+        };
         let mut rows = vec![f64::NAN; jacobian.rows() * jacobian.columns()];
         let (height, width) = (jacobian.rows(), jacobian.columns());
         self.guarded(&mut rows, |py, rows| {

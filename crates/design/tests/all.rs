@@ -9,6 +9,7 @@
 #[path = "../../opt/tests/support/random_starts.rs"]
 mod random_starts;
 
+mod best_seen;
 mod builder;
 mod certificate;
 mod files;

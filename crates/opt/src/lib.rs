@@ -21,6 +21,7 @@ mod parts;
 mod problem;
 mod program;
 mod random;
+mod record;
 mod robust;
 mod settings;
 mod sobol;
@@ -44,7 +45,7 @@ pub use derivative::{
 pub use error::{Error, Result};
 pub use jacobian::Jacobian;
 pub use method::Method;
-pub use model::Model;
+pub use model::{Model, Watch};
 pub use multi_start::{MultiStart, Optimum, multi_start, multi_start_with};
 pub use pareto::{
     Algorithm, Crossover, Front, FrontPoint, MAX_POPULATION, Mutation, ParetoSettings, das_dennis,

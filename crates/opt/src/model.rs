@@ -6,6 +6,22 @@ use crate::tape::{Enclosures, Tape, TapedFunctions};
 
 use grouser_real::Interval;
 
+/// Who follows an evaluation of a model.
+#[doc(hidden)]
+pub trait Watch {
+    /// Called where an evaluation takes long; `true` ends it, and what it writes is worthless.
+    fn stop(&mut self) -> bool;
+
+    /// The values of all functions at another point, which the derivatives needed.
+    fn seen(&mut self, _x: &[f64], _functions: &[f64]) {}
+}
+
+impl<F: FnMut() -> bool> Watch for F {
+    fn stop(&mut self) -> bool {
+        self()
+    }
+}
+
 /// Objectives and nonlinear constraints as functions of the variables.
 ///
 /// All functions are in one list: first the objectives, then the inequalities c(x) ≤ 0, then the
@@ -42,15 +58,14 @@ pub trait Model: Sync {
     /// Writes the value and the gradient of every function at `x`.
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian);
 
-    /// As [`values`](Self::values) or, with a Jacobian, [`derivatives`](Self::derivatives). Where that takes long, `stop` is called
-    /// meanwhile; if it returns `true`, what is written is worthless.
+    /// As [`values`](Self::values) or, with a Jacobian, [`derivatives`](Self::derivatives), followed by `watch`.
     #[doc(hidden)]
     fn evaluate(
         &self,
         x: &[f64],
         values: &mut [f64],
         jacobian: Option<&mut Jacobian>,
-        _stop: &mut dyn FnMut() -> bool,
+        _watch: &mut dyn Watch,
     ) {
         match jacobian {
             Some(jacobian) => self.derivatives(x, values, jacobian),
@@ -131,9 +146,9 @@ impl<M: Model + ?Sized> Model for &M {
         x: &[f64],
         values: &mut [f64],
         jacobian: Option<&mut Jacobian>,
-        stop: &mut dyn FnMut() -> bool,
+        watch: &mut dyn Watch,
     ) {
-        (**self).evaluate(x, values, jacobian, stop);
+        (**self).evaluate(x, values, jacobian, watch);
     }
     fn taped(&self, variables: usize, functions: usize) -> Option<TapedFunctions> {
         (**self).taped(variables, functions)
@@ -158,9 +173,9 @@ impl<M: Model + ?Sized> Model for Box<M> {
         x: &[f64],
         values: &mut [f64],
         jacobian: Option<&mut Jacobian>,
-        stop: &mut dyn FnMut() -> bool,
+        watch: &mut dyn Watch,
     ) {
-        (**self).evaluate(x, values, jacobian, stop);
+        (**self).evaluate(x, values, jacobian, watch);
     }
     fn taped(&self, variables: usize, functions: usize) -> Option<TapedFunctions> {
         (**self).taped(variables, functions)

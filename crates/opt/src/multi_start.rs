@@ -6,11 +6,11 @@ use crate::callback::{Callback, Stage};
 use crate::error::{Error, Result};
 use crate::method::Method;
 use crate::problem::Problem;
+use crate::record::MAX_SOLVED_VIOLATION;
 use crate::settings::Settings;
 use crate::sobol::Sobol;
 use crate::solution::{Counts, Solution};
 use crate::solve::solve_with;
-use crate::status::Status;
 use crate::watched::watched;
 
 /// Two solutions nearer than this share of the box in every variable are the same optimum.
@@ -41,39 +41,33 @@ pub struct MultiStart {
     pub optima: Vec<Optimum>,
     /// What all runs cost together.
     pub counts: Counts,
-    /// Did the caller stop it? Then some runs are [`Status::Stopped`] or are not there.
+    /// Did the caller stop it? Then some runs are [`Status::Stopped`](crate::Status::Stopped) or are not there.
     pub stopped: bool,
 }
 
-/// A stopped run that violates no constraint by more counts as feasible: a hundred times the default tolerance of a solved
-/// run, which has more iterations to reach it.
-const MAX_STOPPED_VIOLATION: f64 = 1e-6;
-
 impl MultiStart {
-    /// The best solution; if no run was solved, the run with the least violation. Of a search that was stopped, the best
-    /// point so far.
+    /// The best solution: of the runs that ended at a feasible point the best, a solved one among equally good ones; where there is
+    /// none, the run with the least violation.
     #[must_use]
     pub fn best(&self) -> &Solution {
-        let so_far = |run: &&Solution| {
-            run.status.is_solved()
-                || (run.status == Status::Stopped && run.kkt.violation <= MAX_STOPPED_VIOLATION)
-        };
+        let utility = |run: &Solution| run.utility;
+        let feasible = self.runs.iter().filter(|run| {
+            let is_feasible = run.kkt.violation <= MAX_SOLVED_VIOLATION;
+            run.status.is_solved() || is_feasible && !run.utility.is_nan()
+        });
+        let least = feasible.clone().map(utility).fold(f64::INFINITY, f64::min);
+        let allowed = least + SAME_UTILITY * (1.0 + least.abs());
+        let solved = feasible
+            .clone()
+            .filter(|run| run.status.is_solved() && run.utility <= allowed);
         let by_utility = |a: &&Solution, b: &&Solution| a.utility.total_cmp(&b.utility);
-        if self.stopped
-            && let Some(best) = self.runs.iter().filter(so_far).min_by(by_utility)
-        {
-            return best;
-        }
-        let index = self.optima.first().map_or_else(
-            || {
-                let violation = |i: &usize| self.runs[*i].kkt.violation;
-                (0..self.runs.len())
-                    .min_by(|a, b| violation(a).total_cmp(&violation(b)))
-                    .unwrap_or(0)
-            },
-            |optimum| optimum.run,
-        );
-        &self.runs[index]
+        let by_violation =
+            |a: &&Solution, b: &&Solution| a.kkt.violation.total_cmp(&b.kkt.violation);
+        let best = solved
+            .min_by(by_utility)
+            .or_else(|| feasible.min_by(by_utility));
+        best.or_else(|| self.runs.iter().min_by(by_violation))
+            .unwrap_or(&self.runs[0])
     }
 
     /// Are there optima at different points whose utilities are the same?

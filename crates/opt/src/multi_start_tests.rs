@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::solution::{Kkt, Multipliers};
-use crate::status::Limit;
+use crate::status::{Limit, Status};
 
 fn run(status: Status, utility: f64, violation: f64, x: f64) -> Solution {
     Solution {
@@ -23,36 +23,34 @@ fn run(status: Status, utility: f64, violation: f64, x: f64) -> Solution {
     }
 }
 
-/// Of a search that was stopped the runs count that were stopped at a feasible point, or solved.
+/// The best feasible run counts, solved or not, and a solved one among equally good ones; without any the least violation.
 #[test]
-fn the_best_of_a_stopped_search_is_feasible() {
-    let limit = Status::Limit(Limit::Iterations);
-    let of = |stopped| {
-        let runs = vec![
-            run(limit.clone(), 0.0, 0.0, 0.0),
-            run(Status::Stopped, 1.0, 2.0 * MAX_STOPPED_VIOLATION, 1.0),
-            run(Status::Stopped, 3.0, MAX_STOPPED_VIOLATION, 2.0),
-            run(Status::Converged, 4.0, 0.0, 3.0),
-        ];
+fn the_best_run_is_feasible() {
+    let of = |runs: Vec<Solution>| {
         let found = MultiStart {
             starts: vec![Vec::new(); runs.len()],
             optima: distinct(&runs, &[0.0], &[1.0]),
             runs,
             counts: Counts::default(),
-            stopped,
+            stopped: false,
         };
-        found.best().utility
+        found.best().x[0]
     };
-    assert_eq!((of(true), of(false)), (3.0, 4.0));
-    let solved = run(Status::Converged, 2.0, 0.0, 0.0);
-    let found = MultiStart {
-        starts: Vec::new(),
-        runs: vec![run(limit, 1.0, 0.5, 0.0), solved],
-        optima: Vec::new(),
-        counts: Counts::default(),
-        stopped: true,
+    let limit = || Status::Limit(Limit::Iterations);
+    let infeasible = || {
+        let off = 2.0 * MAX_SOLVED_VIOLATION;
+        [
+            run(Status::Stopped, 1.0, 2.0 * off, 1.0),
+            run(limit(), 2.0, off, 2.0),
+        ]
     };
-    assert_eq!(found.best().utility, 2.0);
+    let with = |others: &[Solution]| of([&infeasible()[..], others].concat());
+    assert_eq!(with(&[]), 2.0);
+    let stalled = run(Status::Stalled, 3.0, MAX_SOLVED_VIOLATION, 3.0);
+    let solved = |utility: f64| run(Status::Converged, utility, 0.0, 4.0);
+    assert_eq!(with(&[stalled.clone(), solved(3.1)]), 3.0);
+    assert_eq!(with(&[stalled.clone(), solved(3.0 + SAME_UTILITY)]), 4.0);
+    assert_eq!(with(&[run(limit(), f64::NAN, 0.0, 5.0), solved(9.0)]), 4.0);
 }
 
 /// Points are the same to a share of the box.

@@ -1,6 +1,7 @@
 //! Functions that are combinations of many parts, the greatest of a set of them.
 
 use crate::jacobian::Jacobian;
+use crate::model::Watch;
 
 /// What stands behind the functions of a problem whose objectives have kinks that are known: every function is the greatest of
 /// a set of linear combinations of parts, and of constraints there is one. A solver can then linearise the parts, and choose the
@@ -9,14 +10,13 @@ pub trait Parts: Sync {
     /// The number of parts.
     fn count(&self) -> usize;
 
-    /// Writes the value of every part at `x` and, with a Jacobian, its gradient. Where that takes long, `stop` is called
-    /// meanwhile; if it returns `true`, what is written is worthless.
+    /// Writes the value of every part at `x` and, with a Jacobian, its gradient, followed by `watch`.
     fn evaluate(
         &self,
         x: &[f64],
         parts: &mut [f64],
         jacobian: Option<&mut Jacobian>,
-        stop: &mut dyn FnMut() -> bool,
+        watch: &mut dyn Watch,
     );
 
     /// The combination that is the greatest for these values of the parts; one that has no value is part of it.

@@ -1,10 +1,10 @@
 //! What is to be solved: variables, functions and linear constraints, checked once.
 
 use std::collections::BTreeSet;
-use std::ops::Range;
 
 use crate::error::{Error, Result};
 use crate::model::Model;
+use crate::record::{Record, Recorded};
 
 /// One variable: where the search starts and how far it may go.
 ///
@@ -226,8 +226,6 @@ pub struct Problem<'a> {
     params: ProblemParams<'a>,
     /// The number of leading variables that enter the functions nonlinearly.
     curved: usize,
-    /// Of each variable behind those, the inequalities f − t ≤ 0 that it is the t of: it stands for the greatest f.
-    bounded_by: Vec<Range<usize>>,
 }
 
 impl<'a> Problem<'a> {
@@ -304,34 +302,13 @@ impl<'a> Problem<'a> {
             Error::check_length(what, count, whole)?;
         }
         let curved = params.variables.len();
-        Ok(Self {
-            params,
-            curved,
-            bounded_by: Vec::new(),
-        })
+        Ok(Self { params, curved })
     }
 
-    /// Declares that each variable after the first `curved` ones stands for the greatest of some functions f: it enters the
-    /// objectives linearly, and those inequalities of `bounded_by` as f − t ≤ 0.
-    pub(crate) fn with_greatest(mut self, curved: usize, bounded_by: Vec<Range<usize>>) -> Self {
+    /// Declares that the variables after the first `curved` ones enter the functions linearly.
+    pub(crate) fn with_curved(mut self, curved: usize) -> Self {
         self.curved = curved;
-        self.bounded_by = bounded_by;
         self
-    }
-
-    /// Puts every variable that stands for the greatest of some functions there; `functions` are the values at `x`. Is there
-    /// such a variable?
-    pub(crate) fn lift(&self, x: &mut [f64], functions: &[f64]) -> bool {
-        let inequalities = &functions[self.objectives().len()..];
-        for (t, rows) in x[self.curved..].iter_mut().zip(&self.bounded_by) {
-            let off = inequalities[rows.clone()].iter().copied();
-            let greatest = off.fold(f64::NEG_INFINITY, f64::max);
-            if greatest.is_finite() {
-                // above its rounding, so that no inequality is violated
-                *t += greatest + 1e-14 * (1.0 + t.abs());
-            }
-        }
-        !self.bounded_by.is_empty()
     }
 
     pub(crate) fn curved(&self) -> usize {
@@ -359,7 +336,17 @@ impl<'a> Problem<'a> {
             Error::check_finite("start", &variable.name, value)?;
             variable.start = value;
         }
-        Ok(Problem {
+        Ok(self.with(variables, Box::new(&self.params.model)))
+    }
+
+    /// The same problem, each evaluation of which is noted.
+    pub(crate) fn recorded<'b>(&'b self, record: &'b dyn Record) -> Problem<'b> {
+        let model = Box::new(Recorded::new(self, record));
+        self.with(self.params.variables.clone(), model)
+    }
+
+    fn with<'b>(&self, variables: Vec<Variable>, model: Box<dyn Model + 'b>) -> Problem<'b> {
+        Problem {
             params: ProblemParams {
                 variables,
                 objectives: self.params.objectives.clone(),
@@ -368,11 +355,10 @@ impl<'a> Problem<'a> {
                 linear: self.params.linear.clone(),
                 absolute: self.params.absolute,
                 worlds: self.params.worlds,
-                model: Box::new(&self.params.model),
+                model,
             },
             curved: self.curved,
-            bounded_by: self.bounded_by.clone(),
-        })
+        }
     }
 
     /// The variables.

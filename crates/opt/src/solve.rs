@@ -6,8 +6,11 @@ use crate::callback::Callback;
 use crate::error::{Error, Result};
 use crate::method::Method;
 use crate::problem::Problem;
+use crate::program::Program;
+use crate::record::Best;
 use crate::settings::Settings;
-use crate::solution::Solution;
+use crate::solution::{Counts, Solution};
+use crate::status::Status;
 use crate::{sqp, weighted};
 
 /// Solves a problem from its start.
@@ -47,9 +50,89 @@ pub fn solve_with(
 ) -> Result<Solution> {
     settings.check()?;
     method.check(problem)?;
-    match method {
-        Method::Weighted { weights } => weighted::solve(problem, weights, settings, callback),
-        _ => Ok(sqp::solve(problem, method, settings, callback)),
+    let best = Best::new(problem, method, settings);
+    let search = Search {
+        recorded: problem.recorded(&best),
+        method,
+        best: &best,
+    };
+    let mut solution = search.run(settings, callback, Counts::default(), None)?;
+    let mut from: Option<Vec<f64>> = None;
+    for restarts in 0.. {
+        let Some(better) = best.better_than(&solution) else {
+            break;
+        };
+        let has_ended = matches!(
+            solution.status,
+            Status::Stopped | Status::Limit(_) | Status::Unbounded
+        );
+        if has_ended || restarts == RESTARTS || from.as_ref() == Some(&better.x) {
+            return search.ended_at(&better.x, settings, callback, solution);
+        }
+        solution = search.run(settings, callback, solution.counts, Some(&better.x))?;
+        from = Some(better.x);
+    }
+    Ok(solution)
+}
+
+/// Searches from points that refute a solution before the best of them is the answer.
+const RESTARTS: usize = 20;
+
+/// A problem whose evaluations are noted, with its method.
+struct Search<'p> {
+    recorded: Problem<'p>,
+    method: &'p Method,
+    best: &'p Best<'p>,
+}
+
+impl Search<'_> {
+    /// One search, from the problem's start or from another one.
+    fn run(
+        &self,
+        settings: &Settings,
+        callback: &mut Callback<'_>,
+        counts: Counts,
+        from: Option<&[f64]>,
+    ) -> Result<Solution> {
+        let moved = from.map(|x| self.recorded.from_start(x)).transpose()?;
+        let problem = moved.as_ref().unwrap_or(&self.recorded);
+        match self.method {
+            Method::Weighted { weights } => {
+                weighted::solve(problem, weights, settings, callback, counts)
+            }
+            _ => Ok(sqp::solve(problem, self.method, settings, callback, counts)),
+        }
+    }
+
+    /// The solution at a point that is better than where the searches ended: what holds there, and `stalled` where that is no
+    /// optimum and nothing else ended the search.
+    fn ended_at(
+        &self,
+        x: &[f64],
+        settings: &Settings,
+        callback: &mut Callback<'_>,
+        ended: Solution,
+    ) -> Result<Solution> {
+        let status = match ended.status.clone() {
+            status if status.is_solved() => Status::Stalled,
+            Status::NoFeasiblePoint(_) => Status::Stalled,
+            status => status,
+        };
+        let last = if status == Status::Stopped {
+            ended
+        } else {
+            let only_there = Settings {
+                max_iterations: 0,
+                probes: 0,
+                ..settings.clone()
+            };
+            self.run(&only_there, callback, ended.counts, Some(x))?
+        };
+        Ok(match self.best.better_than(&last) {
+            Some(better) => self.best.solution(better, last, status),
+            None if last.status.is_solved() => last,
+            None => Solution { status, ..last },
+        })
     }
 }
 
@@ -84,13 +167,38 @@ pub struct Merit {
 pub fn evaluate(problem: &Problem<'_>, method: &Method, x: &[f64]) -> Result<Merit> {
     method.check(problem)?;
     Error::check_length("the point", x.len(), problem.variables().len())?;
-    let (utility, violation) = sqp::merit(problem, method, x);
-    let weighted = match method {
-        Method::Weighted { weights } => weighted::utility(problem, weights, x),
-        _ => utility,
-    };
-    Ok(Merit {
-        utility: weighted,
-        violation,
-    })
+    let mut functions = vec![f64::NAN; problem.function_count()];
+    problem.model().values(x, &mut functions);
+    let program = Program::new(problem, method);
+    Ok(Merit::at(&program, method, x, &functions))
+}
+
+impl Merit {
+    /// The merit of a point whose functions are known: NaN, or a violation without limit, where one has no value.
+    pub(crate) fn at(program: &Program<'_>, method: &Method, x: &[f64], functions: &[f64]) -> Self {
+        let greater = |m: f64, v: f64| if v > m || v.is_nan() { v } else { m };
+        let (mut utility, mut worst) = (f64::NEG_INFINITY, 0.0_f64);
+        for row in &program.rows {
+            let value = row.value(functions[row.function]);
+            if row.kind.is_objective() {
+                utility = greater(utility, value);
+            } else {
+                worst = worst.max(sqp::violation(row.kind, value));
+            }
+        }
+        if let Method::Weighted { weights } = method {
+            utility = weighted::utility(program.problem, weights, functions);
+        }
+        let linear = program.linear.iter().map(|row| {
+            let sum: f64 = row.coefficients.iter().zip(x).map(|(a, x)| a * x).sum();
+            let off = sum - row.bound;
+            if row.equal { off.abs() } else { off }
+        });
+        let bounds = program.lower.iter().zip(&program.upper).zip(x);
+        let bounds = bounds.flat_map(|((low, high), x)| [low - x, x - high]);
+        Self {
+            utility,
+            violation: linear.chain(bounds).fold(worst, f64::max),
+        }
+    }
 }

@@ -7,11 +7,11 @@ use crate::callback::Callback;
 use crate::error::Result;
 use crate::jacobian::Jacobian;
 use crate::method::Method;
-use crate::model::Model;
+use crate::model::{Model, Watch};
 use crate::parts::Parts;
 use crate::problem::{LinearConstraint, Problem, ProblemParams, Variable};
 use crate::settings::Settings;
-use crate::solution::Solution;
+use crate::solution::{Counts, Solution};
 use crate::sqp;
 
 /// The names of added variables and rows begin with it: those of the problem, which are reported, do not.
@@ -80,14 +80,14 @@ impl Model for Sum<'_> {
         x: &[f64],
         values: &mut [f64],
         jacobian: Option<&mut Jacobian>,
-        stop: &mut dyn FnMut() -> bool,
+        watch: &mut dyn Watch,
     ) {
         let n = self.problem.variables().len();
         let m = self.problem.objectives().len();
         let mut old = vec![f64::NAN; self.problem.function_count()];
         let mut slopes = jacobian.is_some().then(|| Jacobian::zeros(old.len(), n));
         let model = self.problem.model();
-        model.evaluate(&x[..n], &mut old, slopes.as_mut(), stop);
+        model.evaluate(&x[..n], &mut old, slopes.as_mut(), watch);
         self.arrange(x, &old, values);
         let (Some(jacobian), Some(slopes)) = (jacobian, slopes) else {
             return;
@@ -132,10 +132,10 @@ impl Parts for Sum<'_> {
         x: &[f64],
         parts: &mut [f64],
         jacobian: Option<&mut Jacobian>,
-        stop: &mut dyn FnMut() -> bool,
+        watch: &mut dyn Watch,
     ) {
         if let Some(own) = self.problem.model().parts() {
-            own.evaluate(x, parts, jacobian, stop);
+            own.evaluate(x, parts, jacobian, watch);
         }
     }
 
@@ -158,10 +158,8 @@ impl Parts for Sum<'_> {
     }
 }
 
-/// Σ w_i f_i at a point, |f_i| where absolute, of several worlds the worst.
-pub(crate) fn utility(problem: &Problem<'_>, weights: &[f64], x: &[f64]) -> f64 {
-    let mut values = vec![f64::NAN; problem.function_count()];
-    problem.model().values(x, &mut values);
+/// Σ w_i f_i, |f_i| where absolute, of several worlds the worst.
+pub(crate) fn utility(problem: &Problem<'_>, weights: &[f64], values: &[f64]) -> f64 {
     let term = |(i, weight): (usize, f64)| {
         let f = values[i];
         weight * if i < problem.absolute() { f.abs() } else { f }
@@ -202,6 +200,7 @@ pub(crate) fn solve(
     weights: &[f64],
     settings: &Settings,
     callback: &mut Callback<'_>,
+    counts: Counts,
 ) -> Result<Solution> {
     let n = problem.variables().len();
     let m = problem.objectives().len();
@@ -221,13 +220,6 @@ pub(crate) fn solve(
         inequalities.extend(rows.map(|(k, (i, _))| format!("{}{k}", name(*i))));
     }
     let added = inequalities.len();
-    let mut end = 0;
-    let rows_of = lifted.iter().map(|own| {
-        let first = end;
-        end += own.rows.len();
-        first..end
-    });
-    let bounded_by = rows_of.collect();
     inequalities.extend_from_slice(problem.inequalities());
     let linear = problem
         .linear()
@@ -254,13 +246,18 @@ pub(crate) fn solve(
         worlds: 1,
         model: Box::new(sum),
     })?
-    .with_greatest(n, bounded_by);
-    let mut solution = sqp::solve(&inner, &Method::Minimax, settings, callback);
+    .with_curved(n);
+    let mut solution = sqp::solve(&inner, &Method::Minimax, settings, callback, counts);
     // Back to the variables and objectives of the original problem.
     solution.x.truncate(n);
     problem.model().values(&solution.x, &mut values);
     solution.objectives = values[..m].to_vec();
     solution.maximum = sqp::greatest(problem, &values);
+    // that of the objectives themselves: their variables may be above them within the tolerance
+    let own = utility(problem, weights, &values);
+    if !own.is_nan() {
+        solution.utility = own;
+    }
     // a world's share of its objective's weight is the multiplier of its row
     let mut prices = weights.to_vec();
     for group in problem.weighted(weights).filter(|group| group.len() > 1) {

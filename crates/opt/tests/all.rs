@@ -11,6 +11,7 @@ mod lagrangian;
 #[path = "support/random_starts.rs"]
 mod random_starts;
 
+mod best_seen;
 mod certified;
 mod certified_fronts;
 mod certified_methods;

@@ -258,7 +258,7 @@ fn batches_of_boxes_are_of_one_size() {
         .variables(["x", "y"].map(|name| Variable::bounded(name, 0.1, -2.0, 2.0)));
     let problem = Problem::new(params).unwrap();
     let mut settings = CertifySettings::default();
-    (settings.gap, settings.max_boxes) = (0.01, 2000);
+    (settings.gap, settings.max_boxes, settings.starts) = (0.01, 2000, 0);
     let (mut last, mut sizes) = (0, Vec::new());
     let (c, _) = searched(&problem, &settings, |progress| {
         sizes.push(progress.boxes - last);

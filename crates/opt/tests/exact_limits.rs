@@ -152,7 +152,8 @@ fn tolerances_may_be_zero() {
     let found = least(Variable::free("x", 0.0), &once, curved, |x| {
         [-1.0, 1.0 + 2.1 * x]
     });
-    assert_eq!((found.x[0], found.counts.values), (1.0, 2));
+    // the step breaks the row: the start is the best feasible point
+    assert_eq!((found.x[0], found.counts.values), (0.0, 3));
 }
 
 /// |x| but for points around 0, which are worse than any: the slope given at 0 is a ten-thousandth, and no step is found.
@@ -177,17 +178,20 @@ fn the_last_point_is_a_solution_to_a_ten_thousandth() {
     );
 }
 
-/// The slope promises the whole step, 0.01 up to the bound, where the function falls by half of a ten-thousandth of that.
+/// The slope promises the whole step, 0.001 up to the bound, where the function falls by half of a ten-thousandth of that.
 #[test]
 fn a_step_must_deliver_a_ten_thousandth_of_what_it_promises() {
     let of = |values: fn(f64) -> [f64; 1]| {
-        let variable = Variable::bounded("x", 0.0, 0.0, 0.01);
+        let variable = Variable::bounded("x", 0.0, 0.0, 0.001);
         let found = least(variable, &settings(|_| ()), values, |_| [-1.0]);
         found.x[0]
     };
     assert_eq!(of(|x| [-0.5e-4 * x]), 0.0);
-    assert_eq!(of(|x| [-2e-4 * x]), 0.01);
-    assert_eq!(of(|x| [if x == 0.01 { -(1e-4 * 0.01) } else { 0.0 }]), 0.01);
+    assert_eq!(of(|x| [-2e-4 * x]), 0.001);
+    assert_eq!(
+        of(|x| [if x == 0.001 { -(1e-4 * 0.001) } else { 0.0 }]),
+        0.001
+    );
 }
 
 /// Beside a million a promise of 1e-10 squared over the least curvature is rounding: four such steps are taken, the fifth is not,
@@ -216,7 +220,8 @@ fn a_search_along_a_step_keeps_the_limit_of_values() {
 }
 
 /// −K x for x ≤ 0 within ±1: an objective that pays K for a unit of violation leads away from what is feasible until the price
-/// is K. It rises a hundredfold at each return from there, and ten-thousandfold in a subproblem; after three returns it is over.
+/// is K. It rises a hundredfold at each return from there, and ten-thousandfold in a subproblem; after three returns the best feasible
+/// point is the answer.
 #[test]
 fn a_price_rises_a_hundredfold_at_each_return() {
     let variable = || Variable::bounded("x", 0.5, -1.0, 1.0);
@@ -233,9 +238,7 @@ fn a_price_rises_a_hundredfold_at_each_return() {
         |x| [-1e14 * x, x],
         |_| [-1e14, 1.0],
     );
-    assert_eq!(found.status.name(), "no_feasible_point");
-    // a step away and a step back, three times, and away once more
-    assert_eq!(found.counts.iterations, 7);
+    assert_eq!((found.status, found.x[0]), (Status::Stalled, 0.0));
 }
 
 /// The first curvature is the slope of the row, over a weight of 4: of 2 x it makes a step of 1. Where no objective has a slope
@@ -263,7 +266,7 @@ fn the_first_curvature_is_that_of_the_slope() {
     assert_eq!(found.x, [10.0]);
 }
 
-/// A constant but for the first probe: a search from there does not find it lower, and no other probe does.
+/// A constant but for the first probe: its value is the best, and a search from there does not find it again.
 #[test]
 fn a_value_that_does_not_repeat_makes_no_solution() {
     // after the start, and its derivatives, for the search and for the probes
@@ -279,7 +282,7 @@ fn a_value_that_does_not_repeat_makes_no_solution() {
         values,
         |_| [0.0],
     );
-    assert_eq!((found.status, found.utility), (Status::Stalled, 1.0));
+    assert_eq!((found.status, found.utility), (Status::Stalled, 0.5));
 }
 
 /// A model that calls back before its derivatives.
@@ -300,10 +303,10 @@ impl Model for Calling {
         x: &[f64],
         values: &mut [f64],
         jacobian: Option<&mut Jacobian>,
-        stop: &mut dyn FnMut() -> bool,
+        watch: &mut dyn grouser_opt::Watch,
     ) {
         match jacobian {
-            Some(_) if stop() => values.fill(f64::NAN),
+            Some(_) if watch.stop() => values.fill(f64::NAN),
             Some(jacobian) => self.derivatives(x, values, jacobian),
             None => self.values(x, values),
         }

@@ -1,7 +1,7 @@
 //! Derivatives by finite differences, for functions that run on `f64` alone.
 
 use crate::jacobian::Jacobian;
-use crate::model::Model;
+use crate::model::{Model, Watch};
 
 /// ∛ε: the relative step at which a central difference has the least error.
 const CBRT_EPSILON: f64 = 6.055_454_452_393_343e-6;
@@ -68,7 +68,20 @@ impl<F: Fn(&[f64], &mut [f64]) + Sync> Model for Differences<F> {
     }
 
     fn derivatives(&self, x: &[f64], values: &mut [f64], jacobian: &mut Jacobian) {
+        self.evaluate(x, values, Some(jacobian), &mut || false);
+    }
+
+    fn evaluate(
+        &self,
+        x: &[f64],
+        values: &mut [f64],
+        jacobian: Option<&mut Jacobian>,
+        watch: &mut dyn Watch,
+    ) {
         self.values(x, values);
+        let Some(jacobian) = jacobian else {
+            return;
+        };
         let mut point = x.to_vec();
         let (mut one, mut two) = (values.to_vec(), values.to_vec());
         for column in 0..x.len() {
@@ -82,6 +95,7 @@ impl<F: Fn(&[f64], &mut [f64]) + Sync> Model for Differences<F> {
             let mut at = |offset: f64, out: &mut [f64]| {
                 point[column] = x[column] + offset;
                 self.values(&point, out);
+                watch.seen(&point, out);
                 let step = point[column] - x[column];
                 point[column] = x[column];
                 step

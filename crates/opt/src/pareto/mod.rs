@@ -4,6 +4,7 @@
 //! is polished by a goal-attainment solve, which makes it exact to the solver's tolerance and gives it
 //! multipliers.
 
+mod archive;
 mod das_dennis;
 mod knee;
 mod mutation;
@@ -31,6 +32,8 @@ pub use mutation::Mutation;
 pub use sbx::Crossover;
 pub use settings::{Algorithm, MAX_POPULATION, ParetoSettings};
 
+use archive::Archive;
+use polish::nondominated;
 use population::{Individual, evaluate, fronts};
 
 /// One compromise.
@@ -118,8 +121,11 @@ pub fn pareto_with(
     Error::check_range("the number of objectives", m as f64, 2.0, 20.0)?;
     settings.check(m)?;
     let (lower, upper) = problem.finite_box("a Pareto front")?;
+    let archive = Archive::new(problem);
+    let problem = &problem.recorded(&archive);
     let mut search = Search {
         problem,
+        archive: &archive,
         settings,
         bounds: (&lower, &upper),
         crossover: settings.crossover_for(m),
@@ -169,6 +175,8 @@ pub fn pareto_with(
             })
             .collect()
     };
+    archive.improve(&mut points);
+    points = nondominated(&points);
     points.sort_by(|a, b| {
         a.objectives
             .iter()
@@ -196,6 +204,7 @@ pub fn pareto_with(
 
 struct Search<'a, 'c, 'f> {
     problem: &'a Problem<'a>,
+    archive: &'a Archive<'a>,
     settings: &'a ParetoSettings,
     bounds: (&'a [f64], &'a [f64]),
     crossover: Crossover,
@@ -210,6 +219,7 @@ impl Search<'_, '_, '_> {
     /// A generation is done; is the search to go on?
     fn goes_on(&mut self, population: &[Individual]) -> bool {
         self.counts.iterations += 1;
+        self.archive.prune(population);
         let greatest = |of: &Individual| {
             let all = of.objectives.iter().copied();
             all.fold(f64::NEG_INFINITY, f64::max)

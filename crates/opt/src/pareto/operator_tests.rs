@@ -427,6 +427,7 @@ fn the_less_violated_of_two_is_the_parent() {
     let problem = Problem::new(ProblemParams::new(&[1.0], 2, &model)).unwrap();
     let settings = super::ParetoSettings::default();
     let mut search = super::Search {
+        archive: &super::archive::Archive::new(&problem),
         problem: &problem,
         settings: &settings,
         bounds: (&[], &[]),

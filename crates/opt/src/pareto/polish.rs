@@ -20,7 +20,7 @@ use crate::watched::watched;
 /// So many iterations for one point.
 const LONGEST: usize = 200;
 /// A direction's least component: along 0 a goal would be a hard limit that nothing can move.
-const LEAST_WEIGHT: f64 = 1e-6;
+pub(super) const LEAST_WEIGHT: f64 = 1e-6;
 
 /// The caller, and what is counted for it.
 pub(super) struct Watch<'w, 'c, 'f> {
@@ -119,7 +119,7 @@ pub(super) fn polish(
             },
         );
     }
-    Ok(nondominated(&points))
+    Ok(points)
 }
 
 /// From multipliers of (f_i − ideal_i)/w_i to those of f_i, which say what one costs in the other; again
@@ -204,7 +204,7 @@ fn magnitudes(problem: &Problem<'_>, objectives: &[f64]) -> Vec<f64> {
 }
 
 /// Without points that another one beats or repeats, to the solver's tolerance.
-fn nondominated(points: &[FrontPoint]) -> Vec<FrontPoint> {
+pub(super) fn nondominated(points: &[FrontPoint]) -> Vec<FrontPoint> {
     const SAME_POINT_DISTANCE: f64 = 1e-9;
     let beats = |a: &FrontPoint, b: &FrontPoint| {
         let pairs = || a.objectives.iter().zip(&b.objectives);

@@ -44,39 +44,46 @@ pub(super) fn evaluate(problem: &Problem<'_>, points: Vec<Vec<f64>>) -> Vec<Indi
 }
 
 fn evaluate_one(problem: &Problem<'_>, x: Vec<f64>) -> Individual {
-    const FEASIBILITY_TOLERANCE: f64 = 1e-8;
-    let m = problem.objectives().len();
-    let p = problem.inequalities().len();
     let mut values = vec![f64::NAN; problem.function_count()];
     problem.model().values(&x, &mut values);
-    let mut violation = 0.0;
-    for (j, &value) in values[m..].iter().enumerate() {
-        let off = if j < p { value.max(0.0) } else { value.abs() };
-        if off > FEASIBILITY_TOLERANCE {
-            violation += off;
+    Individual::new(problem, x, values)
+}
+
+impl Individual {
+    /// From the values of all functions at `x`.
+    pub(super) fn new(problem: &Problem<'_>, x: Vec<f64>, mut values: Vec<f64>) -> Self {
+        const FEASIBILITY_TOLERANCE: f64 = 1e-8;
+        let m = problem.objectives().len();
+        let p = problem.inequalities().len();
+        let mut violation = 0.0;
+        for (j, &value) in values[m..].iter().enumerate() {
+            let off = if j < p { value.max(0.0) } else { value.abs() };
+            if off > FEASIBILITY_TOLERANCE {
+                violation += off;
+            }
         }
-    }
-    for row in problem.linear() {
-        let value: f64 = row.coefficients.iter().zip(&x).map(|(a, x)| a * x).sum();
-        let off = match row.relation {
-            Relation::AtMost => (value - row.bound).max(0.0),
-            Relation::Equal => (value - row.bound).abs(),
-        };
-        if off > FEASIBILITY_TOLERANCE {
-            violation += off;
+        for row in problem.linear() {
+            let value: f64 = row.coefficients.iter().zip(&x).map(|(a, x)| a * x).sum();
+            let off = match row.relation {
+                Relation::AtMost => (value - row.bound).max(0.0),
+                Relation::Equal => (value - row.bound).abs(),
+            };
+            if off > FEASIBILITY_TOLERANCE {
+                violation += off;
+            }
         }
-    }
-    for value in &mut values[..problem.absolute()] {
-        *value = value.abs();
-    }
-    if values.iter().any(|v| !v.is_finite()) {
-        violation = f64::INFINITY;
-    }
-    values.truncate(m);
-    Individual {
-        x,
-        objectives: values,
-        violation,
+        for value in &mut values[..problem.absolute()] {
+            *value = value.abs();
+        }
+        if values.iter().any(|v| !v.is_finite()) {
+            violation = f64::INFINITY;
+        }
+        values.truncate(m);
+        Self {
+            x,
+            objectives: values,
+            violation,
+        }
     }
 }
 

@@ -12,7 +12,7 @@
 use super::Worlds;
 use crate::error::Result;
 use crate::jacobian::Jacobian;
-use crate::model::Model;
+use crate::model::{Model, Watch};
 use crate::parts::{Parts, functions, gradients};
 use crate::problem::{Problem, ProblemParams};
 
@@ -33,10 +33,10 @@ impl Parts for Cvar<'_> {
         x: &[f64],
         parts: &mut [f64],
         mut jacobian: Option<&mut Jacobian>,
-        stop: &mut dyn FnMut() -> bool,
+        watch: &mut dyn Watch,
     ) {
         let count = self.worlds.count();
-        let worlds = self.worlds.evaluate(x, jacobian.is_some(), stop);
+        let worlds = self.worlds.evaluate(x, jacobian.is_some(), watch);
         for (k, (values, gradients)) in worlds.iter().enumerate() {
             for (function, value) in values.iter().enumerate() {
                 let part = function * count + k;

@@ -13,7 +13,7 @@ mod worst_case;
 
 use crate::error::{Error, Result};
 use crate::jacobian::Jacobian;
-use crate::model::Model;
+use crate::model::{Model, Watch};
 use crate::problem::{Problem, ProblemParams};
 use crate::tape::{Tape, TapedFunctions};
 
@@ -105,12 +105,12 @@ impl Worlds<'_> {
         })
     }
 
-    /// The function values of every world, with their gradients where they are wanted; NaN from where `stop` returns `true`.
+    /// The function values of every world, with their gradients where they are wanted; NaN from where `watch` stops it.
     fn evaluate(
         &self,
         x: &[f64],
         has_gradients: bool,
-        stop: &mut dyn FnMut() -> bool,
+        watch: &mut dyn Watch,
     ) -> Vec<(Vec<f64>, Jacobian)> {
         let rows = if has_gradients { self.functions } else { 0 };
         let mut stopped = false;
@@ -119,7 +119,8 @@ impl Worlds<'_> {
             .map(|(index, world)| {
                 let mut values = vec![f64::NAN; self.functions];
                 let mut jacobian = Jacobian::zeros(rows, self.n);
-                stopped = stopped || (index % WORLDS_PER_CALL == WORLDS_PER_CALL - 1 && stop());
+                stopped =
+                    stopped || (index % WORLDS_PER_CALL == WORLDS_PER_CALL - 1 && watch.stop());
                 if !stopped {
                     let jacobian = has_gradients.then_some(&mut jacobian);
                     world

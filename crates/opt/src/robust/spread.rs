@@ -4,7 +4,7 @@
 use super::Worlds;
 use crate::error::Result;
 use crate::jacobian::Jacobian;
-use crate::model::Model;
+use crate::model::{Model, Watch};
 use crate::problem::{Problem, ProblemParams};
 
 /// A σ below this share of the mean is rounding.
@@ -56,9 +56,9 @@ impl Model for Spread<'_> {
         x: &[f64],
         values: &mut [f64],
         mut jacobian: Option<&mut Jacobian>,
-        stop: &mut dyn FnMut() -> bool,
+        watch: &mut dyn Watch,
     ) {
-        let worlds = self.worlds.evaluate(x, jacobian.is_some(), stop);
+        let worlds = self.worlds.evaluate(x, jacobian.is_some(), watch);
         let m = self.worlds.m;
         let count = worlds.len() as f64;
         for (i, slot) in values[..m].iter_mut().enumerate() {

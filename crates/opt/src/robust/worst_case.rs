@@ -3,7 +3,7 @@
 use super::Worlds;
 use crate::error::Result;
 use crate::jacobian::Jacobian;
-use crate::model::Model;
+use crate::model::{Model, Watch};
 use crate::problem::{Problem, ProblemParams};
 use crate::tape::TapedFunctions;
 
@@ -27,9 +27,9 @@ impl Model for WorstCase<'_> {
         x: &[f64],
         values: &mut [f64],
         mut jacobian: Option<&mut Jacobian>,
-        stop: &mut dyn FnMut() -> bool,
+        watch: &mut dyn Watch,
     ) {
-        let worlds = self.0.evaluate(x, jacobian.is_some(), stop);
+        let worlds = self.0.evaluate(x, jacobian.is_some(), watch);
         for (row, (function, world)) in order(&self.0).enumerate() {
             let (own, gradients) = &worlds[world];
             values[row] = own[function];

@@ -23,18 +23,18 @@ mod report;
 mod search;
 mod subspace;
 
-use core::ops::ControlFlow;
-
-use crate::callback::{Callback, Progress};
+use crate::callback::Callback;
 use crate::jacobian::Jacobian;
 use crate::method::Method;
 use crate::parts::add_gradients;
 use crate::problem::Problem;
 use crate::program::{Kind, Program};
+use crate::record::MAX_SOLVED_VIOLATION;
 use crate::settings::Settings;
-use crate::solution::Solution;
+use crate::solution::{Counts, Solution};
 use crate::status::{Limit, Status};
 
+pub(crate) use point::violation;
 pub(crate) use relaxation::{LinearKind, LinearModel};
 pub(crate) use report::greatest;
 
@@ -58,10 +58,6 @@ const FIRST_PRICE: f64 = 10.0;
 const MAX_PRICE: f64 = 1e12;
 /// Optimality that passes for a solution when rounding allows no further step.
 const NEARLY_OPTIMAL: f64 = 1e-4;
-/// A point that violates a constraint by more than this is no solution, whatever its optimality.
-const MAX_SOLVED_VIOLATION: f64 = 1e-6;
-/// Searches from a probe that lowered the level before the point is called stalled.
-const RESTARTS: usize = 20;
 /// A level below this is taken for a fall without limit.
 const UNBOUNDED_LEVEL: f64 = -1e30;
 
@@ -93,15 +89,17 @@ struct Expansion {
     slopes: Jacobian,
 }
 
-/// Minimises the level of a program from its start.
+/// Minimises the level of a program from its start, beginning with these counts. Around a solution other points are evaluated too:
+/// whether one of them refutes it is known to whoever records the evaluations.
 pub(crate) fn solve(
     problem: &Problem<'_>,
     method: &Method,
     settings: &Settings,
     callback: &mut Callback<'_>,
+    counts: Counts,
 ) -> Solution {
     let program = Program::new(problem, method);
-    let mut evaluator = Evaluator::new(&program, callback);
+    let mut evaluator = Evaluator::new(&program, callback, counts);
     let onto = project::onto_linear(&program, settings, &mut || evaluator.is_stopped());
     let ended = match &onto {
         Ok(nearest) if evaluator.stopped => Some((nearest, Status::Stopped)),
@@ -123,53 +121,28 @@ pub(crate) fn solve(
     }
     let (Ok(start) | Err((start, _))) = onto;
     let point = evaluator.values(&start);
-    let mut best = search(&mut evaluator, settings, point);
-    for _ in 0..RESTARTS {
-        if !best.0.status.is_solved() || settings.probes == 0 {
-            return best.0;
-        }
-        evaluator.reach(&best.1, Some(best.0.kkt.stationarity));
-        let improved = probe::improvement(&mut evaluator, settings, &best.1);
-        let is_refuted = improved.is_some();
-        if let Some(x) = improved {
-            let point = evaluator.values(&x);
-            let again = search(&mut evaluator, settings, point);
-            if again.0.utility < best.0.utility {
-                best = again;
-            } else if !evaluator.stopped {
-                best.0.counts = evaluator.counts;
-                break;
-            }
-        }
-        best.0.counts = evaluator.counts;
+    let (mut solution, end) = search(&mut evaluator, settings, point);
+    if solution.status.is_solved() && settings.probes > 0 {
+        evaluator.reach(&end, Some(solution.kkt.stationarity));
+        probe::around(&mut evaluator, settings.probes, &end);
+        solution.counts = evaluator.counts;
         if evaluator.stopped {
-            best.0.status = Status::Stopped;
-        }
-        if evaluator.stopped || !is_refuted {
-            return best.0;
+            solution.status = Status::Stopped;
         }
     }
-    // A probe lowers the level, yet no search does.
-    if best.0.status.is_solved() {
-        best.0.status = Status::Stalled;
-    }
-    best.0
+    solution
 }
 
-/// The level and the worst violation at a point.
-pub(crate) fn merit(problem: &Problem<'_>, method: &Method, x: &[f64]) -> (f64, f64) {
-    let program = Program::new(problem, method);
-    let go_on = &mut |_: &Progress<'_>| ControlFlow::Continue(());
-    let point = Evaluator::new(&program, go_on).values(x);
-    let linear = program.linear.iter().map(|row| {
-        let off = subspace::dot(&row.coefficients, x) - row.bound;
-        if row.equal { off.abs() } else { off }
-    });
-    let bounds = program.lower.iter().zip(&program.upper).zip(x);
-    let bounds = bounds.flat_map(|((low, high), x)| [low - x, x - high]);
-    let violation = point.worst_violation(&program);
-    let all = linear.chain(bounds).fold(violation, f64::max);
-    (point.level(&program), all)
+/// A point with its functions' values as a solution, without derivatives.
+pub(crate) fn unexpanded(
+    program: &Program<'_>,
+    settings: &Settings,
+    counts: Counts,
+    (x, functions): (Vec<f64>, Vec<f64>),
+    status: Status,
+) -> Solution {
+    let point = Point::new(program, x, functions, Vec::new());
+    report::solution(program, settings, counts, point, None, &[], status)
 }
 
 /// One search from a point, with the point where it ended.

@@ -15,6 +15,7 @@ use crate::method::Method;
 use crate::model::Model;
 use crate::parts::Parts;
 use crate::problem::{Problem, ProblemParams};
+use crate::solution::Counts;
 
 /// Never evaluated.
 struct Nothing;
@@ -153,7 +154,7 @@ impl Parts for &Fan {
         _: &[f64],
         _: &mut [f64],
         _: Option<&mut Jacobian>,
-        _: &mut dyn FnMut() -> bool,
+        _: &mut dyn crate::model::Watch,
     ) {
     }
 
@@ -209,7 +210,7 @@ fn of_fan(x: f64, lines: &[(f64, f64)], carried: &[usize]) -> (QpSolution, Vec<u
         program: &program,
         settings: &Settings::default(),
         curvature: Curvature::new(1, 1, 0.25),
-        evaluator: &mut Evaluator::new(&program, &mut go_on),
+        evaluator: &mut Evaluator::new(&program, &mut go_on, Counts::default()),
         phase: Phase::Optimality,
         price: 10.0,
         multipliers: Vec::new(),

@@ -3,7 +3,7 @@
 use crate::callback::{Callback, Progress, Stage};
 use crate::jacobian::Jacobian;
 use crate::parts::{self, Parts};
-use crate::program::{Kind, Program};
+use crate::program::{Kind, Program, Row};
 use crate::solution::Counts;
 
 /// The rows at a point.
@@ -18,6 +18,20 @@ pub(super) struct Point {
 }
 
 impl Point {
+    pub(super) fn new(
+        program: &Program<'_>,
+        x: Vec<f64>,
+        functions: Vec<f64>,
+        parts: Vec<f64>,
+    ) -> Self {
+        Self {
+            x,
+            rows: rows(program, &functions),
+            functions,
+            parts,
+        }
+    }
+
     /// The level γ: the greatest objective row.
     pub(super) fn level(&self, program: &Program<'_>) -> f64 {
         program
@@ -68,10 +82,16 @@ impl Point {
     }
 }
 
-/// By how much a row of this kind is violated at this value.
-pub(super) fn violation(kind: Kind, value: f64) -> f64 {
+fn rows(program: &Program<'_>, functions: &[f64]) -> Vec<f64> {
+    let value = |row: &Row| row.value(functions[row.function]);
+    program.rows.iter().map(value).collect()
+}
+
+/// By how much a row of this kind is violated at this value; without limit where it has none.
+pub(crate) fn violation(kind: Kind, value: f64) -> f64 {
     match kind {
         Kind::Objective(_) => 0.0,
+        _ if value.is_nan() => f64::INFINITY,
         Kind::HardGoal(_) | Kind::Inequality(_) => value.max(0.0),
         Kind::Equality(_) => value.abs(),
     }
@@ -97,10 +117,14 @@ pub(super) struct Evaluator<'a, 'w, 'f> {
 }
 
 impl<'a, 'w, 'f> Evaluator<'a, 'w, 'f> {
-    pub(super) fn new(program: &'a Program<'a>, callback: &'w mut Callback<'f>) -> Self {
+    pub(super) fn new(
+        program: &'a Program<'a>,
+        callback: &'w mut Callback<'f>,
+        counts: Counts,
+    ) -> Self {
         Self {
             program,
-            counts: Counts::default(),
+            counts,
             callback,
             reached: Reached {
                 x: program.start.clone(),
@@ -138,14 +162,6 @@ impl Evaluator<'_, '_, '_> {
         self.stopped
     }
 
-    fn rows(&self, functions: &[f64]) -> Vec<f64> {
-        self.program
-            .rows
-            .iter()
-            .map(|row| row.value(functions[row.function]))
-            .collect()
-    }
-
     /// Functions and parts at `x`, with the gradients of both where they are wanted.
     fn evaluate(
         &mut self,
@@ -160,19 +176,19 @@ impl Evaluator<'_, '_, '_> {
             return (functions, parts);
         }
         let (jacobian, slopes) = gradients.unzip();
-        let stop = &mut || self.is_stopped();
+        let watch = &mut || self.is_stopped();
         match model.parts() {
             Some(source) => {
                 let Some((jacobian, slopes)) = jacobian.zip(slopes) else {
-                    source.evaluate(x, &mut parts, None, stop);
+                    source.evaluate(x, &mut parts, None, watch);
                     parts::functions(source, &parts, &mut functions);
                     return (functions, parts);
                 };
-                source.evaluate(x, &mut parts, Some(slopes), stop);
+                source.evaluate(x, &mut parts, Some(slopes), watch);
                 parts::functions(source, &parts, &mut functions);
                 parts::gradients(source, (&parts, slopes), jacobian);
             }
-            None => model.evaluate(x, &mut functions, jacobian, stop),
+            None => model.evaluate(x, &mut functions, jacobian, watch),
         }
         (functions, parts)
     }
@@ -183,23 +199,17 @@ impl Evaluator<'_, '_, '_> {
             functions.fill(f64::NAN);
         }
         self.counts.values += 1;
-        Point {
-            x: x.to_vec(),
-            rows: self.rows(&functions),
-            functions,
-            parts,
-        }
+        Point::new(self.program, x.to_vec(), functions, parts)
     }
 
     /// Values at a probe, which has a count of its own.
-    pub(super) fn probe(&mut self, x: &[f64]) -> Point {
+    pub(super) fn probe(&mut self, x: &[f64]) {
         let counts = self.counts;
-        let point = self.values(x);
+        self.values(x);
         self.counts = Counts {
             probes: counts.probes + 1,
             ..counts
         };
-        point
     }
 
     /// Derivatives at a point whose values are known: of the functions, and of their parts. Its values are refreshed, unless the
@@ -212,7 +222,7 @@ impl Evaluator<'_, '_, '_> {
         let (functions, parts) = self.evaluate(&point.x, gradients);
         self.counts.jacobians += 1;
         if !self.stopped {
-            point.rows = self.rows(&functions);
+            point.rows = rows(self.program, &functions);
             (point.functions, point.parts) = (functions, parts);
         }
         (jacobian, slopes)

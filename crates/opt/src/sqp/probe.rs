@@ -10,7 +10,6 @@ use super::point::{Evaluator, Point};
 use super::subspace::dot;
 use crate::program::Program;
 use crate::random::Random;
-use crate::settings::Settings;
 use crate::solution::Counts;
 
 /// Length of a probe, as a share of a variable's range; without finite bounds of 1 + |x|.
@@ -18,64 +17,26 @@ const PROBE_LENGTH: f64 = 1e-4;
 /// Length of a far probe (each second random one, and two along each variable) over that of a near one: 1 % of the range, where
 /// a curvature lowers the level by 1e-4 that lowers it by 1e-8 over 1e-4 of the range.
 const FAR_PROBE_FACTOR: f64 = 100.0;
-/// Length of the probes of a pair along a variable over that of a near one: 10 % of the range. Both must be lower, as around a
-/// maximum; one alone may lie in another valley, which a local search does not look for.
-const PAIR_PROBE_FACTOR: f64 = 1000.0;
-/// A decrease of the level beyond this · (1 + |level|) refutes a point. The optimality conditions themselves
-/// leave 1e-8 of the level open (`Settings::optimality_tolerance`).
-const REFUTING_DECREASE: f64 = 1e-7;
+/// Length of the last probes along each variable over that of a near one: 10 % of the range, across a maximum.
+const LAST_PROBE_FACTOR: f64 = 1000.0;
 /// Passes over the linear constraints that a probe violates.
 const LINEAR_SWEEPS: usize = 4;
 /// Objectives within this · (1 + |level|) of the level hold it.
 const HOLDING_SLACK: f64 = 1e-6;
 
-/// The best probe around `point` that meets all constraints as well as it does and lowers the level; none where the callback ends
-/// the search.
-pub(super) fn improvement(
-    evaluator: &mut Evaluator<'_, '_, '_>,
-    settings: &Settings,
-    point: &Point,
-) -> Option<Vec<f64>> {
-    let level = point.level(evaluator.program);
-    let enough = level - REFUTING_DECREASE * (1.0 + level.abs());
-    let mut best = enough;
-    let mut found = None;
-    let mut keep = |level: f64, x: Vec<f64>| {
-        if level < best {
-            (best, found) = (level, Some(x));
-        }
-    };
+/// Evaluates the probes around `point`; ends early where the callback ends the search.
+pub(super) fn around(evaluator: &mut Evaluator<'_, '_, '_>, random: usize, point: &Point) {
     let lengths = lengths(evaluator.program, point);
-    for direction in directions(evaluator, &lengths, settings.probes, point) {
+    for direction in directions(evaluator, &lengths, random, point) {
         if evaluator.is_stopped() {
-            return None;
+            return;
         }
-        if let Some((level, x)) = probe(evaluator, point, &direction) {
-            keep(level, x);
-        }
+        probe(evaluator, point, &direction);
     }
-    for i in 0..lengths.len() {
-        if evaluator.is_stopped() {
-            return None;
-        }
-        let both = [PAIR_PROBE_FACTOR, -PAIR_PROBE_FACTOR]
-            .map(|sign| probe(evaluator, point, &along(&lengths, i, sign)));
-        if let [Some(up), Some(down)] = both
-            && up.0.max(down.0) < enough
-        {
-            keep(up.0, up.1);
-            keep(down.0, down.1);
-        }
-    }
-    found
 }
 
-/// The point a direction further on, with its level; `None` where it is the same point or meets the constraints less well.
-fn probe(
-    evaluator: &mut Evaluator<'_, '_, '_>,
-    point: &Point,
-    direction: &[f64],
-) -> Option<(f64, Vec<f64>)> {
+/// Evaluates the point a direction further on, unless it is the same point or meets the linear constraints less well.
+fn probe(evaluator: &mut Evaluator<'_, '_, '_>, point: &Point, direction: &[f64]) {
     let program = evaluator.program;
     let mut x: Vec<f64> = direction.iter().zip(&point.x).map(|(d, x)| x + d).collect();
     into_bounds(program, &mut x);
@@ -83,7 +44,7 @@ fn probe(
         onto_linear(program, &mut x);
         into_bounds(program, &mut x);
     }
-    let linear = program.linear.iter().all(|row| {
+    let is_linear = program.linear.iter().all(|row| {
         let off = |x: &[f64]| dot(&row.coefficients, x) - row.bound;
         let rounding = 1e-14 * (1.0 + row.bound.abs());
         if row.equal {
@@ -92,16 +53,9 @@ fn probe(
             off(&x) <= off(&point.x).max(0.0) + rounding
         }
     });
-    if !linear || x == point.x {
-        return None;
+    if is_linear && x != point.x {
+        evaluator.probe(&x);
     }
-    let mut probe = evaluator.probe(&x);
-    if program.problem.lift(&mut x, &probe.functions) {
-        probe = evaluator.probe(&x);
-    }
-    let fits = probe.not_finite(program).is_none()
-        && probe.worst_violation(program) <= point.worst_violation(program);
-    fits.then(|| (probe.level(program), x))
 }
 
 fn into_bounds(program: &Program<'_>, x: &mut [f64]) {
@@ -198,6 +152,9 @@ fn directions(
             .collect();
         list.push(direction.iter().map(|d| -d).collect());
         list.push(direction);
+    }
+    for i in 0..n {
+        list.extend([LAST_PROBE_FACTOR, -LAST_PROBE_FACTOR].map(|times| along(lengths, i, times)));
     }
     list
 }
