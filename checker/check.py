@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Checks proof logs of `grouser optimize --certify`: check.py LOG.jsonl ...
+"""Checks proof logs of `grouser optimize --certify`: check.py [--problem PROBLEM.toml] LOG.jsonl ...
 
 A log holds one proof, which replay.py replays, or the proofs of a front, one after the other. Of a front also how its proofs
-are joined is replayed. Exit codes: 0 the logs prove what they claim, 1 one does not, 2 one cannot be read.
+are joined is replayed. A log holds the text of its problem with its hash; with --problem it must be that of the file. Exit codes: 0 the logs prove what they claim, 1 one does not, 2 one cannot be read.
 """
 
 import json
 import sys
 
-from replay import INF, Refused, check, check_point, need, operands, read_problem
+from replay import INF, Refused, check, check_point, check_text, need, operands, read_problem
 
-FRONT = {"format": "grouser-front", "version": 1}
+FRONT = ("grouser-front", 1)
 
 
 def numbered(known, head):
@@ -88,7 +88,10 @@ def check_end(bases, corners, end):
     for corner in corners:
         covered = any(c[0] <= corner[0] and c[1] <= corner[1] for c in claimed)
         need(covered, "what lies above a corner is not covered")
-    need((end["front"] == "infeasible") == (not corners), "whether there are feasible points is not what is claimed")
+    # a front that ended before both proofs has no corner, one that is infeasible needs none
+    is_begun = len(bases) == 2 or any(base.lower == INF for base in bases)
+    need(end["front"] != "infeasible" or is_begun and not corners, "that there are no feasible points is not proved")
+    need(end["front"] != "proved" or corners, "a front without corners is no front")
     for x, levels in end["points"]:
         for base, level in zip(bases, levels, strict=True):
             check_point(*base.problem, {**end, "x": x, "upper": level})
@@ -104,15 +107,18 @@ def check_end(bases, corners, end):
         need(is_closed, "a corner leaves more open than the tolerance")
 
 
-def verdict(path):
-    """The exit code of one log, and a line about it."""
+def verdict(path, source=None):
+    """The exit code of one log, and a line about it. The text of its problem must be `source`, where that is given."""
     try:
         with open(path, encoding="utf-8") as log:
             head = json.loads(next(log))
-            if head == FRONT:
-                return 0, f"accepted: {check_front(log)}"
+            problem = check_text(head)
+            need(source in (None, problem["text"]), "the log is about another problem")
+            name = f", problem {problem['sha256'][:16]}" if problem["sha256"] else ""
+            if (head["format"], head["version"]) == FRONT:
+                return 0, f"accepted: {check_front(log)}{name}"
             status, lower, upper, leaves = check(log, head)
-            return 0, f"accepted: {status}: lower {lower}, upper {upper}, {leaves} leaves"
+            return 0, f"accepted: {status}: lower {lower}, upper {upper}, {leaves} leaves{name}"
     except Refused as reason:
         return 1, f"refused: {reason}"
     except (OSError, ArithmeticError, ValueError, KeyError, TypeError, IndexError, AttributeError, StopIteration) as reason:
@@ -120,6 +126,10 @@ def verdict(path):
 
 
 if __name__ == "__main__":
-    verdicts = [verdict(path) for path in sys.argv[1:]] or [(2, __doc__)]
+    arguments, source = sys.argv[1:], None
+    if arguments[:1] == ["--problem"] and len(arguments) > 1:
+        with open(arguments[1], encoding="utf-8", newline="") as file:
+            source, arguments = file.read(), arguments[2:]
+    verdicts = [verdict(path, source) for path in arguments] or [(2, __doc__)]
     print("\n".join(line for _, line in verdicts))
     sys.exit(max(verdicts)[0])

@@ -2,7 +2,7 @@
 A proof claims that no point of a box has a level below `lower`, and that a point `x` has the level `upper`. Every line is replayed:
 the boxes cover the whole box, each leaf's bound follows from its multipliers, and the point has the level. No code is shared with
 the program. It relies on IEEE 754 and on elementary functions of Python's math module that are within ULPS units in the last place."""
-import fractions, functools, json, math, sys
+import fractions, functools, hashlib, json, math, sys
 INF, ULPS, point, reduce = math.inf, 4, lambda x: (x, x), functools.reduce
 # an interval is (low, high), or None where a function has no value
 ALL, ZERO, ONE, TWO = (-INF, INF), point(0.0), point(1.0), point(2.0)
@@ -60,6 +60,8 @@ def powi(a, n):
     low, high = (reduce(mul, [point(x)] * n) for x in (absolute(a) if n % 2 == 0 else a))
     return (max(low[0], 0.0) if n % 2 == 0 else low[0], high[1])
 def power(a, b):
+    if a[0] < 0 and math.floor(b[1]) < b[0] if size(b) < INF else False:  # a negative number has powers at whole exponents alone
+        return None if a[1] < 0 else power((0.0, a[1]), b)
     p = [end(math.pow, abs(x), y) if x > 0 or y >= 0 else INF for x in a for y in b]
     return ALL if a[0] < 0 else wide(min(p), max(p), 0.0)
 def power_by_exponent(x, y, value):  # x^y ln x; it tends to 0 at x = 0 and is at least -1/(e y)
@@ -229,8 +231,14 @@ def cleared(ops, rows, level):  # what rows mean at a level, the last variable: 
         done.append(("at_most", needed(ops, push(ops, "sub", n, limit))) if kind == "objective" else (kind, order))
     return ops, done
 is_number = lambda x: isinstance(x, (int, float)) and not isinstance(x, bool) and math.isfinite(x)
+def check_text(head):  # the problem that the log is bound to, where it has one
+    problem = head.get("problem", {"sha256": "", "text": None})
+    if problem["text"] is not None:
+        need(hashlib.sha256(problem["text"].encode()).hexdigest() == problem["sha256"], "the text of the problem has another hash")
+    return problem
 def read_problem(head):
     need(head["format"] == "grouser-certificate" and head["version"] == 1, "not a proof log of version 1")
+    check_text(head)
     lower, upper, ops = (head[key] for key in ("lower", "upper", "ops"))
     sides = [is_number(a) and is_number(b) and a <= b for a, b in zip(lower, upper, strict=True)]
     need(len(sides) == len(head["variables"]) and all(sides), "a side of the box is missing or empty")
@@ -278,8 +286,9 @@ def check(lines, head):  # replays a log behind its first line; returns what it 
         lowest, leaves = min(lowest, claimed), leaves + 1
     need(last is not None and not pending, f"the log has no end, or {len(pending)} boxes are not covered")
     status, lower, upper = (last[key] for key in ("end", "lower", "upper"))
-    need((status == "infeasible") == (lowest == INF), "whether there are feasible points is not what is claimed")
+    # a search that ended early may have no claim but that its boxes hold no feasible point
+    need(status != "infeasible" or lowest == INF, "that there are no feasible points is not proved")
     need(lower is None or lower <= lowest, f"the lower bound {lower} is claimed, {lowest} is proved")
     need(upper is None or check_point(box, ops, rows, last), "the point is not checked")
-    need(status != "proved" or upper - lower <= head["gap"] * (1 + abs(upper)), "the gap is not reached")
+    need(status != "proved" or None not in (lower, upper) and upper - lower <= head["gap"] * (1 + abs(upper)), "the gap is not reached")
     return status, lower, upper, leaves

@@ -506,3 +506,65 @@ fn maximised_objectives_keep_their_sign() {
     assert!((object["max"].as_f64().unwrap() - 0.154_977_576).abs() < 1e-8);
     assert!(object["starts"][0]["max"].as_f64().unwrap() > 0.15);
 }
+
+/// The optimum is a kink that no step of a search ends at by its own conditions; the start is near it.
+#[test]
+fn the_best_feasible_point_that_was_evaluated_is_the_answer() {
+    let folder = Folder::new("optimize-kink");
+    let kink = "format = 1\nmethod = \"minimax\"\n[variables]\nx = { start = -0.9, lower = -4.0, upper = 5.0 }\n\
+        [objectives]\nf = \"min(abs(x + 1), (x - 2)^2 + 0.5)\"\n";
+    for starts in ["", "starts = 1\n"] {
+        let problem = folder.file("kink.toml", format!("{starts}{kink}"));
+        let found = json(&grouser(&["optimize", &problem, "--json"]));
+        assert!(found["max"].as_f64().unwrap() < 1e-6, "{found}");
+        assert!(
+            (found["x"]["x"].as_f64().unwrap() + 1.0).abs() < 1e-6,
+            "{found}"
+        );
+    }
+}
+
+/// Waves over six variables, which no search of seconds closes.
+#[test]
+fn a_proof_keeps_its_limits_and_holds_the_text_of_its_problem() {
+    let folder = Folder::new("optimize-limits");
+    let mut text = "format = 1\nmethod = \"minimax\"\nstarts = 1\n[variables]\n".to_owned();
+    for name in ["a", "b", "c", "d", "e", "g"] {
+        text += name;
+        text += " = { start = 0.3, lower = -4.0, upper = 4.0 }\n";
+    }
+    text += "[objectives]\nf = \"sin(3*a*b) + cos(b*c + d) + sin(2*c*d) + sin(d*e) + cos(3*e*g) + sin(g*a)\"\n";
+    let problem = folder.file("waves.toml", &text);
+    let log = folder.file("log.jsonl", "");
+    std::fs::remove_file(&log).unwrap();
+    let of = |limits: &[&str]| {
+        let arguments = ["optimize", &problem, "--certify", "1e-9", "--json"];
+        let output = grouser(&[&arguments[..], limits].concat());
+        assert_eq!(output.status.code(), Some(3));
+        json(&output)["certificate"]["status"]
+            .as_str()
+            .unwrap()
+            .to_owned()
+    };
+    assert_eq!(of(&["--certify-memory-mb", "0.1"]), "memory_limit");
+    assert_eq!(
+        of(&["--proof", &log, "--proof-size-mb", "0.1"]),
+        "proof_limit"
+    );
+    let proof = fs::read_to_string(&log).unwrap();
+    assert!((50_000..=100_000).contains(&proof.len()), "{}", proof.len());
+    let head: Value = serde_json::from_str(proof.lines().next().unwrap()).unwrap();
+    assert_eq!(head["problem"]["text"], text);
+    let checker = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../checker/check.py");
+    let mut python = std::process::Command::new("python3");
+    let Ok(run) = python
+        .arg(checker)
+        .args(["--problem", &problem, &log])
+        .output()
+    else {
+        println!("skipped: no python3");
+        return;
+    };
+    let said = String::from_utf8_lossy(&run.stdout);
+    assert!(said.starts_with("accepted: proof_limit"), "{said}");
+}

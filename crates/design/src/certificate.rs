@@ -5,10 +5,11 @@
 //! is examined from 0.001 rad to a right angle.
 
 use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
 use grouser_opt::{
-    Certificate, CertifyError, CertifyProgress, CertifySettings, Measure, Node, Problem, ProofSink,
-    Tape, TapedFunctions, Variable, certify_with,
+    Certificate, CertifyError, CertifyProgress, CertifySettings, Measure, Node, Problem, Progress,
+    ProofSink, Tape, TapedFunctions, Variable, certify_with,
 };
 
 use crate::design::{Design, Task};
@@ -22,6 +23,26 @@ use crate::solve::Answer;
 pub(crate) const MAX_ENTRY_RAD: f64 = std::f64::consts::FRAC_PI_2;
 /// The least entry angle that is examined, rad: the sinkage is 5e-7 of the radius there.
 pub(crate) const MIN_ENTRY_RAD: f64 = 1e-3;
+
+/// The kernel's solves before a proof end after this share of its time.
+const SOLVES_TIME_SHARE: f64 = 0.5;
+
+/// When the kernel's solves end, where the time is limited.
+pub(crate) fn end_of(began: Instant, settings: &CertifySettings) -> Option<Instant> {
+    let share = SOLVES_TIME_SHARE * settings.time_limit_s?;
+    began.checked_add(Duration::try_from_secs_f64(share).ok()?)
+}
+
+/// What a solve calls that ends at a time.
+pub(crate) fn goes_on(until: Option<Instant>) -> impl FnMut(&Progress<'_>) -> ControlFlow<()> {
+    move |_| {
+        if until.is_some_and(|until| Instant::now() >= until) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
 
 impl Design {
     /// Why there are no bounds over a box: the first quantity without them, in the first world that has such a one.
@@ -140,8 +161,8 @@ impl Design {
     }
 
     /// The ends of the kernel's solves as points of the lifted problem.
-    fn candidates(&self) -> Result<Vec<Vec<f64>>> {
-        let Answer::Optimum(optimum) = self.solve()? else {
+    fn candidates(&self, until: Option<Instant>) -> Result<Vec<Vec<f64>>> {
+        let Answer::Optimum(optimum) = self.solve_with(&mut goes_on(until))? else {
             return Ok(Vec::new());
         };
         Ok(optimum
@@ -203,6 +224,7 @@ impl Design {
         if self.task == Task::Pareto {
             return Err(self.uncertified("a front has no single optimum".to_owned()));
         }
+        let began = Instant::now();
         self.check_bounds()?;
         let lifted = self.lifted()?;
         let problem = self.problem()?;
@@ -211,8 +233,10 @@ impl Design {
         if lifted.is_some() {
             // the kernel searches faster than the lifted problem can
             settings.starts = 0;
-            settings.candidates = self.candidates()?;
+            settings.candidates = self.candidates(end_of(began, &settings))?;
         }
+        let before = began.elapsed().as_secs_f64();
+        settings.time_limit_s = settings.time_limit_s.map(|limit| (limit - before).max(0.0));
         let mut certificate = certify_with(
             certified,
             &self.method(certified),
@@ -221,6 +245,7 @@ impl Design {
             proof,
         )
         .map_err(|error| self.certify_error(error))?;
+        certificate.seconds += before;
         if let (Some(x), true) = (&mut certificate.x, lifted.is_some()) {
             // the level at the point is that of the kernel, not of the rule with its remainders
             x.truncate(self.variables.len());

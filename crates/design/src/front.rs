@@ -1,12 +1,14 @@
 //! Fronts: the proof of how much better a design can be than those of a front.
 
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 use grouser_opt::{
-    CertifyProgress, CertifySettings, CertifyStatus, FrontWatch, Measure, Method, Problem,
-    ProofSink, certify_front, solve,
+    Callback, CertifyProgress, CertifySettings, CertifyStatus, FrontWatch, Measure, Method,
+    Problem, ProofSink, certify_front, solve_with,
 };
 
+use crate::certificate::{end_of, goes_on};
 use crate::design::{Design, Task};
 use crate::error::{Error, Result};
 use crate::solve::{Compromise, Trade};
@@ -54,6 +56,7 @@ impl Design {
                 self.objectives.len()
             )));
         }
+        let began = Instant::now();
         self.check_bounds()?;
         let lifted = self.lifted()?;
         let has_joint = lifted.is_none() && self.worlds.len() > 1;
@@ -81,7 +84,13 @@ impl Design {
             settings.starts = 0;
         }
         let searched = joint.as_ref().unwrap_or(&own);
-        let mut suggest = |method: &Method| self.suggested(searched, method, trade, &liftable);
+        let before = began.elapsed().as_secs_f64();
+        settings.time_limit_s = settings.time_limit_s.map(|limit| (limit - before).max(0.0));
+        let until = end_of(began, &settings);
+        let mut suggest = |method: &Method| {
+            let goes_on = &mut goes_on(until);
+            self.suggested((searched, method), trade, &liftable, goes_on)
+        };
         let (mut forward, is_logged);
         let mut sink = proof;
         is_logged = sink.is_some();
@@ -130,7 +139,7 @@ impl Design {
                 .collect(),
             proofs: found.proofs,
             boxes: found.boxes,
-            seconds: found.seconds,
+            seconds: before + found.seconds,
         })
     }
 
@@ -147,10 +156,10 @@ impl Design {
     /// Solves by the method from the listed point that is best by it.
     fn suggested(
         &self,
-        problem: &Problem<'_>,
-        method: &Method,
+        (problem, method): (&Problem<'_>, &Method),
         trade: &Trade,
         liftable: &dyn Fn(&[f64]) -> Option<Vec<f64>>,
+        goes_on: &mut Callback<'_>,
     ) -> Vec<Vec<f64>> {
         let wanted = match method {
             Method::Attain { weights, .. } | Method::Chebyshev { weights, .. } => weights.len(),
@@ -171,7 +180,7 @@ impl Design {
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let found = start
             .and_then(|(_, x)| problem.from_start(x).ok())
-            .and_then(|problem| solve(&problem, method, &self.settings).ok());
+            .and_then(|problem| solve_with(&problem, method, &self.settings, goes_on).ok());
         found
             .and_then(|solution| liftable(&solution.x[..self.variables.len()]))
             .into_iter()

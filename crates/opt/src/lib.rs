@@ -37,7 +37,8 @@ mod weighted;
 pub use callback::{Callback, Progress, Stage};
 pub use certify::{
     Certificate, CertifyError, CertifyProgress, CertifySettings, CertifyStatus, FrontCertificate,
-    FrontWatch, ProofSink, ProvedPoint, Suggest, certify, certify_front, certify_with,
+    FrontWatch, ProofSink, ProvedPoint, Suggest, WrittenProblem, certify, certify_front,
+    certify_with,
 };
 pub use derivative::{
     DerivativeCheck, Differences, Exact, Functions, WrongEntry, check_derivatives,

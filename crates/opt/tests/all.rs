@@ -14,6 +14,7 @@ mod random_starts;
 mod best_seen;
 mod certified;
 mod certified_fronts;
+mod certified_limits;
 mod certified_methods;
 mod certified_searches;
 mod conditions;

@@ -9,7 +9,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use super::proof::{number, numbers};
+use super::proof::{number, numbers, written};
 use super::rows::Rows;
 use super::{
     Certificate, CertifyError, CertifyProgress, CertifySettings, CertifyStatus, ProofSink,
@@ -137,12 +137,16 @@ pub fn certify_front(
         proofs: 0,
         boxes: 0,
         began: Instant::now(),
+        logged: 0,
         watch,
     };
     for candidate in &settings.candidates {
         search.list(candidate);
     }
-    search.log("{\"format\":\"grouser-front\",\"version\":1}");
+    search.log(&format!(
+        "{{\"format\":\"grouser-front\",\"version\":1{}}}",
+        written(settings.written.as_ref())
+    ));
     search.run()
 }
 
@@ -173,7 +177,14 @@ struct FrontSearch<'a, 'w> {
     proofs: usize,
     boxes: u64,
     began: Instant,
+    /// Bytes of the log.
+    logged: u64,
     watch: FrontWatch<'w>,
+}
+
+/// Is there nothing left for further proofs?
+fn ends_a_front(status: CertifyStatus) -> bool {
+    matches!(status, CertifyStatus::Stopped | CertifyStatus::ProofLimit)
 }
 
 /// A corner above which feasible points may lie, and whether its cut failed to move it.
@@ -196,8 +207,8 @@ impl FrontSearch<'_, '_> {
                 status = Some(CertifyStatus::Infeasible);
                 break;
             }
-            if proof.status == CertifyStatus::Stopped {
-                status = Some(CertifyStatus::Stopped);
+            if ends_a_front(proof.status) {
+                status = Some(proof.status);
             }
         }
         if status != Some(CertifyStatus::Infeasible) {
@@ -277,8 +288,8 @@ impl FrontSearch<'_, '_> {
                     is_stuck: false,
                 });
             }
-            if proof.status == CertifyStatus::Stopped {
-                return Ok(CertifyStatus::Stopped);
+            if ends_a_front(proof.status) {
+                return Ok(proof.status);
             }
         }
         Ok(CertifyStatus::BoxLimit)
@@ -324,6 +335,7 @@ impl FrontSearch<'_, '_> {
         if let Some(sink) = &mut self.watch.proof {
             // a sink that refuses a line refuses the next proof's first one too, which ends the search
             let _ = sink(line);
+            self.logged += line.len() as u64 + 1;
         }
     }
 
@@ -349,6 +361,8 @@ impl FrontSearch<'_, '_> {
         } else {
             FIRST_GAP
         };
+        settings.max_proof_bytes = settings.max_proof_bytes.saturating_sub(self.logged);
+        settings.written = None;
         settings.time_limit_s = self.seconds_left().map(|left| left.max(0.0) * TIME_SHARE);
         settings
     }
@@ -381,8 +395,12 @@ impl FrontSearch<'_, '_> {
         };
         let is_logged = self.watch.proof.is_some();
         let mut proof = self.watch.proof.as_deref_mut();
+        let logged = &mut self.logged;
         let mut forward = |line: &str| match &mut proof {
-            Some(sink) => sink(line),
+            Some(sink) => {
+                *logged += line.len() as u64 + 1;
+                sink(line)
+            }
             None => ControlFlow::Continue(()),
         };
         let sink: Option<&mut ProofSink<'_>> = if is_logged { Some(&mut forward) } else { None };

@@ -43,6 +43,7 @@ fn searched<T>(
         range: [1.0; 2],
         proofs: 0,
         boxes: 0,
+        logged: 0,
         began: Instant::now(),
         watch: FrontWatch {
             callback: &mut |progress| {

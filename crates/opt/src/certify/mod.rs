@@ -8,6 +8,7 @@ mod bound;
 mod cleared;
 mod expansion;
 mod front;
+mod open;
 mod process;
 mod proof;
 mod propagate;
@@ -17,6 +18,7 @@ mod tangent;
 mod trim;
 
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 use crate::error::Error;
 use crate::method::Method;
@@ -32,10 +34,17 @@ pub use proof::ProofSink;
 pub struct CertifySettings {
     /// The gap to reach: upper − lower bound ≤ this · (1 + |upper|).
     pub gap: f64,
-    /// The search ends after this many seconds; the result is then that of the boxes examined so far.
+    /// The search ends after this many seconds, local solves and the end of a log within them; the result is then that of the
+    /// boxes examined so far.
     pub time_limit_s: Option<f64>,
     /// The search ends after this many boxes.
     pub max_boxes: u64,
+    /// The search ends where the open boxes would take more memory, in bytes. 1e9 by default, some millions of boxes.
+    pub max_open_bytes: u64,
+    /// The search ends where the proof with all that is still open would be longer, in bytes. 1e9 by default.
+    pub max_proof_bytes: u64,
+    /// The problem as its user wrote it, which begins a proof.
+    pub written: Option<WrittenProblem>,
     /// Of the local solver, whose `constraint_tolerance` is also that of the best point.
     pub solve: Settings,
     /// How many starts of the local solver come before the search; 0 for no local solves at all.
@@ -52,12 +61,24 @@ impl Default for CertifySettings {
             gap: 1e-6,
             time_limit_s: None,
             max_boxes: 10_000_000,
+            max_open_bytes: 1_000_000_000,
+            max_proof_bytes: 1_000_000_000,
+            written: None,
             solve: Settings::default(),
             starts: 16,
             candidates: Vec::new(),
             seed: 1,
         }
     }
+}
+
+/// The text of a problem, with its hash: what a proof is bound to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WrittenProblem {
+    /// The text.
+    pub text: String,
+    /// Its SHA-256, in hexadecimal digits.
+    pub sha256: String,
 }
 
 /// How the search for a proof ended.
@@ -72,6 +93,10 @@ pub enum CertifyStatus {
     TimeLimit,
     /// [`CertifySettings::max_boxes`] were examined.
     BoxLimit,
+    /// [`CertifySettings::max_open_bytes`] are used.
+    MemoryLimit,
+    /// [`CertifySettings::max_proof_bytes`] are needed.
+    ProofLimit,
     /// Some boxes are as small as numbers allow, and the gap is not reached.
     Precision,
     /// The caller stopped the search.
@@ -87,6 +112,8 @@ impl CertifyStatus {
             Self::Infeasible => "infeasible",
             Self::TimeLimit => "time_limit",
             Self::BoxLimit => "box_limit",
+            Self::MemoryLimit => "memory_limit",
+            Self::ProofLimit => "proof_limit",
             Self::Precision => "precision",
             Self::Stopped => "stopped",
         }
@@ -228,13 +255,11 @@ pub fn certify_with(
     for candidate in &settings.candidates {
         Error::check_length("a candidate", candidate.len(), problem.variables().len())?;
     }
+    let began = Instant::now();
     let rows = rows::Rows::new(problem, method)?;
-    let mut proof = proof::Proof {
-        sink: proof,
-        broken: false,
-    };
+    let mut proof = proof::Proof::new(proof);
     let names: Vec<String> = problem.variables().iter().map(|v| v.name.clone()).collect();
-    proof.begin(&rows, &names, settings.gap);
+    proof.begin(&rows, &names, settings);
     let cleared = rows.cleared();
     let search = search::Search {
         cleared: cleared.as_ref(),
@@ -244,5 +269,5 @@ pub fn certify_with(
         rows: &rows,
         proof,
     };
-    Ok(search.run(callback))
+    Ok(search.run(began, callback))
 }

@@ -9,12 +9,15 @@ use std::ops::ControlFlow;
 
 use super::bound::Weights;
 use super::rows::Rows;
+use super::{CertifySettings, WrittenProblem};
 use crate::sqp::LinearKind;
 use crate::tape::Op;
 
 /// A bound is claimed a little lower than it was computed, so that a checker with another library of elementary
 /// functions confirms it.
 const CLAIM_SLACK: f64 = 1e-10;
+/// A leaf with one multiplier.
+const FIRST_LEAF_BYTES: u64 = 100;
 
 /// Takes the lines of a proof, without line ends; [`ControlFlow::Break`] stops the search.
 pub type ProofSink<'s> = dyn FnMut(&str) -> ControlFlow<()> + 's;
@@ -22,6 +25,10 @@ pub type ProofSink<'s> = dyn FnMut(&str) -> ControlFlow<()> + 's;
 pub(super) struct Proof<'a, 's> {
     pub(super) sink: Option<&'a mut ProofSink<'s>>,
     pub(super) broken: bool,
+    /// Written so far.
+    pub(super) bytes: u64,
+    /// Of the longest leaf.
+    pub(super) leaf_bytes: u64,
 }
 
 /// A number as JSON reads it back without loss; `null` where it is not finite.
@@ -63,16 +70,34 @@ pub(super) fn claim(bound: f64) -> f64 {
     }
 }
 
-impl Proof<'_, '_> {
+/// A text with its hash as a member of a JSON object; nothing where there is none.
+pub(super) fn written(problem: Option<&WrittenProblem>) -> String {
+    problem.map_or_else(String::new, |problem| {
+        let (hash, source) = (text(&problem.sha256), text(&problem.text));
+        format!(",\"problem\":{{\"sha256\":{hash},\"text\":{source}}}")
+    })
+}
+
+impl<'a, 's> Proof<'a, 's> {
+    pub(super) fn new(sink: Option<&'a mut ProofSink<'s>>) -> Self {
+        Self {
+            sink,
+            broken: false,
+            bytes: 0,
+            leaf_bytes: FIRST_LEAF_BYTES,
+        }
+    }
+
     fn line(&mut self, line: &str) {
         if let Some(sink) = &mut self.sink
             && !self.broken
         {
             self.broken = sink(line).is_break();
+            self.bytes += line.len() as u64 + 1;
         }
     }
 
-    pub(super) fn begin(&mut self, rows: &Rows, names: &[String], gap: f64) {
+    pub(super) fn begin(&mut self, rows: &Rows, names: &[String], settings: &CertifySettings) {
         if self.sink.is_none() {
             return;
         }
@@ -101,13 +126,14 @@ impl Proof<'_, '_> {
         let names: Vec<String> = names.iter().map(|name| text(name)).collect();
         self.line(&format!(
             "{{\"format\":\"grouser-certificate\",\"version\":1,\"gap\":{},\"variables\":[{}],\"lower\":{},\
-             \"upper\":{},\"ops\":[{}],\"rows\":[{}]}}",
-            number(gap),
+             \"upper\":{},\"ops\":[{}],\"rows\":[{}]{}}}",
+            number(settings.gap),
             names.join(","),
             numbers(rows.lower.iter().copied()),
             numbers(rows.upper.iter().copied()),
             ops.join(","),
-            list.join(",")
+            list.join(","),
+            written(settings.written.as_ref())
         ));
     }
 
@@ -146,10 +172,12 @@ impl Proof<'_, '_> {
         } else {
             ""
         };
-        self.line(&format!(
+        let line = format!(
             "{{\"box\":{id},\"bound\":{bound},\"weights\":[{}]{tangent}{cleared}}}",
             weights.join(",")
-        ));
+        );
+        self.leaf_bytes = self.leaf_bytes.max(line.len() as u64 + 1);
+        self.line(&line);
     }
 
     pub(super) fn end(&mut self, status: &str, lower: f64, upper: f64, x: &[f64], violation: f64) {

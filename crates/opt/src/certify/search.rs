@@ -1,7 +1,5 @@
 //! Best-first branch and bound.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -9,14 +7,16 @@ use grouser_real::Interval;
 use rayon::prelude::*;
 
 use super::bound::{Bounder, Weights};
+use super::open::{Backoff, Open, OpenBoxes};
 use super::process::{Aim, End, Examined, Examiner};
 use super::proof::{Proof, claim};
 use super::rows::Rows;
 use super::{Certificate, CertifyProgress, CertifySettings, CertifyStatus};
+use crate::callback::Progress;
 use crate::method::Method;
-use crate::multi_start::multi_start;
+use crate::multi_start::multi_start_with;
 use crate::problem::Problem;
-use crate::solve::solve;
+use crate::solve::solve_with;
 
 /// Boxes examined between two looks at the best point: fixed, so that the number of threads changes nothing.
 const BATCH: usize = 48;
@@ -26,48 +26,16 @@ const GAP_SHARE: f64 = 0.9;
 /// proves a little less than was found here.
 const CLAIMED_SHARE: f64 = 0.97;
 
-/// The greatest number of divisions between two attempts at a bound of second order.
-const MAX_WAIT: u8 = 6;
+/// The local solves that come first end after this share of the time.
+const STARTS_TIME_SHARE: f64 = 0.5;
+/// Boxes that are bounded side by side at the end: some hundred kilobytes.
+const CLOSING_BOXES: usize = 1024;
 
 /// Bounds of second order are tried in every batch while at least one of this many closes its box, else in one batch
 /// of [`TRIAL_BATCHES`].
 const MAX_TRIED_PER_CLOSED: u64 = 8;
 const MIN_TRIED: u64 = 64;
 const TRIAL_BATCHES: u64 = 16;
-
-/// A box that is still open.
-struct Open {
-    id: u64,
-    bound: f64,
-    weights: Weights,
-    x: Vec<Interval>,
-    backoff: Backoff,
-}
-
-/// Bounds of second order are expensive: the more of them failed on the way to a box, the fewer are tried.
-#[derive(Clone, Copy, Default)]
-struct Backoff {
-    failed: u8,
-    /// Divisions until the next attempt.
-    wait: u8,
-}
-
-impl Backoff {
-    /// After the division of a box, for which such a bound was tried or not.
-    fn after(self, tried: bool) -> Self {
-        if !tried {
-            return Self {
-                wait: self.wait.saturating_sub(1),
-                ..self
-            };
-        }
-        let failed = (self.failed + 1).min(MAX_WAIT);
-        Self {
-            failed,
-            wait: failed,
-        }
-    }
-}
 
 /// What bounds of second order brought over the whole search, the last batches first.
 #[derive(Default)]
@@ -96,25 +64,14 @@ impl SecondOrderYield {
     }
 }
 
-impl PartialEq for Open {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-impl Eq for Open {}
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl Ord for Open {
-    /// The lowest bound first, then the oldest.
-    fn cmp(&self, other: &Self) -> Ordering {
-        other
-            .bound
-            .total_cmp(&self.bound)
-            .then(other.id.cmp(&self.id))
-    }
+/// How far the search has come.
+struct Reach {
+    began: Instant,
+    boxes: u64,
+    /// Of one bound, with which an open box ends in the log; s.
+    bound_s: f64,
+    /// Bytes of the log that the longest batch took.
+    batch_bytes: u64,
 }
 
 /// The best point so far.
@@ -122,6 +79,12 @@ struct Best {
     x: Vec<f64>,
     level: f64,
     violation: f64,
+}
+
+/// Is this share of the time over?
+fn is_over(settings: &CertifySettings, began: Instant, share: f64) -> bool {
+    let limit = settings.time_limit_s;
+    limit.is_some_and(|limit| began.elapsed().as_secs_f64() >= share * limit)
 }
 
 pub(super) struct Search<'a, 's> {
@@ -154,10 +117,59 @@ impl Search<'_, '_> {
         }
     }
 
+    /// What a local solve calls: it ends where this share of the time is over.
+    fn until(&self, began: Instant, share: f64) -> impl FnMut(&Progress<'_>) -> ControlFlow<()> {
+        move |_| {
+            if is_over(self.settings, began, share) {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        }
+    }
+
+    /// Which limit the search has reached, if any.
+    fn limit(&self, reach: &Reach, open: &OpenBoxes) -> Option<CertifyStatus> {
+        let settings = self.settings;
+        let (mut end_s, mut end_bytes) = (0.0, 0);
+        if self.proof.sink.is_some() {
+            let count = open.count() as u64;
+            end_s = count as f64 * reach.bound_s / rayon::current_num_threads() as f64;
+            // the next batch may add as much as any, and as many leaves
+            let leaves = (count + 2 * BATCH as u64) * self.proof.leaf_bytes;
+            end_bytes = self.proof.bytes + 2 * reach.batch_bytes + leaves;
+        }
+        let seconds = reach.began.elapsed().as_secs_f64();
+        let is_late = |limit: f64| seconds + end_s >= limit;
+        if settings.time_limit_s.is_some_and(is_late) {
+            return Some(CertifyStatus::TimeLimit);
+        }
+        let limits = [
+            (reach.boxes, settings.max_boxes, CertifyStatus::BoxLimit),
+            (
+                open.bytes,
+                settings.max_open_bytes,
+                CertifyStatus::MemoryLimit,
+            ),
+            (
+                end_bytes,
+                settings.max_proof_bytes,
+                CertifyStatus::ProofLimit,
+            ),
+        ];
+        let reached = limits.into_iter().find(|(used, limit, _)| used >= limit);
+        reached.map(|(_, _, status)| status)
+    }
+
     /// A local solve from a point.
-    fn polish(&self, best: &mut Option<Best>, start: &[f64]) {
+    fn polish(&self, best: &mut Option<Best>, start: &[f64], began: Instant) {
         if let Ok(problem) = self.problem.from_start(start)
-            && let Ok(solution) = solve(&problem, self.method, &self.settings.solve)
+            && let Ok(solution) = solve_with(
+                &problem,
+                self.method,
+                &self.settings.solve,
+                &mut self.until(began, 1.0),
+            )
         {
             self.consider(best, &solution.x[..self.rows.dimension()]);
         }
@@ -175,18 +187,18 @@ impl Search<'_, '_> {
     }
 
     /// The best of the candidates and of the local solves.
-    fn first(&self) -> Option<Best> {
+    fn first(&self, began: Instant) -> Option<Best> {
         let mut best = None;
         for candidate in &self.settings.candidates {
             self.consider(&mut best, candidate);
         }
         // no starts are refused
-        if let Ok(found) = multi_start(
+        if let Ok(found) = multi_start_with(
             self.problem,
             self.method,
             &self.settings.solve,
-            self.settings.starts,
-            self.settings.seed,
+            (self.settings.starts, self.settings.seed),
+            &mut self.until(began, STARTS_TIME_SHARE),
         ) {
             for run in &found.runs {
                 self.consider(&mut best, &run.x[..self.rows.dimension()]);
@@ -196,9 +208,10 @@ impl Search<'_, '_> {
     }
 
     /// What may be claimed of all boxes that are not closed.
-    fn lowest(&self, heap: &BinaryHeap<Open>, stuck: &[Open]) -> f64 {
-        let open = heap.peek().map_or(f64::INFINITY, |o| o.bound);
-        let stuck = stuck.iter().map(|o| o.bound).fold(f64::INFINITY, f64::min);
+    fn lowest(&self, boxes: &OpenBoxes) -> f64 {
+        let open = boxes.heap.peek().map_or(f64::INFINITY, |o| o.bound);
+        let stuck = boxes.stuck.iter().map(|o| o.bound);
+        let stuck = stuck.fold(f64::INFINITY, f64::min);
         let floor = self.rows.opposites.map_or(f64::NEG_INFINITY, |_| 0.0);
         claim(open.min(stuck).max(floor))
     }
@@ -219,24 +232,32 @@ impl Search<'_, '_> {
 
     pub(super) fn run(
         mut self,
+        began: Instant,
         callback: &mut dyn FnMut(&CertifyProgress) -> ControlFlow<()>,
     ) -> Certificate {
-        let began = Instant::now();
-        let mut best = self.first();
-        let mut heap = BinaryHeap::from([self.root()]);
+        let mut best = self.first(began);
+        let mut open = OpenBoxes::default();
+        open.push(self.root());
         let mut next = 1_u64;
-        let mut stuck: Vec<Open> = Vec::new();
         // the lowest claim among closed boxes
         let mut closed = f64::INFINITY;
-        let mut boxes = 0_u64;
+        let mut reach = Reach {
+            began,
+            boxes: 0,
+            bound_s: 0.0,
+            batch_bytes: 0,
+        };
         let mut polish_at = 1_u64;
         let mut yields = SecondOrderYield::default();
         let status = loop {
-            let lower = self.lowest(&heap, &stuck).min(closed);
+            let lower = self.lowest(&open).min(closed);
             let upper = best.as_ref().map_or(f64::INFINITY, |b: &Best| b.level);
-            if heap.is_empty() {
+            if open.heap.is_empty() {
                 break match &best {
-                    None if stuck.is_empty() => CertifyStatus::Infeasible,
+                    // a point within the tolerances is none that meets all constraints
+                    _ if lower == f64::INFINITY && open.stuck.is_empty() => {
+                        CertifyStatus::Infeasible
+                    }
                     Some(b) if b.level - lower <= self.gap_at(b.level) => CertifyStatus::Proved,
                     _ => CertifyStatus::Precision,
                 };
@@ -244,80 +265,125 @@ impl Search<'_, '_> {
             let progress = CertifyProgress {
                 lower,
                 upper,
-                boxes,
-                open: heap.len() as u64,
+                boxes: reach.boxes,
+                open: open.heap.len() as u64,
                 seconds: began.elapsed().as_secs_f64(),
             };
             if callback(&progress).is_break() || self.proof.broken {
                 break CertifyStatus::Stopped;
             }
-            if self
-                .settings
-                .time_limit_s
-                .is_some_and(|limit| progress.seconds >= limit)
-            {
-                break CertifyStatus::TimeLimit;
+            if let Some(status) = self.limit(&reach, &open) {
+                break status;
             }
-            if boxes >= self.settings.max_boxes {
-                break CertifyStatus::BoxLimit;
-            }
+            let written = self.proof.bytes;
             let target = self.target(best.as_ref());
             let mut batch: Vec<Open> = Vec::with_capacity(BATCH);
             while batch.len() < BATCH
-                && let Some(open) = heap.pop()
+                && let Some(open) = open.pop()
             {
                 batch.push(open);
             }
-            let (rows, cleared) = (self.rows, self.cleared);
             let at = best.as_ref().map(|b| b.x.clone());
             let aim = Aim {
                 target,
                 tolerance: self.settings.solve.constraint_tolerance,
                 best: at.as_deref(),
             };
-            let second_order = yields.is_worthwhile();
-            let examined: Vec<Examined> = batch
-                .par_iter()
-                .map_init(Examiner::default, |examiner, open| {
-                    examiner.examine(
-                        rows,
-                        cleared,
-                        &open.x,
-                        &aim,
-                        second_order && open.backoff.wait == 0,
-                    )
-                })
-                .collect();
+            let mut examined = self.examine(&batch, &aim, yields.is_worthwhile(), began);
+            let rest = batch.split_off(examined.len());
+            for late in rest {
+                open.push(late);
+            }
             yields.add(&examined);
-            boxes += batch.len() as u64;
+            reach.boxes += batch.len() as u64;
             for result in &examined {
                 if result.middle_level < best.as_ref().map_or(f64::INFINITY, |b| b.level) {
                     self.consider(&mut best, &result.middle);
                 }
             }
-            if boxes >= polish_at && self.settings.starts > 0 {
-                polish_at = polish_at.saturating_mul(2).max(boxes);
+            if reach.boxes >= polish_at && self.settings.starts > 0 {
+                polish_at = polish_at.saturating_mul(2).max(reach.boxes);
                 if let Some(first) = examined.first() {
                     let middle: Vec<f64> = first.rest.iter().map(|x| x.middle()).collect();
-                    self.polish(&mut best, &middle);
+                    self.polish(&mut best, &middle, began);
                 }
             }
             let cap = best.as_ref().map_or(f64::INFINITY, |b| {
                 b.level - CLAIMED_SHARE * self.gap_at(b.level)
             });
-            for (open, result) in batch.into_iter().zip(examined) {
-                closed =
-                    closed.min(self.enter(open, result, cap, &mut heap, &mut stuck, &mut next));
+            for (own, result) in batch.into_iter().zip(examined.drain(..)) {
+                closed = closed.min(self.enter(own, result, cap, &mut open, &mut next));
             }
+            if let (Some(own), true) = (open.heap.peek(), self.proof.sink.is_some()) {
+                let before = Instant::now();
+                Self::closing(self.rows, own);
+                reach.bound_s = reach.bound_s.max(before.elapsed().as_secs_f64());
+            }
+            reach.batch_bytes = reach.batch_bytes.max(self.proof.bytes - written);
         };
-        // what is still open is claimed as far as it is known
-        let mut rest = heap.into_vec();
-        rest.append(&mut stuck);
-        rest.sort_by_key(|open| open.id);
-        for open in rest {
-            closed = closed.min(self.close(&open));
+        let lower = closed.min(self.end(open));
+        self.certificate(
+            status,
+            lower,
+            best,
+            reach.boxes,
+            began.elapsed().as_secs_f64(),
+        )
+    }
+
+    /// Examines boxes, the first ones where the time is over before the others.
+    fn examine(
+        &self,
+        batch: &[Open],
+        aim: &Aim<'_>,
+        second_order: bool,
+        began: Instant,
+    ) -> Vec<Examined> {
+        let (rows, cleared, settings) = (self.rows, self.cleared, self.settings);
+        let results: Vec<Option<Examined>> = batch
+            .par_iter()
+            .map_init(Examiner::default, |examiner, open| {
+                let second_order = second_order && open.backoff.wait == 0;
+                let is_late = is_over(settings, began, 1.0);
+                (!is_late).then(|| examiner.examine(rows, cleared, &open.x, aim, second_order))
+            })
+            .collect();
+        results.into_iter().map_while(|result| result).collect()
+    }
+
+    /// Enters what is still open, as far as it is known; returns the lowest claim.
+    fn end(&mut self, open: OpenBoxes) -> f64 {
+        if self.proof.sink.is_none() {
+            return self.lowest(&open);
         }
-        self.certificate(status, closed, best, boxes, began.elapsed().as_secs_f64())
+        let mut rest = open.heap.into_vec();
+        rest.extend(open.stuck);
+        rest.sort_by_key(|open| open.id);
+        let (mut lowest, rows) = (f64::INFINITY, self.rows);
+        for some in rest.chunks(CLOSING_BOXES) {
+            let ends: Vec<(f64, Weights)> = some
+                .par_iter()
+                .map(|own| Self::closing(rows, own))
+                .collect();
+            for (own, (bound, weights)) in some.iter().zip(ends) {
+                self.proof.leaf(own.id, bound, &weights);
+                lowest = lowest.min(bound);
+            }
+        }
+        lowest
+    }
+
+    /// The claim of a box that is not closed, and what proves it: the bound so far may be that of the box from which this one was
+    /// divided.
+    fn closing(rows: &Rows, open: &Open) -> (f64, Weights) {
+        let mut bounder = Bounder::default();
+        let own = bounder.bound(rows, &open.weights, &open.x);
+        let trivial = rows.nonnegative().filter(|_| own < 0.0);
+        let (bound, weights) = match trivial {
+            Some(weights) => (bounder.bound(rows, &weights, &open.x), weights),
+            None => (own, open.weights.clone()),
+        };
+        (claim(bound), weights)
     }
 
     fn certificate(
@@ -344,29 +410,13 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Enters a box that is claimed as it is; returns the claim.
-    fn close(&mut self, open: &Open) -> f64 {
-        // the bound may be that of the box from which this one was divided
-        let mut bounder = Bounder::default();
-        let own = bounder.bound(self.rows, &open.weights, &open.x);
-        let trivial = self.rows.nonnegative().filter(|_| own < 0.0);
-        let (bound, weights) = match &trivial {
-            Some(weights) => (bounder.bound(self.rows, weights, &open.x), weights),
-            None => (own, &open.weights),
-        };
-        let bound = claim(bound);
-        self.proof.leaf(open.id, bound, weights);
-        bound
-    }
-
     /// Enters what became of a box; returns the lowest claim of what was closed.
     fn enter(
         &mut self,
         open: Open,
         result: Examined,
         cap: f64,
-        heap: &mut BinaryHeap<Open>,
-        stuck: &mut Vec<Open>,
+        boxes: &mut OpenBoxes,
         next: &mut u64,
     ) -> f64 {
         let mut lowest = f64::INFINITY;
@@ -402,7 +452,7 @@ impl Search<'_, '_> {
         };
         match result.end {
             End::Closed => {}
-            End::Stuck => stuck.push(Open {
+            End::Stuck => boxes.hold(Open {
                 id,
                 bound,
                 weights,
@@ -419,7 +469,7 @@ impl Search<'_, '_> {
                 ] {
                     let mut x = result.rest.clone();
                     x[variable] = part;
-                    heap.push(Open {
+                    boxes.push(Open {
                         id,
                         bound,
                         weights: weights.clone(),

@@ -1,5 +1,7 @@
 //! In which order boxes are examined, and when bounds of second order are tried.
 
+use std::collections::BinaryHeap;
+
 use super::*;
 
 fn open(bound: f64, id: u64) -> Open {

@@ -70,7 +70,8 @@ impl Interval {
         Self { low, high }
     }
 
-    /// Powers xʸ of numbers x ≥ 0; where x may be negative, every number.
+    /// Powers xʸ of numbers x ≥ 0: a negative number has none where the exponent is no whole number, and any number where it may
+    /// be one.
     ///
     /// ```
     /// use grouser_real::Interval;
@@ -84,8 +85,15 @@ impl Interval {
             return Self::EMPTY;
         }
         if self.low < 0.0 {
-            // a negative base has powers at whole exponents
-            return Self::ENTIRE;
+            if exponent.high.floor() >= exponent.low {
+                return Self::ENTIRE;
+            }
+            let low = 0.0;
+            return if self.high < 0.0 {
+                Self::EMPTY
+            } else {
+                Self { low, ..self }.powf(exponent)
+            };
         }
         // y ln x is monotone in each of x and y: the ends of the power are at the corners
         let corner = |x: f64, y: f64| Real::powf(x, y);

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use grouser_design::{Answer, Design, ForceRemainder, FrontProof, Task};
-use grouser_opt::{Certificate, CertifyProgress, CertifySettings, CertifyStatus};
+use grouser_opt::{Certificate, CertifyProgress, CertifySettings, CertifyStatus, WrittenProblem};
 use grouser_report::number::shown;
 
 use crate::error::{Error, Result};
@@ -39,6 +39,17 @@ pub(super) struct Certification {
         requires = "certify"
     )]
     certify_time: f64,
+    /// Memory for the parts of the box that are not proved yet, MB
+    #[arg(
+        long,
+        value_name = "MB",
+        default_value_t = 1000.0,
+        requires = "certify"
+    )]
+    certify_memory_mb: f64,
+    /// Size of the log of the proof, MB
+    #[arg(long, value_name = "MB", default_value_t = 1000.0, requires = "proof")]
+    proof_size_mb: f64,
     /// Write the proof as JSON lines, which checker/check.py replays
     #[arg(long, value_name = "FILE.jsonl", requires = "certify")]
     proof: Option<PathBuf>,
@@ -89,16 +100,41 @@ impl Certification {
             let range = ([0.0, 1e9], Some("s"));
             return Err(Error::out_of_range("--certify-time", time, range, limits));
         }
+        for (field, size) in [
+            ("--certify-memory-mb", self.certify_memory_mb),
+            ("--proof-size-mb", self.proof_size_mb),
+        ] {
+            if !(0.0..=1e9).contains(&size) {
+                let range = ([0.0, 1e9], Some("MB"));
+                return Err(Error::out_of_range(
+                    field,
+                    size,
+                    range,
+                    "lie between 0 and 1e9 MB",
+                ));
+            }
+        }
         Ok(Some(gap))
     }
 
-    pub(super) fn run(&self, design: &Design, answer: &Answer) -> Result<Option<Certified>> {
+    pub(super) fn run(
+        &self,
+        design: &Design,
+        text: &str,
+        answer: &Answer,
+    ) -> Result<Option<Certified>> {
         let Some(gap) = self.gap(matches!(answer, Answer::Trade(_)))? else {
             return Ok(None);
         };
         let mut settings = CertifySettings::default();
         settings.gap = gap;
         settings.time_limit_s = Some(self.certify_time);
+        settings.max_open_bytes = bytes(self.certify_memory_mb);
+        settings.max_proof_bytes = bytes(self.proof_size_mb);
+        settings.written = Some(WrittenProblem {
+            text: text.to_owned(),
+            sha256: crate::input::digest(text.as_bytes()),
+        });
         settings.solve = design.settings.clone();
         settings.starts = settings.starts.max(design.starts);
         settings.seed = design.seed;
@@ -172,6 +208,15 @@ impl Certification {
             maximised,
         }))
     }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "checked to lie between 0 and 1e9 MB"
+)]
+fn bytes(size_mb: f64) -> u64 {
+    (1e6 * size_mb) as u64
 }
 
 fn progress_line(progress: &CertifyProgress) -> String {
@@ -323,6 +368,8 @@ impl Certified {
             CertifyStatus::Proved | CertifyStatus::Infeasible => return None,
             CertifyStatus::TimeLimit => "the time is over (`--certify-time`)",
             CertifyStatus::BoxLimit => "too many boxes",
+            CertifyStatus::MemoryLimit => "the memory is used (`--certify-memory-mb`)",
+            CertifyStatus::ProofLimit => "the log is full (`--proof-size-mb`)",
             CertifyStatus::Precision => "some boxes are as small as numbers allow",
             _ => "interrupted, with what was proved until then",
         };

@@ -82,7 +82,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let mut certified = if is_search_interrupted {
         None
     } else {
-        arguments.certification.run(&design, &answer)?
+        arguments
+            .certification
+            .run(&design, document.text(), &answer)?
     };
     if let Some(better) = certified.as_mut().and_then(|c| c.better.take()) {
         answer = better;
