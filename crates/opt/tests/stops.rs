@@ -138,7 +138,8 @@ fn a_search_over_many_worlds_is_stopped_within_an_evaluation() {
             // a world of differences takes two or three values
             assert!(after <= 3 * 64, "{measure:?} {last}: {after}");
             if utility.is_finite() {
-                assert_eq!(solution.utility, utility, "the point that was reached");
+                let found = solution.utility;
+                assert!(found <= utility, "{found}, and {utility} was reached");
             }
         }
     }
@@ -274,7 +275,8 @@ fn the_points_of_a_solve_are_reported() {
     assert!(points.len() > 5, "{points:?}");
 }
 
-/// Of 128 worlds values and derivatives call twice each, and the iteration that is not allowed calls once.
+/// Of 128 worlds values and derivatives call twice each, and the iteration that is not allowed calls once; again at the best point that
+/// the derivatives needed.
 #[test]
 fn many_worlds_call_once_in_sixty_four() {
     let world = |k: usize| {
@@ -291,5 +293,5 @@ fn many_worlds_call_once_in_sixty_four() {
         ControlFlow::Continue(())
     };
     solve_with(&joint, &Method::Minimax, &settings, &mut count).unwrap();
-    assert_eq!(calls, 2 + 2 + 1);
+    assert_eq!(calls, 2 * (2 + 2 + 1));
 }

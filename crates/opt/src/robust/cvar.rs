@@ -9,7 +9,7 @@
 //!
 //! Source: Rockafellar & Uryasev 2000, J. Risk 2; the second form: Rockafellar, Uryasev & Zabarankin 2006, Finance Stoch. 10.
 
-use super::Worlds;
+use super::{Values, Worlds};
 use crate::error::Result;
 use crate::jacobian::Jacobian;
 use crate::model::{Model, Watch};
@@ -36,7 +36,15 @@ impl Parts for Cvar<'_> {
         watch: &mut dyn Watch,
     ) {
         let count = self.worlds.count();
-        let worlds = self.worlds.evaluate(x, jacobian.is_some(), watch);
+        let join = |worlds: &[Values]| {
+            let functions_of = 0..self.worlds.functions;
+            let own = functions_of.flat_map(|f| worlds.iter().map(move |world| world.0[f]));
+            let (m, parts) = (self.worlds.m, own.collect::<Vec<_>>());
+            let mut values = vec![f64::NAN; m + (self.worlds.functions - m) * count];
+            functions(self, &parts, &mut values);
+            values
+        };
+        let worlds = self.worlds.evaluate(x, jacobian.is_some(), watch, &join);
         for (k, (values, gradients)) in worlds.iter().enumerate() {
             for (function, value) in values.iter().enumerate() {
                 let part = function * count + k;

@@ -92,6 +92,33 @@ struct Worlds<'a> {
     list: Vec<World<'a>>,
 }
 
+/// The values of all functions in a world, with their gradients where they are known.
+type Values = (Vec<f64>, Jacobian);
+
+/// Points that the derivatives of one world after the other needed, with the values in each.
+#[derive(Default)]
+struct Seen {
+    points: Vec<(Vec<f64>, Vec<Values>)>,
+    /// The place of the next point of this world.
+    next: usize,
+}
+
+impl Watch for Seen {
+    fn stop(&mut self) -> bool {
+        false
+    }
+
+    fn seen(&mut self, x: &[f64], functions: &[f64]) {
+        let values = (functions.to_vec(), Jacobian::zeros(0, x.len()));
+        match self.points.get_mut(self.next) {
+            Some((at, worlds)) if at == x => worlds.push(values),
+            Some(_) => {}
+            None => self.points.push((x.to_vec(), vec![values])),
+        }
+        self.next += 1;
+    }
+}
+
 impl Worlds<'_> {
     fn count(&self) -> usize {
         self.list.len()
@@ -105,18 +132,22 @@ impl Worlds<'_> {
         })
     }
 
-    /// The function values of every world, with their gradients where they are wanted; NaN from where `watch` stops it.
+    /// The function values of every world, with their gradients where they are wanted; NaN from where `watch` stops it. Points that
+    /// the derivatives of all worlds needed are reported with what `join` makes of them.
     fn evaluate(
         &self,
         x: &[f64],
         has_gradients: bool,
         watch: &mut dyn Watch,
-    ) -> Vec<(Vec<f64>, Jacobian)> {
+        join: &dyn Fn(&[Values]) -> Vec<f64>,
+    ) -> Vec<Values> {
+        let mut seen = Seen::default();
         let rows = if has_gradients { self.functions } else { 0 };
         let mut stopped = false;
         let worlds = self.list.iter().enumerate();
-        worlds
+        let all = worlds
             .map(|(index, world)| {
+                seen.next = 0;
                 let mut values = vec![f64::NAN; self.functions];
                 let mut jacobian = Jacobian::zeros(rows, self.n);
                 stopped =
@@ -125,11 +156,17 @@ impl Worlds<'_> {
                     let jacobian = has_gradients.then_some(&mut jacobian);
                     world
                         .model
-                        .evaluate(&x[..self.n], &mut values, jacobian, &mut || false);
+                        .evaluate(&x[..self.n], &mut values, jacobian, &mut seen);
                 }
                 (values, jacobian)
             })
-            .collect()
+            .collect();
+        for (x, worlds) in &seen.points {
+            if worlds.len() == self.count() {
+                watch.seen(x, &join(worlds));
+            }
+        }
+        all
     }
 
     /// The functions of every world on one tape: their nodes by function, then by world.

@@ -1,7 +1,7 @@
 //! Mean plus κ standard deviations: `F = μ + κ σ`, `μ = Σ f_k / K`, `σ² = Σ (f_k − μ)² / K`,
 //! with `∇σ = Σ (f_k − μ) ∇f_k / (K σ)`.
 
-use super::Worlds;
+use super::{Values, Worlds};
 use crate::error::Result;
 use crate::jacobian::Jacobian;
 use crate::model::{Model, Watch};
@@ -38,6 +38,47 @@ impl Spread<'_> {
     }
 }
 
+impl Spread<'_> {
+    /// The functions, from those of every world.
+    fn join(&self, worlds: &[Values], values: &mut [f64], mut jacobian: Option<&mut Jacobian>) {
+        let m = self.worlds.m;
+        let count = worlds.len() as f64;
+        for (i, slot) in values[..m].iter_mut().enumerate() {
+            let all: Vec<f64> = worlds.iter().map(|w| w.0[i]).collect();
+            let (mean, sigma) = self.moments(i, &all);
+            *slot = mean + self.kappa * sigma;
+            let Some(jacobian) = &mut jacobian else {
+                continue;
+            };
+            let row = jacobian.row_mut(i);
+            row.fill(0.0);
+            for (f, world) in all.iter().zip(worlds) {
+                let sign = self.sign(i, *f);
+                // Without any spread but rounding σ has no slope of its own.
+                let outlying = if sigma > ROUNDING_SHARE * mean.abs() {
+                    self.kappa * (sign * f - mean) / sigma
+                } else {
+                    0.0
+                };
+                let weight = sign * (1.0 + outlying) / count;
+                for (out, g) in row.iter_mut().zip(world.1.row(i)) {
+                    *out += weight * g;
+                }
+            }
+        }
+        let mut row = m;
+        for function in m..self.worlds.functions {
+            for world in worlds {
+                values[row] = world.0[function];
+                if let Some(jacobian) = &mut jacobian {
+                    jacobian.row_mut(row).copy_from_slice(world.1.row(function));
+                }
+                row += 1;
+            }
+        }
+    }
+}
+
 impl Model for Spread<'_> {
     fn failure(&self, x: &[f64]) -> Option<String> {
         self.worlds.failure(x)
@@ -55,45 +96,17 @@ impl Model for Spread<'_> {
         &self,
         x: &[f64],
         values: &mut [f64],
-        mut jacobian: Option<&mut Jacobian>,
+        jacobian: Option<&mut Jacobian>,
         watch: &mut dyn Watch,
     ) {
-        let worlds = self.worlds.evaluate(x, jacobian.is_some(), watch);
-        let m = self.worlds.m;
-        let count = worlds.len() as f64;
-        for (i, slot) in values[..m].iter_mut().enumerate() {
-            let all: Vec<f64> = worlds.iter().map(|w| w.0[i]).collect();
-            let (mean, sigma) = self.moments(i, &all);
-            *slot = mean + self.kappa * sigma;
-            let Some(jacobian) = &mut jacobian else {
-                continue;
-            };
-            let row = jacobian.row_mut(i);
-            row.fill(0.0);
-            for (f, world) in all.iter().zip(&worlds) {
-                let sign = self.sign(i, *f);
-                // Without any spread but rounding σ has no slope of its own.
-                let outlying = if sigma > ROUNDING_SHARE * mean.abs() {
-                    self.kappa * (sign * f - mean) / sigma
-                } else {
-                    0.0
-                };
-                let weight = sign * (1.0 + outlying) / count;
-                for (out, g) in row.iter_mut().zip(world.1.row(i)) {
-                    *out += weight * g;
-                }
-            }
-        }
-        let mut row = m;
-        for function in m..self.worlds.functions {
-            for world in &worlds {
-                values[row] = world.0[function];
-                if let Some(jacobian) = &mut jacobian {
-                    jacobian.row_mut(row).copy_from_slice(world.1.row(function));
-                }
-                row += 1;
-            }
-        }
+        let join = |worlds: &[Values]| {
+            let m = self.worlds.m;
+            let mut values = vec![f64::NAN; m + (self.worlds.functions - m) * worlds.len()];
+            self.join(worlds, &mut values, None);
+            values
+        };
+        let worlds = self.worlds.evaluate(x, jacobian.is_some(), watch, &join);
+        self.join(&worlds, values, jacobian);
     }
 }
 

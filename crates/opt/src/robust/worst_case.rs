@@ -1,6 +1,6 @@
 //! Every objective in every world as a partial function of its own.
 
-use super::Worlds;
+use super::{Values, Worlds};
 use crate::error::Result;
 use crate::jacobian::Jacobian;
 use crate::model::{Model, Watch};
@@ -29,7 +29,11 @@ impl Model for WorstCase<'_> {
         mut jacobian: Option<&mut Jacobian>,
         watch: &mut dyn Watch,
     ) {
-        let worlds = self.0.evaluate(x, jacobian.is_some(), watch);
+        let join = |worlds: &[Values]| {
+            let all = order(&self.0).map(|(function, world)| worlds[world].0[function]);
+            all.collect()
+        };
+        let worlds = self.0.evaluate(x, jacobian.is_some(), watch, &join);
         for (row, (function, world)) in order(&self.0).enumerate() {
             let (own, gradients) = &worlds[world];
             values[row] = own[function];
