@@ -288,6 +288,56 @@ fn what_is_no_robot_is_refused_with_its_reason() {
     assert!(matches!(refused(bomb), UrdfError::Xml { .. }));
 }
 
+/// As SDF, exporters of CAD programs and C++ write "no limit".
+#[test]
+fn a_limit_beyond_all_turns_is_none() {
+    let free = robot_file(&cart()).unwrap().text;
+    let limited = |lower: &str, upper: &str, velocity: &str| {
+        let limit = format!(
+            "type=\"revolute\"><limit lower=\"{lower}\" upper=\"{upper}\" velocity=\"{velocity}\"/>"
+        );
+        cart().replace("type=\"continuous\">", &limit)
+    };
+    for end in ["1e16", "inf", "1e9", "1.797e308"] {
+        let text = robot_file(&limited(&format!("-{end}"), end, end))
+            .unwrap()
+            .text;
+        assert_eq!(text, free, "{end}");
+    }
+    // a limit on one side ends the turning, and a few turns are one
+    for (lower, upper) in [("-1e16", "10"), ("0", "inf"), ("-1e8", "1e8")] {
+        let error = refused(&limited(lower, upper, "1"));
+        assert!(matches!(error, UrdfError::NoWheels { .. }), "{error}");
+    }
+    let error = refused(&limited("nan", "1e16", "1"));
+    assert!(matches!(error, UrdfError::OutOfRange { .. }), "{error}");
+}
+
+#[test]
+fn a_substitution_that_was_not_made_is_not_taken_for_a_macro() {
+    for value in [
+        "$(optenv WHEEL_RADIUS 0.17)",
+        "$(optenv RADIUS ${default})",
+        "$(arg r)",
+    ] {
+        let error = refused(&cart().replace("radius=\"0.17\"", &format!("radius=\"{value}\"")));
+        assert!(
+            matches!(&error, UrdfError::Substitution { attribute: "radius", text, .. } if text == value),
+            "{error}"
+        );
+        let hint = error.hint().unwrap();
+        assert!(
+            hint.contains("write the number") && !hint.contains("xacro"),
+            "{hint}"
+        );
+    }
+    // where no number is read nothing is to be filled in
+    let mesh =
+        "<visual><geometry><mesh filename=\"$(optenv MESH ${own})\"/></geometry></visual></link>";
+    let seen = cart().replace("</link>", mesh);
+    assert!(robot_file(&seen).is_ok());
+}
+
 #[test]
 fn wheels_that_cannot_be_determined_are_refused_with_a_hint() {
     let error = refused(&cart().replace("continuous", "fixed"));

@@ -30,6 +30,18 @@ pub enum UrdfError {
         /// The element or the value.
         what: String,
     },
+    /// A number that is to be filled in from the environment or from arguments.
+    #[error("{line}: {attribute} of <{element}> is `{text}`, which was not filled in")]
+    Substitution {
+        /// From 1.
+        line: u32,
+        /// The element.
+        element: String,
+        /// Its attribute.
+        attribute: &'static str,
+        /// What it says.
+        text: String,
+    },
     /// Something has no name or lacks an attribute.
     #[error("{line}: <{element}> lacks {what}")]
     Missing {
@@ -113,6 +125,10 @@ impl UrdfError {
         let hint = match self {
             Self::Xacro { .. } | Self::NotARobot { .. } => {
                 "expand macros with `xacro robot.urdf.xacro > robot.urdf` (`ros2 run xacro xacro …`)"
+            }
+            Self::Substitution { .. } => {
+                "write the number in its place: `$(optenv NAME VALUE)` is the environment variable NAME, or else VALUE; \
+                 `$(arg NAME)` is an argument"
             }
             Self::NoWheels { .. } => {
                 "a wheel is a link with a <cylinder> or <sphere> as collision, on a continuous joint \

@@ -17,6 +17,10 @@ const MAX_NODES: u32 = 50_000;
 const ANY: (f64, f64) = (-1e6, 1e6);
 const NOT_NEGATIVE: (f64, f64) = (0.0, 1e6);
 const LENGTH: (f64, f64) = (1e-6, 1e3);
+/// Numbers that may be infinite, but no NaN.
+const EVERY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+/// A limit of this many rad or rad/s is none: exporters write `inf`, 1e16 (SDF's "no limit") or the largest number.
+const NO_LIMIT: f64 = 1e9;
 
 /// A shape of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,7 +131,9 @@ fn line(node: Node<'_, '_>) -> u32 {
 fn refuse_macros(document: &Document<'_>) -> Result<()> {
     for node in document.descendants().filter(Node::is_element) {
         let of_xacro = |space: &str| space.contains("xacro");
-        let value = node.attributes().find(|a| a.value().contains("${"));
+        // within `$(optenv …)` and its like there may be another variable, which is none of xacro's
+        let is_macro = |text: &str| text.contains("${") && !text.trim_start().starts_with("$(");
+        let value = node.attributes().find(|a| is_macro(a.value()));
         let name = node.tag_name();
         let what = if name.namespace().is_some_and(of_xacro) {
             format!("<xacro:{}>", name.name())
@@ -186,12 +192,23 @@ fn numbers<const N: usize>(
         .map(|word| word.parse().ok())
         .collect();
     let Some(values) = values.and_then(|values| <[f64; N]>::try_from(values).ok()) else {
-        return Err(UrdfError::Number {
-            line: line(node),
-            element: element(),
-            attribute,
-            text: text.chars().take(60).collect(),
-            count: N,
+        let (line, element) = (line(node), element());
+        let shown = text.chars().take(60).collect();
+        return Err(if text.contains("$(") {
+            UrdfError::Substitution {
+                line,
+                element,
+                attribute,
+                text: shown,
+            }
+        } else {
+            UrdfError::Number {
+                line,
+                element,
+                attribute,
+                text: shown,
+                count: N,
+            }
         });
     };
     for value in values {
@@ -348,12 +365,6 @@ fn read_joints(robot: Node<'_, '_>, links: &[Link]) -> Result<Vec<Joint>> {
             })
         };
         let (parent, carried) = (end("parent", "its <parent>")?, end("child", "its <child>")?);
-        let kind = match node.attribute("type") {
-            Some("continuous") => Kind::Continuous,
-            Some("revolute") => Kind::Revolute,
-            Some(_) => Kind::Rigid,
-            None => return Err(missing(node, "its type")),
-        };
         let axis = match child(node, "axis") {
             Some(axis) => numbers(axis, "xyz", ANY, "1")?.unwrap_or([1.0, 0.0, 0.0]),
             None => [1.0, 0.0, 0.0],
@@ -364,15 +375,25 @@ fn read_joints(robot: Node<'_, '_>, links: &[Link]) -> Result<Vec<Joint>> {
             Some(limit) => {
                 let one = |attribute, unit| {
                     Ok::<_, UrdfError>(
-                        numbers::<1>(limit, attribute, (-1e9, 1e9), unit)?.unwrap_or_default()[0],
+                        numbers::<1>(limit, attribute, EVERY, unit)?.unwrap_or_default()[0],
                     )
                 };
+                let rate = one("velocity", "rad/s")?;
                 Some([
                     one("lower", "rad")?,
                     one("upper", "rad")?,
-                    one("velocity", "rad/s")?,
+                    // without a limit the rate is not known, as without the attribute
+                    if rate.abs() < NO_LIMIT { rate } else { 0.0 },
                 ])
             }
+        };
+        let is_endless = limits
+            .is_some_and(|[lower, upper, _]: [f64; 3]| lower <= -NO_LIMIT && upper >= NO_LIMIT);
+        let kind = match node.attribute("type") {
+            Some("revolute") if !is_endless => Kind::Revolute,
+            Some("continuous" | "revolute") => Kind::Continuous,
+            Some(_) => Kind::Rigid,
+            None => return Err(missing(node, "its type")),
         };
         let damping = match child(node, "dynamics") {
             None => 0.0,
