@@ -5,6 +5,7 @@ use core::fmt;
 use crate::identification::Identification;
 use crate::identified::IdentifiedNumber;
 use crate::least_squares::Verdict;
+use crate::plausible::Plausibility;
 use crate::shear::ShearReading;
 use crate::wheel::{Misfit, Support};
 
@@ -51,6 +52,10 @@ pub enum Doubt {
         /// Of how many.
         tests: usize,
     },
+    /// Numbers are of a size that soils or tests do not have.
+    Implausible(Vec<Plausibility>),
+    /// Mistakes in units that explain the result, in words: the likeliest first.
+    UnitMistake(Vec<String>),
 }
 
 impl fmt::Display for Doubt {
@@ -99,6 +104,13 @@ impl fmt::Display for Doubt {
                 "{buried} of {tests} wheel tests: the soil found does not bear the load at any sinkage up to the hub. \
                  The wheel is taken to sit at the hub there, whatever the load: check the unit of the loads"
             ),
+            Self::Implausible(numbers) => {
+                let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+                write!(f, "implausible: {}", numbers.join("; "))
+            }
+            Self::UnitMistake(likely) => {
+                write!(f, "likely mistake in a unit: {}", likely.join(", or "))
+            }
         }
     }
 }
@@ -108,6 +120,12 @@ impl Identification {
     #[must_use]
     pub fn doubts(&self) -> Vec<Doubt> {
         let mut doubts = Vec::new();
+        if !self.unit_mistakes.is_empty() {
+            doubts.push(Doubt::UnitMistake(self.unit_mistakes.clone()));
+        }
+        if !self.implausible.is_empty() {
+            doubts.push(Doubt::Implausible(self.implausible.clone()));
+        }
         if let Some(stage) = &self.plates {
             doubts.extend(negative_modulus(stage.fit.k_c, stage.fit.k_phi));
             let used = stage.fit.fit.residuals.len();

@@ -6,14 +6,17 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::inherited;
-use crate::job::{Job, PlateSource, WheelJob};
+use crate::job::{Job, WheelJob};
 use crate::least_squares::{
-    Bounded, Interval, Settings, Status, Uncertainty, Verdict, multi_start, profile,
+    Bounded, Interval, Settings, Status, Uncertainty, Verdict, multi_start, profile, redundancy,
     student_quantile,
 };
 use crate::parameter::Parameter;
-use crate::plate::{self, PlateFit, PlateRecord, PlateTest, fit_plates, read_bag};
+use crate::plate::{self, PlateFit, PlateRecord, PlateTest, fit_plates};
+use crate::plausible::{self, Plausibility};
+use crate::readings::Readings;
 use crate::shear::{self, ShearFit, ShearReading, fit_shear};
+use crate::unit_mistake;
 use crate::wheel::{self, Fixed, Misfit, Prediction, WheelModel, WheelTest, predict};
 
 /// A soil and how it was found.
@@ -41,6 +44,10 @@ pub struct Identification {
     pub shear: Option<ShearStage>,
     /// Wheel tests.
     pub wheel: Option<WheelStage>,
+    /// Numbers of a size that soils or tests do not have.
+    pub implausible: Vec<Plausibility>,
+    /// Mistakes in units that explain the result, the likeliest first, in words.
+    pub unit_mistakes: Vec<String>,
 }
 
 /// The result of plate tests.
@@ -51,6 +58,8 @@ pub struct PlateStage {
     pub tests: Vec<PlateTest>,
     /// How those out of bags were read.
     pub records: Vec<PlateRecord>,
+    /// How many readings repeat others and are not counted again.
+    pub copies: usize,
     /// Their result.
     pub fit: PlateFit,
 }
@@ -63,6 +72,8 @@ pub struct ShearStage {
     pub readings: Vec<ShearReading>,
     /// How many others lie where the displacement goes back, or forth again to where it has been.
     pub unloading: usize,
+    /// How many readings repeat others and are not counted again.
+    pub copies: usize,
     /// Their result.
     pub fit: ShearFit,
 }
@@ -91,6 +102,12 @@ pub struct WheelNumber {
 pub struct WheelStage {
     /// The tests.
     pub tests: Vec<WheelTest>,
+    /// How many tests repeat others and are not counted again.
+    pub copies: usize,
+    /// How many times more readings there are than independent ones (from the residuals' correlation).
+    pub redundancy: f64,
+    /// Mean square of the residuals, in stated variances.
+    pub mean_square_residual: f64,
     /// The model's predictions of them.
     pub said: Vec<Prediction>,
     /// The numbers.
@@ -114,14 +131,37 @@ pub struct WheelStage {
 /// # Errors
 /// What a test's file lacks; [`Error::Missing`] for a number that a later stage needs and nothing gives.
 pub fn identify(job: &Job) -> Result<Identification> {
+    let readings = Readings::read(job)?;
+    let mut out = fitted(job, &readings).map_err(|error| match error {
+        Error::TooFewReadings { message } => {
+            let likely = unit_mistake::explaining(job, &readings, 0.0);
+            let likely = likely
+                .first()
+                .map(|likely| format!(". Is it that {likely}?"));
+            let message = message + &likely.unwrap_or_default();
+            Error::TooFewReadings { message }
+        }
+        other => other,
+    })?;
+    out.implausible = plausible::all(&out, &readings);
+    out.implausible
+        .retain(|number| number.decades_outside() > 0.0);
+    out.unit_mistakes = unit_mistake::likely(job, &readings, &out);
+    Ok(out)
+}
+
+/// The job done with these readings, without a look at whether the result is plausible.
+pub(crate) fn fitted(job: &Job, readings: &Readings) -> Result<Identification> {
     let mut out = Identification {
         soil: job.soil,
         plates: None,
         shear: None,
         wheel: None,
+        implausible: Vec::new(),
+        unit_mistakes: Vec::new(),
     };
     if !job.plates.is_empty() {
-        let stage = plates(job)?;
+        let stage = plates(job, readings)?;
         out.soil.n = Some(stage.fit.n);
         out.soil.pressure = Pressure::Bekker(Bekker {
             k_c: Some(stage.fit.k_c),
@@ -129,11 +169,10 @@ pub fn identify(job: &Job) -> Result<Identification> {
         });
         out.plates = Some(stage);
     }
-    if let Some(table) = &job.shear {
-        let all = shear::read_table(table)?;
-        let readings = shear::loading(&all);
-        let unloading = all.len() - readings.len();
-        let fit = fit_shear(&readings, crate::least_squares::Loss::Squares)?;
+    if let Some(all) = &readings.shear {
+        let loading = shear::loading(all);
+        let unloading = all.len() - loading.len();
+        let fit = fit_shear(&loading, crate::least_squares::Loss::Squares)?;
         let [cohesion, phi, k_shear] = fit.values;
         out.soil = out
             .soil
@@ -141,29 +180,20 @@ pub fn identify(job: &Job) -> Result<Identification> {
             .phi(Angle::from_rad(phi))
             .k_shear(k_shear);
         out.shear = Some(ShearStage {
-            readings,
+            readings: loading,
             unloading,
+            copies: readings.copies.shear,
             fit,
         });
     }
-    if let Some(wheel) = &job.wheel {
-        wheel_stage(wheel, &mut out)?;
+    if let Some((wheel, tests)) = &readings.wheel {
+        wheel_stage(wheel, tests, readings, &mut out)?;
     }
     Ok(out)
 }
 
-fn plates(job: &Job) -> Result<PlateStage> {
-    let (mut tests, mut records) = (Vec::new(), Vec::new());
-    for source in &job.plates {
-        match source {
-            PlateSource::Table(path) => tests.extend(plate::read_table(path)?),
-            PlateSource::Bag(test) => {
-                let record = read_bag(&test.name, test.plate, &test.source, &test.depth)?;
-                tests.push(record.test.clone());
-                records.push(record);
-            }
-        }
-    }
+fn plates(job: &Job, readings: &Readings) -> Result<PlateStage> {
+    let tests = readings.plates.clone();
     let fit = fit_plates(&tests, &job.plate_settings).map_err(|error| match error {
         Error::TooFew { .. } => Error::TooFewReadings {
             message: plate::too_few(&tests, &job.plate_settings),
@@ -172,36 +202,50 @@ fn plates(job: &Job) -> Result<PlateStage> {
     })?;
     Ok(PlateStage {
         tests,
-        records,
+        records: readings.records.clone(),
+        copies: readings.copies.plates,
         fit,
     })
 }
+
+/// Steps of a rough search: fits of sound readings end after about ten.
+const ROUGH_STEPS: u32 = 25;
 
 /// Fits the wheel's numbers and puts them into the soil.
 ///
 /// The fit holds what earlier stages found for exact; the errors of its answer contain theirs. Source: error propagation
 /// through the stages, as for two-step estimators (Murphy & Topel 1985, J. Business & Economic Statistics 3).
-fn wheel_stage(job: &WheelJob, out: &mut Identification) -> Result<()> {
+fn wheel_stage(
+    job: &WheelJob,
+    tests: &[WheelTest],
+    readings: &Readings,
+    out: &mut Identification,
+) -> Result<()> {
     let soil = &out.soil;
-    let tests = wheel::read_table(&job.table)?;
     check_known(job, soil)?;
     let fixed = Fixed {
         wheel: job.wheel,
         soil: *soil,
         scatter: job.scatter,
     };
-    let model = WheelModel::new(fixed, &tests, &job.parameters);
+    let model = WheelModel::new(fixed, tests, &job.parameters);
     let start: Vec<Bounded> = job.parameters.iter().map(|p| p.bounded(soil)).collect();
     let settings = Settings {
         loss: job.loss,
-        steps: 200,
+        steps: if readings.is_rough { ROUGH_STEPS } else { 200 },
         ..Settings::default()
     };
     let (best, reached) = multi_start(&model, model.count(), &start, &settings, &job.starts)?;
-    let mut uncertainty = Uncertainty::of(&best, job.loss);
+    let redundancy = redundancy(
+        model
+            .series(&best.residuals)
+            .into_iter()
+            .map(Vec::into_iter),
+    );
+    let mut uncertainty = Uncertainty::of(&best, job.loss).of_alike(&best, redundancy);
     let plates = (out.plates.as_ref()).map(|stage| (&stage.fit, stage.tests.as_slice()));
     let shear = out.shear.as_ref().map(|stage| &stage.fit);
-    let changes = inherited::changes(plates, shear, job, (&fixed, &tests), &best);
+    let changes = inherited::changes(plates, shear, job, (&fixed, tests), &best);
     let inherited = uncertainty.widen(&best, job.loss, changes.as_deref());
     let quantile = student_quantile(0.975, uncertainty.freedom);
     // how far a number may leave its bound, and takes others along, is no matter of a straight line
@@ -209,13 +253,14 @@ fn wheel_stage(job: &WheelJob, out: &mut Identification) -> Result<()> {
     let intervals = (0..best.x.len())
         .into_par_iter()
         .map(|index| {
-            if job.profile || any_on_bound {
+            if !readings.is_rough && (job.profile || any_on_bound) {
                 let short = Settings {
                     steps: 40,
                     ..settings
                 };
                 let own = profile(&model, &best, index, 0.95, &short)?;
                 let (x, bound) = (best.x[index], &best.bounds[index]);
+                let own = own.widened(x, redundancy.sqrt());
                 return Ok(own.with_added(x, quantile * inherited[index], bound));
             }
             let half = uncertainty.half_width(index, 0.95);
@@ -245,13 +290,17 @@ fn wheel_stage(job: &WheelJob, out: &mut Identification) -> Result<()> {
     for (parameter, value) in job.parameters.iter().zip(&best.x) {
         parameter.put(&mut out.soil, *value);
     }
-    out.soil.fitted = wheel::fitted_range(&job.wheel, &tests);
-    let said = predict(&fixed, &tests, &job.parameters, &best.x)?;
+    out.soil.fitted = wheel::fitted_range(&job.wheel, tests);
+    let said = predict(&fixed, tests, &job.parameters, &best.x)?;
     let freedom = uncertainty.freedom as f64 / best.residuals.len() as f64;
+    let squares: f64 = best.residuals.iter().map(|r| r * r).sum();
     out.wheel = Some(WheelStage {
-        misfits: wheel::misfits(&tests, &said, &job.scatter, job.loss, freedom),
+        misfits: wheel::misfits(tests, &said, &job.scatter, job.loss, freedom),
         said,
-        tests,
+        tests: tests.to_vec(),
+        copies: readings.copies.wheel,
+        redundancy,
+        mean_square_residual: squares / best.residuals.len() as f64,
         numbers,
         correlation: uncertainty.correlation,
         condition: uncertainty.condition,

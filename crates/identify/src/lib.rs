@@ -17,8 +17,11 @@ mod job;
 pub mod least_squares;
 mod parameter;
 pub mod plate;
+mod plausible;
+mod readings;
 pub mod shear;
 pub mod table;
+mod unit_mistake;
 pub mod wheel;
 
 pub use doubt::Doubt;
@@ -29,3 +32,4 @@ pub use identification::{
 pub use identified::IdentifiedNumber;
 pub use job::{BagTest, Job, PlateSource, WheelJob};
 pub use parameter::Parameter;
+pub use plausible::Plausibility;

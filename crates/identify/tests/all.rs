@@ -6,6 +6,7 @@
     reason = "a test fails by panicking, and prints what it measured or why it is skipped"
 )]
 
+mod copies;
 mod coverage;
 mod differing_tests;
 mod doubts;
@@ -15,5 +16,6 @@ mod least_squares;
 mod nist_strd;
 mod plates;
 mod recorded_plates;
+mod units;
 mod wheel_derivatives;
 mod wheel_predictions;

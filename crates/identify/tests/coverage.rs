@@ -33,7 +33,7 @@ static COUNT: AtomicU32 = AtomicU32::new(0);
 /// Of the wheel tests, m.
 const DATUM_M: f64 = 1.5e-3;
 /// n_1, c_1, c_2 and the datum, as they are.
-const TRUTH: [f64; 4] = [0.22, 0.27, 0.31, DATUM_M];
+pub(crate) const TRUTH: [f64; 4] = [0.22, 0.27, 0.31, DATUM_M];
 
 /// The soil of the tests.
 pub(crate) fn open_soil() -> OpenSoil {
@@ -46,7 +46,7 @@ pub(crate) fn open_soil() -> OpenSoil {
 
 /// A folder with a job of noisy tests: plates of three sizes with a relative noise, a shear box with 80 Pa, and a wheel
 /// whose readings scatter as the job states.
-fn laboratory(seed: u64, plate_noise: f64, wheel: &[[f64; 5]]) -> PathBuf {
+pub(crate) fn laboratory(seed: u64, plate_noise: f64, wheel: &[[f64; 5]]) -> PathBuf {
     laboratory_on_spots(seed, plate_noise, 0.0, wheel)
 }
 

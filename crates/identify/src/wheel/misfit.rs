@@ -8,7 +8,7 @@ use grouser_real::Real;
 /// The normal quantile of a probability of 0.999: of a thousand sound jobs one is called a misfit.
 const SIGNIFICANT_SIGMA: f64 = 3.090_232;
 /// Scatters are stated by hand, from a few repeated readings: a ratio up to this one is no misfit.
-const MAX_SCATTER_RATIO: f64 = 1.5;
+pub(crate) const MAX_SCATTER_RATIO: f64 = 1.5;
 /// The efficiency of the median size as an estimate of a normal scatter. Source: Huber & Ronchetti, Robust Statistics,
 /// 2009, section 5.1.
 const MEDIAN_EFFICIENCY: f64 = 0.37;

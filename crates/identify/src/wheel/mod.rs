@@ -6,7 +6,7 @@ mod table;
 mod test;
 
 pub use misfit::Misfit;
-pub(crate) use misfit::misfits;
+pub(crate) use misfit::{MAX_SCATTER_RATIO, misfits};
 pub use model::{Fixed, Prediction, WheelModel, predict};
 pub use table::read_table;
 pub use test::{Quantity, Scatter, Support, WheelTest, fitted_range};

@@ -86,6 +86,20 @@ impl<'a> WheelModel<'a> {
         self.tests.iter().map(read).sum()
     }
 
+    /// The residuals of each quantity in the order of the tests, out of a list of all.
+    pub(crate) fn series(&self, residuals: &[f64]) -> Vec<Vec<f64>> {
+        let mut series = vec![Vec::new(); Quantity::ALL.len()];
+        let mut rest = residuals.iter();
+        for test in self.tests {
+            for (quantity, own) in Quantity::ALL.into_iter().zip(&mut series) {
+                if test.read(quantity).is_some() {
+                    own.extend(rest.next());
+                }
+            }
+        }
+        series
+    }
+
     /// The soil at the parameters `x`.
     #[must_use]
     pub fn soil_at(&self, x: &[f64]) -> OpenSoil {

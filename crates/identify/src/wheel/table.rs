@@ -88,6 +88,11 @@ pub fn read_table(path: &Path) -> Result<Vec<WheelTest>> {
                     };
                     Kinematics::from_speeds(travel * forward, travel * beta.sin(), rim)
                 }
+                (_, _, Some(slip)) if slip.abs() > 1.0 => {
+                    return Err(refuse(&format!(
+                        "slip is {slip}, but must lie in [-1, 1]: is it in percent?"
+                    )));
+                }
                 (_, _, Some(slip)) => {
                     Slip::new(slip).and_then(|slip| Kinematics::with_slip_angle(slip, beta))
                 }

@@ -18,8 +18,15 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Identification> {
             found.of_single_tests();
         "unloading" "readings of shear tests that were not used, since the box goes back" =
             found.shear.as_ref().map(|stage| stage.unloading);
+        "copies" "readings that repeat others in every number and do not count again" = copies(found);
         "missing" "numbers that neither tests nor the file give" = found.missing();
     }
+}
+
+fn copies(found: &Identification) -> usize {
+    let plates = found.plates.as_ref().map_or(0, |stage| stage.copies);
+    let shear = found.shear.as_ref().map_or(0, |stage| stage.copies);
+    plates + shear + found.wheel.as_ref().map_or(0, |stage| stage.copies)
 }
 
 /// What plate tests showed.
@@ -43,6 +50,7 @@ fn wheel<'a>() -> Fields<'a, &'a WheelStage> {
         "tests" "tests" = stage.tests.len();
         "starts" "starts" = stage.starts;
         "reached" "starts that ended at the best point" = stage.reached;
+        "redundancy" "readings for each independent one" = stage.redundancy;
         "condition" "condition number" = stage.condition;
         "parameters" "the numbers that were fitted" named(line()) = named(stage.in_key_units());
         "correlation" "correlation of the numbers" = stage.correlation.clone();

@@ -18,11 +18,12 @@ pub(super) fn text(found: &Identification) -> String {
         let readings: usize = stage.fit.residuals.iter().map(Vec::len).sum();
         let _ = writeln!(
             out,
-            "{} plate tests, {readings} readings that tell as much as {} independent ones, {} % of scatter about the law",
+            "{} plate tests, {readings} readings, {} effective ones, {} % of scatter about the law",
             stage.fit.count,
             rounded(readings as f64 / stage.fit.redundancy, 3),
             rounded(100.0 * stage.fit.relative_deviation, 2),
         );
+        out.push_str(&copies(stage.copies, "plate readings"));
         let left_out = stage.fit.left_out;
         if left_out.count() > 0 {
             let _ = writeln!(
@@ -79,13 +80,15 @@ pub(super) fn text(found: &Identification) -> String {
     if let Some(stage) = &found.wheel {
         let _ = writeln!(
             out,
-            "{} wheel tests: {}, {} of {} starts ended here, condition {}",
+            "{} wheel tests, {} effective ones: {}, {} of {} starts ended here, condition {}",
             stage.tests.len(),
+            rounded(stage.tests.len() as f64 / stage.redundancy, 3),
             stage.status.key(),
             stage.reached,
             stage.starts,
             rounded(stage.condition, 2)
         );
+        out.push_str(&copies(stage.copies, "wheel tests"));
         out.push_str(&table(&stage.in_key_units()));
         for (quantity, rmse, count) in errors(stage) {
             let _ = writeln!(
@@ -107,16 +110,25 @@ pub(super) fn text(found: &Identification) -> String {
     out
 }
 
+/// Rows that count once, however often the table has them.
+fn copies(count: usize, of: &str) -> String {
+    if count == 0 {
+        return String::new();
+    }
+    format!("{count} {of} repeat others in every number: copies, which do not count again\n")
+}
+
 /// What shear tests showed.
 fn shear(stage: &ShearStage) -> String {
     let mut out = String::new();
     let readings = stage.readings.len();
     let _ = writeln!(
         out,
-        "{readings} readings of {} shear tests that tell as much as {} independent ones",
+        "{readings} readings of {} shear tests, {} effective ones",
         stage.fit.tests,
         rounded(readings as f64 / stage.fit.redundancy, 3),
     );
+    out.push_str(&copies(stage.copies, "shear readings"));
     if stage.unloading > 0 {
         let _ = writeln!(
             out,
