@@ -30,7 +30,7 @@ fn numbers(found: &Identification) -> Vec<Number> {
 }
 
 /// Identifies the soil of a job file; returns the text of the soil file (`None` where numbers are missing),
-/// the missing numbers, and the identified numbers.
+/// the missing numbers, the identified numbers, and the doubts.
 #[pyfunction]
 pub(crate) fn identify<'py>(
     py: Python<'py>,
@@ -48,12 +48,14 @@ pub(crate) fn identify<'py>(
         } else {
             None
         };
-        Ok::<_, PyErr>((text, missing, numbers(&found)))
+        let doubts: Vec<String> = found.doubts().iter().map(ToString::to_string).collect();
+        Ok::<_, PyErr>((text, missing, numbers(&found), doubts))
     };
-    let (text, missing, numbers) = workers::interruptible(py, threads, job, || ())??;
+    let (text, missing, numbers, doubts) = workers::interruptible(py, threads, job, || ())??;
     let dict = PyDict::new(py);
     dict.set_item("text", text)?;
     dict.set_item("missing", missing)?;
     dict.set_item("numbers", numbers)?;
+    dict.set_item("doubts", doubts)?;
     Ok(dict)
 }

@@ -18,7 +18,7 @@ _KINDS = "fiu"
 
 
 def as_floats(field: str, value: Any) -> FloatArray:
-    """``value`` as an array of float64, without a copy where it is one already."""
+    """``value`` as an array of float64, without a copy where it is one already; what is masked is NaN."""
     if isinstance(value, np.ndarray) and not isinstance(value, np.ma.MaskedArray):
         array = value
     elif isinstance(value, (float, int)) and not isinstance(value, bool):
@@ -34,10 +34,14 @@ def as_floats(field: str, value: Any) -> FloatArray:
         raise InputTypeError(
             f"{field} has the type {array.dtype}, but must hold real numbers", field, str(array.dtype)
         )
-    return array.astype(np.float64, copy=False)
+    # the extension module reads aligned numbers: a column of a packed record is copied
+    return np.require(array, np.float64, "A")
 
 
 def _converted(field: str, value: Any) -> npt.NDArray[Any]:
+    # NumPy leaves out the masks of arrays in a list
+    if isinstance(value, (list, tuple)) and any(isinstance(one, np.ma.MaskedArray) for one in value):
+        value = np.ma.array(value)
     if isinstance(value, np.ma.MaskedArray):
         if value.dtype.kind in _KINDS:
             return np.where(np.ma.getmaskarray(value), np.nan, value.data)

@@ -21,7 +21,7 @@ import numpy as np
 
 from . import _core
 from . import wheel as _wheel
-from ._arrays import FloatArray, as_floats, flag
+from ._arrays import FloatArray, as_floats, flag, path_of
 from ._core import Soil, Wheel
 from ._errors import InputError
 
@@ -38,8 +38,17 @@ class Figure:
         return self.svg
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Writes the SVG file."""
-        Path(path).write_text(self.svg, encoding="utf-8")
+        """Writes the SVG file.
+
+        Raises
+        ------
+        InputError
+            A path that does not end in `.svg`.
+        """
+        file = Path(path_of("path", path))
+        if file.suffix.lower() != ".svg":
+            raise InputError(f"path is `{file}`, but a figure is SVG: it must end in `.svg`", "path", str(file))
+        file.write_text(self.svg, encoding="utf-8")
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,8 @@ class Identification(NamedTuple):
     missing: list[str]
     """The numbers that neither a test nor the file gives."""
     numbers: dict[str, Number]
+    doubts: list[str]
+    """Why the result is doubtful, a likely mistake in a unit first; empty where it is not."""
 
 
 def run(path: str | os.PathLike[str], *, threads: int | None = None) -> Identification:
@@ -66,4 +68,5 @@ def run(path: str | os.PathLike[str], *, threads: int | None = None) -> Identifi
         text=text,
         missing=found["missing"] + open_numbers,
         numbers={name: Number(*rest) for name, *rest in found["numbers"]},
+        doubts=found["doubts"],
     )
