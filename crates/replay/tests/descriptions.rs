@@ -178,6 +178,16 @@ fn a_yaw_that_is_turned_a_little_is_named_with_its_angle() {
     }
 }
 
+/// An offset of 5° and a little is within the doubt of the courses, which differ by drift, slip and noise.
+#[test]
+fn a_yaw_that_may_be_right_within_its_doubt_is_not_named() {
+    for offset_deg in [-5.5_f64, 5.5] {
+        let found = doubts_of(|_, _, yaw| *yaw += offset_deg.to_radians());
+        println!("{offset_deg}°: {found:?}");
+        assert!(!found.iter().any(Doubt::is_description), "{found:?}");
+    }
+}
+
 #[test]
 fn poses_whose_axes_or_unit_are_wrong_are_named() {
     let has = |found: &[Doubt], fault: PoseFault| {

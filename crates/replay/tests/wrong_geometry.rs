@@ -217,3 +217,33 @@ fn a_slip_beside_wrong_geometry_is_reported() {
         assert!(turns.alarms_beyond_geometry > 0, "{wrong:?}: {turns:?}");
     }
 }
+
+/// Wheels on one side turn the robot alike: which of them slips shows only in how much they differ, and short drives leave
+/// less than 20 to 1.
+#[test]
+fn a_wheel_is_named_only_at_twenty_to_one() {
+    let (mut undecided, mut named) = (0, 0);
+    for seconds in [16, 40, 120] {
+        for slip in [0.1, 0.3] {
+            for seed in [1, 2] {
+                let drive = Drive {
+                    seconds,
+                    has_pose: false,
+                    slip,
+                    seed,
+                };
+                let turns = summary(drive, Wrong::default()).turns.unwrap();
+                println!("{drive:?}: {turns:?}");
+                let slips = turns.slip.is_some_and(|slip| slip > 0.0);
+                if turns.likelier <= f64::ln(20.0) {
+                    assert_eq!(turns.wheel, None, "{turns:?}");
+                    undecided += u32::from(turns.alarms_beyond_geometry > 0 && slips);
+                } else {
+                    named += u32::from(turns.wheel == Some(0));
+                }
+            }
+        }
+    }
+    println!("{undecided} undecided, {named} named");
+    assert!(undecided > 0 && named > 0);
+}
