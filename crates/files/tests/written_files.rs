@@ -133,6 +133,7 @@ fn map() -> impl Strategy<Value = ColumnMap> {
                 factor,
                 offset: 0.0,
                 frame: Frame::default(),
+                is_optional: align_clock && meaning == Meaning::Sinkage,
             };
             let way = Column {
                 frame: if align_clock {
@@ -157,7 +158,8 @@ fn map() -> impl Strategy<Value = ColumnMap> {
                     offset_ns: 0,
                 },
                 columns: vec![
-                    of(Meaning::WheelRate, Some(wheel), factor),
+                    of(Meaning::WheelRate, Some(wheel.clone()), factor),
+                    of(Meaning::Sinkage, Some(wheel), 1.0),
                     of(Meaning::YawRate, None, std::f64::consts::PI / 180.0),
                     of(Meaning::SpeedForward, None, 1.0 / 3.6),
                     way,

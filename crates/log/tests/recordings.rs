@@ -673,6 +673,45 @@ fn a_distance_from_the_ground_is_a_sinkage() {
     );
 }
 
+#[test]
+fn a_table_may_lack_a_column_that_is_optional() {
+    let read = |keys: &str, table: &'static str| {
+        let text = format!(
+            "format = 1\n[[table]]\ntime = {{ column = \"t\", unit = \"s\" }}\ncolumns = [\n\
+             {{ column = \"gyro\", meaning = \"yaw_rate\", unit = \"rad/s\" }},\n{{ column = \"z\", {keys} }}]\n"
+        );
+        let map = grouser_files::columns::parse(&Document::from_text("map", text).unwrap());
+        let map = map.map_err(|error| error.to_string())?;
+        let topics = grouser_files::topics::Topics::default();
+        let bytes = std::io::Cursor::new(table.as_bytes());
+        let log = Log::over("log.csv".as_ref(), bytes, Some(map), &topics);
+        let log = log.map_err(|error| error.to_string())?;
+        let samples = log.samples(&[]).map_err(|error| error.to_string())?;
+        Ok::<usize, String>(samples.count())
+    };
+    let (with, without) = (
+        "t,z,gyro\n0,0.01,0.1\n1,0.02,0.1\n",
+        "t,gyro\n0,0.1\n1,0.1\n",
+    );
+    let sinkage = "meaning = \"sinkage\", wheel = \"left\", unit = \"m\"";
+    let optional = format!("{sinkage}, optional = true");
+    assert_eq!(
+        (read(&optional, with), read(&optional, without)),
+        (Ok(4), Ok(2))
+    );
+    assert!(
+        read(sinkage, without)
+            .unwrap_err()
+            .contains("no column `z`")
+    );
+    let torque = "meaning = \"wheel_torque\", wheel = \"left\", unit = \"N m\", optional = true";
+    let refused = read(torque, with).unwrap_err();
+    assert!(
+        refused.contains("belongs to `sinkage` and `entry_angle`"),
+        "{refused}"
+    );
+}
+
 /// 20.5 ft and 0.1 ft are a turn apart but for 0.07 rad, taken for radians.
 #[test]
 fn ways_of_rims_keep_their_unit_and_are_not_put_together_as_angles() {

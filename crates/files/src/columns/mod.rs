@@ -262,6 +262,8 @@ pub struct Column {
     pub offset: f64,
     /// The frame in which a displacement is stated; [`Frame::Halfway`] of all other columns.
     pub frame: Frame,
+    /// May a table lack it? Of sinkages and entry angles, which no slip needs.
+    pub is_optional: bool,
 }
 
 /// The robot's frame in which a displacement is stated.
@@ -479,7 +481,18 @@ fn single_byte(section: &Section<'_>, key: &'static str, text: &str) -> Result<u
 
 fn read_column(section: &Section<'_>) -> Result<Column> {
     let column = section.text("column")?.into();
-    read_meaning(section, column)
+    let mut column = read_meaning(section, column)?;
+    column.is_optional = section.flag("optional")?;
+    if column.is_optional && !matches!(column.meaning, Meaning::Sinkage | Meaning::EntryAngle) {
+        return Err(Error::Contradiction {
+            at: section.place_of("optional"),
+            message: format!(
+                "`optional` belongs to `sinkage` and `entry_angle`, not to `{}`",
+                column.meaning.name()
+            ),
+        });
+    }
+    Ok(column)
 }
 
 /// What a column or a field of that name means.
@@ -518,6 +531,7 @@ pub(crate) fn read_meaning(section: &Section<'_>, column: String) -> Result<Colu
         factor: unit * scale.unwrap_or(1.0),
         offset: offset.unwrap_or(0.0),
         frame: frame.unwrap_or_default(),
+        is_optional: false,
     })
 }
 

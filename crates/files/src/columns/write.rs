@@ -61,9 +61,14 @@ pub(crate) fn write_table(out: &mut TomlText, table: &Table) {
     out.line("columns = [");
     for column in &table.columns {
         out.line(&format!(
-            "    {{ column = {}, {} }},",
+            "    {{ column = {}, {}{} }},",
             quoted(&column.column),
-            meaning(column, ", ")
+            meaning(column, ", "),
+            if column.is_optional {
+                ", optional = true"
+            } else {
+                ""
+            }
         ));
     }
     out.line("]");

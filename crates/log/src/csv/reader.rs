@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use grouser_files::columns::Table;
+use grouser_files::columns::{Column, Table};
 use grouser_files::nearest;
 
 use super::fields::{BadQuote, Field, split};
@@ -129,13 +129,16 @@ impl CsvReader {
         let nanoseconds = (table.time.nanoseconds.as_ref())
             .map(|column| find(&names, column, &header))
             .transpose()?;
-        let places = table
+        let mut present = table.clone();
+        let is_there = |column: &Column| !column.is_optional || names.contains(&column.column);
+        present.columns.retain(is_there);
+        let places = present
             .columns
             .iter()
             .map(|column| find(&names, &column.column, &header))
             .collect::<Result<Vec<usize>>>()?;
         Ok(Self {
-            plan: Plan::new(table, (time, nanoseconds), places, wheels),
+            plan: Plan::new(&present, (time, nanoseconds), places, wheels),
             lines,
             names,
             separator: table.separator,
