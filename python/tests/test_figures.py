@@ -56,3 +56,13 @@ def test_columns_of_different_lengths_are_refused() -> None:
     assert caught.value.field == "y"
     with pytest.raises(InputError):
         figures.slip_curves(soils.find("lunar"), Wheel(radius_m=0.1, width_m=0.1), load_n=50.0, quantity="colour")
+
+
+def test_a_figure_is_svg_and_no_other_file(tmp_path: Path) -> None:
+    figure = figures.lines("Pull", "x", "y", figures.Line([0.0, 1.0], [0.0, 1.0]))
+    for name in ("x.png", "x.pdf", "x", "x.svg.png"):
+        with pytest.raises(InputError, match=r"must end in `\.svg`") as caught:
+            figure.write(tmp_path / name)
+        assert caught.value.field == "path" and not (tmp_path / name).exists()
+    figure.write(tmp_path / "X.SVG")
+    assert (tmp_path / "X.SVG").read_text() == figure.svg

@@ -44,3 +44,12 @@ def test_the_command_finds_the_same_bits() -> None:
 def test_a_missing_job() -> None:
     with pytest.raises(FileNotFoundError):
         identify.run("/no/such/job.toml")
+
+
+def test_a_mistake_in_a_unit_is_a_doubt(tmp_path: Path) -> None:
+    assert identify.run(BEVAMETER / "tests.toml").doubts == []
+    rows = (BEVAMETER / "plates.csv").read_text().replace("force_n", "force_kn")
+    (tmp_path / "plates.csv").write_text(rows)
+    (tmp_path / "tests.toml").write_text('format = 1\nname = "x"\n[[plate]]\ntable = "plates.csv"\n')
+    doubts = identify.run(tmp_path / "tests.toml").doubts
+    assert "the force of the plate tests is in N, not kN" in doubts[0]

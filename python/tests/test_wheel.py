@@ -406,3 +406,24 @@ def test_a_point_without_derivatives_is_bad_input() -> None:
         for numbers in found[1:]:
             is_finite = np.isfinite(numbers).reshape(loads.size, -1)
             assert is_finite[found.status == 0].all() and not is_finite[found.status != 0].any()
+
+
+def test_columns_of_packed_records_are_read() -> None:
+    packed = np.zeros(3, dtype=[("name", "u1"), ("load_n", "f8"), ("slip", "f8")])
+    packed["load_n"], packed["slip"] = [40.0, 60.0, 80.0], [0.1, 0.2, 0.3]
+    load, slip = packed["load_n"], packed["slip"]
+    assert not load.flags.aligned
+    found = wheel.under_load(SAND, **SIZE, load_n=load, slip=slip)
+    aligned = wheel.under_load(SAND, **SIZE, load_n=load.copy(), slip=slip.copy())
+    assert np.array_equal(found.sinkage_m, aligned.sinkage_m)
+    one = wheel.curve(SAND, wheel.Wheel(**SIZE), load_n=80.0, slip=slip)
+    assert np.array_equal(one.sinkage_m, wheel.curve(SAND, wheel.Wheel(**SIZE), load_n=80.0, slip=slip.copy()).sinkage_m)
+
+
+def test_what_is_masked_is_missing() -> None:
+    masked = np.ma.masked_array([0.1, 0.2, 0.3], mask=[False, True, False])
+    for slip in (masked, masked.astype(np.float32), [masked[:1], masked[1:2], masked[2:]]):
+        found = wheel.under_load(SAND, **SIZE, load_n=80.0, slip=slip)
+        assert np.isnan(np.ravel(found.sinkage_m)).tolist() == [False, True, False]
+    whole = np.ma.masked_array([40, 60], mask=[False, True])
+    assert np.isnan(wheel.under_load(SAND, **SIZE, load_n=whole, slip=0.2).sinkage_m).tolist() == [False, True]

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use grouser_terra::{Angle, GrouserRule, Grousers, Kinematics, RigidWheel};
 
-use grouser_identify::table::{Column, Table};
-use grouser_identify::wheel::{Support, WheelTest};
+use grouser_identify::table::Table;
+use grouser_identify::wheel::{Support, WheelTest, columns};
 use grouser_identify::{Error, Result};
 
 /// The file of the trials below the folder of measured data.
@@ -71,27 +71,23 @@ pub fn grouser_wheel() -> Result<RigidWheel> {
 
 /// Reads the trials of a wheel (`smooth` or `grouser`), |stated slip| at most `max_slip`.
 ///
-/// The carriage's speed V is the travel speed, so that V cos β is the speed in the wheel's plane. Pull is
-/// −drag_force_n, load −vertical_force_n; the side force is positive to the left, so that of a wheel that drifts
-/// to its left is −side_force_n. Locked wheels at a slip angle of 90° have no slip and are left out.
+/// The carriage's speed V is the travel speed, so that V cos β is the speed in the wheel's plane. The columns are those of
+/// `identify` ([`columns`]): forces of the sensor have the other sign. Locked wheels at a slip angle of 90° have no slip and are left out.
 ///
 /// # Errors
 /// As [`Table::read`]; [`Error::Content`] where a column is missing.
 pub fn trials(path: &Path, wheel: &str, max_slip: f64) -> Result<Vec<Trial>> {
-    const ONE_NEWTON: f64 = 1.0;
-    const SI_PER_MILLI: f64 = 1e-3;
     let table = Table::read(path)?;
-    let number = |name: &'static [(&'static str, f64)]| table.numbers(Column(name));
-    let angle = number(&[("slip_angle_deg", 1.0)])?;
-    let slip = number(&[("slip", 1.0)])?;
-    let rim = number(&[("rim_speed_mm_s", SI_PER_MILLI)])?;
-    let travel = number(&[("carriage_speed_mm_s", SI_PER_MILLI)])?;
-    let side = number(&[("side_force_n", ONE_NEWTON)])?;
-    let side_deviation = number(&[("side_force_sd_n", ONE_NEWTON)])?;
-    let drag = number(&[("drag_force_n", ONE_NEWTON)])?;
-    let drag_deviation = number(&[("drag_force_sd_n", ONE_NEWTON)])?;
-    let vertical = number(&[("vertical_force_n", ONE_NEWTON)])?;
-    let height = number(&[("height_mm", SI_PER_MILLI)])?;
+    let angle = table.numbers(columns::SLIP_ANGLE)?;
+    let slip = table.numbers(columns::SLIP)?;
+    let rim = table.numbers(columns::RIM)?;
+    let travel = table.numbers(columns::TRAVEL)?;
+    let side = columns::side_force(&table)?;
+    let side_deviation = table.numbers(columns::SIDE_DEVIATION)?;
+    let pull = table.numbers(columns::PULL)?;
+    let pull_deviation = table.numbers(columns::PULL_DEVIATION)?;
+    let load = table.numbers(columns::LOAD)?;
+    let sinkage = table.numbers(columns::SINKAGE)?;
     let wheels = table.texts("wheel").ok_or_else(|| Error::Content {
         path: path.to_owned(),
         message: "there is no column `wheel`".to_owned(),
@@ -120,13 +116,13 @@ pub fn trials(path: &Path, wheel: &str, max_slip: f64) -> Result<Vec<Trial>> {
             stated_slip: slip[i],
             test: WheelTest {
                 kinematics,
-                support: Support::Load(-vertical[i]),
-                pull: Some(-drag[i]),
-                side: Some(-side[i]),
+                support: Support::Load(load[i]),
+                pull: Some(pull[i]),
+                side: side[i],
                 torque: None,
-                sinkage: Some(-height[i]),
+                sinkage: Some(sinkage[i]),
             },
-            pull_deviation: drag_deviation[i],
+            pull_deviation: pull_deviation[i],
             side_deviation: side_deviation[i],
         });
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 use grouser_terra::{GrouserRule, Grousers, Kinematics, RigidWheel, Slip};
 
 use grouser_identify::table::{Column, Table};
-use grouser_identify::wheel::{Support, WheelTest};
+use grouser_identify::wheel::{Support, WheelTest, columns};
 use grouser_identify::{Error, Result};
 
 /// Radius and width, m; load, N.
@@ -65,11 +65,11 @@ pub fn lugged_tests(path: &Path) -> Result<(RigidWheel, Vec<WheelTest>)> {
     let number = |name: &'static [(&'static str, f64)]| table.numbers(Column(name));
     let height = number(&[("grouser_height_m", 1.0)])?;
     let count = number(&[("grouser_count", 1.0)])?;
-    let load = number(&[("vertical_load_n", 1.0)])?;
-    let slip = number(&[("slip", 1.0)])?;
-    let pull = number(&[("meas_drawbar_pull_n", 1.0)])?;
-    let sinkage = number(&[("meas_sinkage_m", 1.0)])?;
-    let torque = number(&[("meas_torque_nm", 1.0)])?;
+    let load = table.numbers(columns::LOAD)?;
+    let slip = table.numbers(columns::SLIP)?;
+    let pull = table.numbers(columns::PULL)?;
+    let sinkage = table.numbers(columns::SINKAGE)?;
+    let torque = table.numbers(columns::TORQUE)?;
     let law = |source| Error::Law {
         what: "a row of Ding's lugged wheel".to_owned(),
         source,

@@ -1,5 +1,6 @@
 //! Wheel tests: one wheel on one soil at several slips.
 
+pub mod columns;
 mod misfit;
 mod model;
 mod table;
