@@ -2,13 +2,15 @@
 //!
 //! Each mistake is undone in the readings, and the job is done again: the one that makes every number plausible is likely.
 
+use grouser_real::Real;
 use grouser_terra::{Angle, Kinematics, RigidWheel};
 use rayon::prelude::*;
 
-use crate::identification::{Identification, fitted};
+use crate::identification::{Identification, WheelNumber, fitted};
 use crate::job::Job;
+use crate::least_squares::Verdict;
 use crate::plate::PlateTest;
-use crate::plausible;
+use crate::plausible::{self, Plausibility};
 use crate::readings::Readings;
 use crate::shear::ShearReading;
 use crate::wheel::{MAX_SCATTER_RATIO, Support, WheelTest};
@@ -263,20 +265,19 @@ impl Strain {
     fn of(found: &Identification, readings: &Readings) -> Self {
         let numbers = plausible::all(found, readings);
         let mut strain = Self {
-            decades: numbers.iter().map(|n| n.decades_outside()).sum(),
-            from_middle: numbers.iter().map(|n| n.square_from_middle()).sum(),
+            decades: numbers.iter().map(Plausibility::decades_outside).sum(),
+            from_middle: numbers.iter().map(Plausibility::square_from_middle).sum(),
         };
         if let Some(stage) = &found.wheel {
-            let beyond = |ratio: f64| grouser_real::Real::log10(ratio / MAX_SCATTER_RATIO);
+            let beyond = |ratio: f64| Real::log10(ratio / MAX_SCATTER_RATIO);
             let misfits = stage.misfits.iter();
             strain.decades += misfits.map(|misfit| beyond(misfit.ratio)).sum::<f64>();
             let buried = stage.said.iter().filter(|said| said.hub_buried).count();
             strain.decades += buried as f64 / stage.said.len().max(1) as f64;
-            strain.from_middle += stage.mean_square_residual.max(1.0).ln();
+            strain.from_middle += Real::ln(stage.mean_square_residual.max(1.0));
             // a number that is stopped at a bound makes up for something else
-            let is_stopped = |own: &&crate::WheelNumber| {
-                own.verdict == crate::least_squares::Verdict::OnBound && own.value != 0.0
-            };
+            let is_stopped =
+                |own: &&WheelNumber| own.verdict == Verdict::OnBound && own.value != 0.0;
             strain.from_middle += stage.numbers.iter().filter(is_stopped).count() as f64;
         }
         strain
