@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use grouser_files::{WholeFile, WriteError};
+
 /// The files being written.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
@@ -75,20 +77,20 @@ fn meet_limits() {
     let _ = flag::register_conditional_shutdown(SIGABRT, i32::from(crate::exit::BAD_INPUT), always);
 }
 
-/// Runs `create`, and has the file that it made removed should the program be interrupted before [`finish`].
-pub(crate) fn begin<T>(
-    create: impl FnOnce() -> std::io::Result<(T, PathBuf)>,
-) -> std::io::Result<(T, PathBuf)> {
+/// Runs `create`, and has the file that it began removed should the program be interrupted before [`finish`].
+pub(crate) fn begin(
+    create: impl FnOnce() -> Result<WholeFile, WriteError>,
+) -> Result<WholeFile, WriteError> {
     let mut files = unfinished();
-    let (made, path) = create()?;
-    files.push(path.clone());
-    Ok((made, path))
+    let whole = create()?;
+    files.extend(whole.partial().map(Path::to_owned));
+    Ok(whole)
 }
 
-/// Runs `end`, which renames or removes `path`, undisturbed by signals.
-pub(crate) fn finish<T>(path: &Path, end: impl FnOnce() -> T) -> T {
+/// Runs `end`, which renames or removes the partial file, undisturbed by signals.
+pub(crate) fn finish<T>(partial: Option<&Path>, end: impl FnOnce() -> T) -> T {
     let mut files = unfinished();
-    files.retain(|other| other != path);
+    files.retain(|other| Some(other.as_path()) != partial);
     end()
 }
 

@@ -47,7 +47,6 @@ mod output_choice;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 #[cfg(feature = "command")]
-mod partial_file;
 #[cfg(feature = "command")]
 mod progress;
 #[cfg(feature = "command")]

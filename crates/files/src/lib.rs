@@ -10,7 +10,7 @@
 //! | URDF | [`urdf`] | |
 //!
 //! The primary types are [`Document`] and [`Section`], over which each kind of file is one module, and
-//! [`TomlText`], which writes them. The crate reads the descriptions of logs, not logs.
+//! [`TomlText`], which writes them. [`WholeFile`] writes any file as a whole or not at all. The crate reads the descriptions of logs, not logs.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -23,6 +23,7 @@ mod fields;
 pub mod gravity;
 mod key_unit;
 mod parse;
+mod partial_file;
 mod quantity_name;
 pub mod regular;
 pub mod robot;
@@ -35,6 +36,7 @@ pub mod topics;
 pub mod unit;
 pub mod urdf;
 pub mod wheel_sizes;
+mod whole_file;
 
 pub use document::{DEPTH_LIMIT, Document, FORMAT, SIZE_LIMIT};
 pub use entries::Entry;
@@ -45,3 +47,4 @@ pub use quantity_name::is_quantity_name;
 pub use section::Section;
 pub use suggestion::nearest;
 pub use toml_text::TomlText;
+pub use whole_file::{WholeFile, WriteError, write_whole};

@@ -12,4 +12,5 @@ mod soils;
 mod toml_faults;
 mod topics;
 mod urdf;
+mod whole_files;
 mod written_files;

@@ -1,19 +1,15 @@
-//! Half-written files: each has a name that nobody can foresee, beside the file that it becomes, and is locked while its
-//! program lives. One that is not locked was left by a program that was killed, and is removed by the next that writes
-//! the same file.
+//! Half-written files: each has a random name in the folder of the file that it becomes, and is locked while its program
+//! runs. One that is not locked was left by a program that was killed, and is removed by the next that writes the same
+//! file.
 
 use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions};
-use std::hash::{BuildHasher as _, Hasher as _, RandomState};
+use std::hash::{BuildHasher as _, DefaultHasher, Hasher as _, RandomState};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::input::digest;
-
 /// Names that are tried: each is one of 2^64, so that a second try is already unheard of.
 const MAX_TRIES: u32 = 16;
-/// Hexadecimal digits of the name's digest: short, so that a name of any length has a partial file.
-const NAME_DIGITS: usize = 16;
 const ENDING: &str = ".partial";
 /// Elsewhere a locked file cannot be read by another handle, and some verbs read again what they wrote.
 const CAN_LOCK: bool = cfg!(unix);
@@ -21,10 +17,10 @@ const CAN_LOCK: bool = cfg!(unix);
 /// Creates the partial file of `target`; `keeps` is the file that is there already, whose owner and mode are kept.
 pub(crate) fn create(target: &Path, keeps: Option<&fs::Metadata>) -> io::Result<(File, PathBuf)> {
     let name = target.file_name().unwrap_or_else(|| OsStr::new(""));
-    let stem = format!(
-        ".grouser-{}-",
-        &digest(name.as_encoded_bytes())[..NAME_DIGITS]
-    );
+    // short, so that a name of any length has a partial file
+    let mut digest = DefaultHasher::new();
+    digest.write(name.as_encoded_bytes());
+    let stem = format!(".grouser-{:016x}-", digest.finish());
     remove_stale(target, &stem);
     for _ in 0..MAX_TRIES {
         // each `RandomState` has other keys, the first of them from the system's random numbers
