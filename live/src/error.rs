@@ -79,6 +79,12 @@ pub enum Error {
         /// The type.
         type_name: String,
     },
+    /// A fault of the node itself, which ends in order.
+    #[error("the node has a fault: {what}")]
+    Panic {
+        /// What the fault reports.
+        what: String,
+    },
     /// A message that cannot be written.
     #[error(transparent)]
     Message(#[from] grouser_log::message::MessageError),

@@ -1,5 +1,9 @@
 //! A running node: messages in, slips out, to the summary.
+//!
+//! [`Node::run`] has one end for every reason to end: the robot is stopped first, then each of state, recording and
+//! transport is ended, whatever became of the others.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -11,11 +15,11 @@ use grouser_replay::{Engine, RobotSamples, Status};
 
 use crate::arguments::Arguments;
 use crate::command::{self, CommandPath};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::latency::Latency;
 use crate::look::Subscriptions;
 use crate::outputs::{Outputs, record};
-use crate::print::{SCREEN_IS_OPEN, event_line, say, summary_line, warn};
+use crate::print::{SCREEN_IS_OPEN, complain, event_line, say, summary_line, warn};
 use crate::recorder::Recorder;
 use crate::screen::{MAX_EVENTS, Screen, Snapshot};
 use crate::senders::Senders;
@@ -32,6 +36,11 @@ const SILENCE: Duration = Duration::from_millis(500);
 /// Where every topic has been silent for so long, the transport announces the node anew, and again after twice the time, up to
 /// the limit: a peer that is off costs little, one that was lost is back soon.
 const RENEWAL_TIMES: (Duration, Duration) = (Duration::from_secs(3), Duration::from_mins(1));
+
+/// The last second that the 32 bits of a stamp hold.
+const MAX_STAMP: Duration = Duration::from_secs(i32::MAX.unsigned_abs() as u64);
+/// The zero at the end is begun again so often where sending it panics.
+const MAX_STOP_TRIES: u32 = 3;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,6 +92,7 @@ pub(crate) struct Node {
     renewal_time: Duration,
     /// Messages that were not sent until the last diagnostics.
     unsent: u64,
+    diagnostics_period: Duration,
     /// With the time of the next snapshot.
     pub(crate) screen: Option<(Screen, Instant)>,
     pub(crate) title: String,
@@ -123,6 +133,7 @@ impl Node {
             command: None,
             renewal_time: RENEWAL_TIMES.0,
             unsent: 0,
+            diagnostics_period: DIAGNOSTICS_PERIOD,
             screen: None,
             title: String::new(),
             events: Vec::new(),
@@ -197,9 +208,32 @@ impl Node {
         Ok(())
     }
 
+    /// Runs until `stop`, or until something fails; the end is the same.
+    pub(crate) fn run(
+        mut self,
+        backlog: &[Arrival],
+        arrivals: &mut Arrivals,
+        stop: &dyn Fn() -> bool,
+        kept: (&Arguments, &grouser_slip::Robot),
+    ) -> Result<Outcome> {
+        let turned = guarded(|| {
+            for arrival in backlog {
+                self.take(arrival, false)?;
+            }
+            // what arrived meanwhile waited for these, not for the node's work
+            while let Some(arrival) = arrivals.try_recv() {
+                self.take(&arrival, false)?;
+            }
+            self.turn(arrivals, stop)
+        });
+        self.stop_robot();
+        let drained = turned.and_then(|()| guarded(|| self.drain(arrivals)));
+        self.end(drained, kept)
+    }
+
     /// The loop.
-    pub(crate) fn turn(&mut self, arrivals: &mut Arrivals, stop: &dyn Fn() -> bool) -> Result<()> {
-        let mut diagnostics_due = Instant::now() + DIAGNOSTICS_PERIOD;
+    fn turn(&mut self, arrivals: &mut Arrivals, stop: &dyn Fn() -> bool) -> Result<()> {
+        let mut diagnostics_due = Instant::now() + self.diagnostics_period;
         while !stop() {
             let wait = if self.hold.is_zero() {
                 TURN
@@ -222,14 +256,34 @@ impl Node {
             }
             self.show(now);
             if now >= diagnostics_due {
-                diagnostics_due = now + DIAGNOSTICS_PERIOD;
-                self.diagnose(now)?;
+                diagnostics_due = now + self.diagnostics_period;
+                self.diagnose(now);
             }
         }
-        if let Some(path) = &mut self.command {
-            path.stop(system_ns(), &mut self.outputs)?;
+        Ok(())
+    }
+
+    /// The last command is zero, if the transport still carries it. The base needs a timeout of its own for a transport
+    /// that does not, and for a node that is killed.
+    fn stop_robot(&mut self) {
+        let Some(path) = &mut self.command else {
+            return;
+        };
+        // a transport that fails once may carry the next one
+        for _ in 0..MAX_STOP_TRIES {
+            let stopped = guarded(|| {
+                path.stop(system_ns(), &mut self.outputs);
+                Ok(())
+            });
+            match stopped {
+                Ok(()) => return,
+                Err(error) => warn(&format!("the last command may not be zero: {error}")),
+            }
         }
-        // what has arrived by now still counts
+    }
+
+    /// What has arrived by now still counts.
+    fn drain(&mut self, arrivals: &mut Arrivals) -> Result<()> {
         while let Some(arrival) = arrivals.try_recv() {
             self.take(&arrival, true)?;
         }
@@ -238,7 +292,7 @@ impl Node {
     }
 
     /// Once a second: what is wrong, in diagnostics and, where it is new, in words.
-    fn diagnose(&mut self, now: Instant) -> Result<()> {
+    fn diagnose(&mut self, now: Instant) {
         let now_ns = system_ns();
         let mut problems: Vec<String> = self
             .senders
@@ -261,6 +315,10 @@ impl Node {
                 .push("messages were not sent: a subscriber or the machine is too slow".to_owned());
         }
         self.unsent = unsent;
+        let (unencoded, reason) = self.outputs.unencoded();
+        if let Some(reason) = reason {
+            problems.push(format!("messages cannot be encoded: {reason}"));
+        }
         let left_out = self.intake.left_out();
         if let Some(problem) = &left_out.problem {
             problems.push(format!("messages cannot be decoded: {problem}"));
@@ -305,6 +363,7 @@ impl Node {
                 ("messages_late", late.to_string()),
                 ("messages_undecoded", undecoded.to_string()),
                 ("messages_unsent", unsent.to_string()),
+                ("messages_unencoded", unencoded.to_string()),
                 ("messages_dropped", self.inbox.dropped().to_string()),
                 ("hold_ms", format!("{:.1}", 1e3 * self.hold.as_secs_f64())),
                 ("latency_median_us", format!("{median:.0}")),
@@ -314,17 +373,12 @@ impl Node {
         );
         self.problems = problems;
         if is_silent {
-            self.outputs
-                .publish_silence(now_ns)
-                .map_err(grouser_replay::Error::Sink)?;
+            self.outputs.publish_silence(now_ns);
         }
-        self.outputs
-            .publish_diagnostics(now_ns, status)
-            .map_err(grouser_replay::Error::Sink)?;
+        self.outputs.publish_diagnostics(now_ns, status);
         if !self.is_quiet {
             self.print_wheels();
         }
-        Ok(())
     }
 
     /// Hands the screen, where there is one, a new snapshot.
@@ -399,26 +453,63 @@ impl Node {
         }
     }
 
-    pub(crate) fn finish(
+    /// Ends state, recording and transport, each whatever became of the others. The first fault of the run is the
+    /// result; later ones are printed.
+    fn end(
         mut self,
-        arguments: &Arguments,
-        robot: &grouser_slip::Robot,
+        turned: Result<()>,
+        (arguments, robot): (&Arguments, &grouser_slip::Robot),
     ) -> Result<Outcome> {
         // the terminal is given back before anything is printed
-        self.screen = None;
+        let closed = guarded(|| {
+            self.screen = None;
+            Ok(())
+        });
         SCREEN_IS_OPEN.store(false, Ordering::Relaxed);
-        if let (Some(path), Some(learnt)) = (&arguments.state, self.engine.learnt()) {
-            state_file::write(path, robot, &learnt)?;
-        }
+        let kept = guarded(|| match (&arguments.state, self.engine.learnt()) {
+            (Some(path), Some(learnt)) => state_file::write(path, robot, &learnt),
+            _ => Ok(()),
+        });
         let latency = self.latency.microseconds();
-        let summary = self.engine.finish(&mut self.outputs)?;
-        let recorded = self
-            .outputs
-            .recorder
-            .take()
-            .map(Recorder::finish)
-            .transpose()?;
-        self.outputs.transport.close();
+        let mut faults: Vec<Error> = [turned, closed, kept]
+            .into_iter()
+            .filter_map(Result::err)
+            .collect();
+        // after a fault the estimate is not worth a last message
+        let summary = if faults.is_empty() {
+            let engine = self.engine;
+            Some(guarded(|| Ok(engine.finish(&mut self.outputs)?)))
+        } else {
+            None
+        };
+        let recorder = self.outputs.recorder.take();
+        let recorded = guarded(|| recorder.map(Recorder::finish).transpose());
+        let unencoded = self.outputs.unencoded();
+        let dropped = unencoded.1.map(|reason| {
+            let count = unencoded.0;
+            format!("{count} messages were not published: they cannot be encoded: {reason}")
+        });
+        let transport = self.outputs.transport;
+        let left = guarded(|| {
+            transport.close();
+            Ok(())
+        });
+        faults.extend(left.err());
+        let recorded = recorded.map_err(|error| faults.push(error)).ok().flatten();
+        let summary = summary.and_then(|summary| summary.map_err(|error| faults.push(error)).ok());
+        if let (Some(path), false) = (&recorded, arguments.quiet) {
+            say(&format!("wrote {}", path.display()));
+        }
+        let mut faults = faults.into_iter();
+        let first = faults.next();
+        for later in faults {
+            complain(&later.to_string());
+        }
+        let summary = match (first, summary) {
+            (Some(first), _) => return Err(first),
+            (None, None) => return Ok(Outcome::NoSlip),
+            (None, Some(summary)) => summary,
+        };
         if !arguments.quiet {
             say(&summary_line(&summary, self.messages, self.outputs.steps));
             if let Some([median, high, longest]) = latency {
@@ -426,13 +517,11 @@ impl Node {
                     "from a message to its slip: median {median:.0} µs, 99.9 % {high:.0} µs, longest {longest:.0} µs"
                 ));
             }
-            if let Some(path) = recorded {
-                say(&format!("wrote {}", path.display()));
-            }
         }
-        let doubts = summary.doubts();
+        let doubts = summary.doubts().into_iter().map(|doubt| doubt.to_string());
+        let doubts: Vec<String> = doubts.chain(dropped).collect();
         for doubt in &doubts {
-            warn(&doubt.to_string());
+            warn(doubt);
         }
         Ok(match summary.status {
             _ if !doubts.is_empty() => Outcome::Doubtful,
@@ -442,12 +531,26 @@ impl Node {
     }
 }
 
+/// Does `act`; a panic in it is an error.
+fn guarded<T>(act: impl FnOnce() -> Result<T>) -> Result<T> {
+    // what it was about to change is only stopped, saved if it is whole, and closed
+    catch_unwind(AssertUnwindSafe(act)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+        let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
+        Err(Error::Panic {
+            what: text.unwrap_or_else(|| "no reason is known".to_owned()),
+        })
+    })
+}
+
 #[cfg(test)]
 mod cycle_tests;
+#[cfg(test)]
+mod end_tests;
 
+/// The system's time, ns, as far as a stamp holds it.
 fn system_ns() -> i64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH);
-    since.map_or(0, |since| {
-        i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)
-    })
+    let since = since.unwrap_or_default().min(MAX_STAMP);
+    i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)
 }

@@ -4,7 +4,7 @@ use std::io;
 use std::time::Instant;
 
 use grouser_log::container::Channel;
-use grouser_log::message::{Definition, Header, Value, build, known};
+use grouser_log::message::{Definition, Header, MessageError, Value, build, known};
 use grouser_replay::messages::{
     slip_event, wheel_statuses, write_odometry, write_transform, write_twist, write_wheel_slip,
 };
@@ -12,7 +12,7 @@ use grouser_replay::{Odometry, Row, Sink, Step};
 use grouser_slip::detect::Change;
 use grouser_slip::{Health, Invalid, WheelEstimate};
 
-use crate::error::{Error, Result};
+use crate::error::Error;
 use crate::recorder::Recorder;
 use crate::transport::Transport;
 
@@ -32,6 +32,8 @@ pub(crate) struct Topic {
     record: Option<u16>,
     /// Messages that the transport did not take.
     unsent: u64,
+    /// Messages that cannot be encoded, and why the first cannot.
+    unencoded: (u64, Option<String>),
 }
 
 impl Topic {
@@ -40,7 +42,7 @@ impl Topic {
         transport: &mut dyn Transport,
         topic: &str,
         type_name: &str,
-    ) -> Result<Self> {
+    ) -> crate::Result<Self> {
         let channel = known::channel(topic, type_name).ok_or_else(|| Error::UnknownType {
             type_name: type_name.to_owned(),
         })?;
@@ -52,29 +54,39 @@ impl Topic {
             bytes: Vec::new(),
             record: None,
             unsent: 0,
+            unencoded: (0, None),
         })
     }
 
-    /// Encodes, publishes and records a message.
+    /// Encodes, publishes and records a message of named fields.
     fn send(
         &mut self,
         transport: &mut dyn Transport,
         recorder: &mut Option<Recorder>,
         time_ns: i64,
         message: &Value,
-    ) -> io::Result<()> {
-        self.bytes = self.definition.encode(message).map_err(io::Error::other)?;
-        self.send_written(transport, recorder, time_ns);
-        Ok(())
+    ) {
+        let encoded = self.definition.encode(message);
+        let written = encoded.map(|bytes| self.bytes = bytes);
+        self.send_written(transport, recorder, time_ns, written);
     }
 
-    /// Publishes and records the message at hand. A recording that fails ends, with a warning, and the node goes on.
+    /// Publishes and records the message that was `written` into the bytes: has the transport taken it? One that cannot be
+    /// encoded is dropped and counted. A recording that fails ends, with a warning, and the node goes on.
     pub(crate) fn send_written(
         &mut self,
         transport: &mut dyn Transport,
         recorder: &mut Option<Recorder>,
         time_ns: i64,
-    ) {
+        written: Result<(), MessageError>,
+    ) -> bool {
+        if let Err(error) = written {
+            self.unencoded.0 += 1;
+            self.unencoded
+                .1
+                .get_or_insert_with(|| format!("`{}`: {error}", self.channel.topic));
+            return false;
+        }
         record(
             recorder,
             &mut self.record,
@@ -83,9 +95,9 @@ impl Topic {
             &self.bytes,
         );
         // a reader that does not keep up, or a transport that is busy, does not end the node: the message is lost, and counted
-        if transport.publish(self.publisher, &self.bytes).is_err() {
-            self.unsent += 1;
-        }
+        let is_sent = transport.publish(self.publisher, &self.bytes).is_ok();
+        self.unsent += u64::from(!is_sent);
+        is_sent
     }
 }
 
@@ -121,8 +133,8 @@ impl Outputs {
         names: Vec<String>,
         frames: Frames,
         publishes_tf: bool,
-        name: impl Fn(&str) -> Result<String>,
-    ) -> Result<Self> {
+        name: impl Fn(&str) -> crate::Result<String>,
+    ) -> crate::Result<Self> {
         let mut topic =
             |topic: String, type_name: &str| Topic::announce(transport.as_mut(), &topic, type_name);
         let tf = publishes_tf.then(|| topic("/tf".to_owned(), "tf2_msgs/TFMessage"));
@@ -155,8 +167,7 @@ impl Outputs {
         &self.names
     }
 
-    /// Messages of the estimate that the transport did not take.
-    pub(crate) fn unsent(&self) -> u64 {
+    fn topics(&self) -> impl Iterator<Item = &Topic> {
         let own = [
             &self.slip,
             &self.odometry,
@@ -164,12 +175,23 @@ impl Outputs {
             &self.events,
             &self.diagnostics,
         ];
-        let topics = own.into_iter().chain(&self.transform);
-        topics.map(|topic| topic.unsent).sum()
+        own.into_iter().chain(&self.transform)
+    }
+
+    /// Messages of the estimate that the transport did not take.
+    pub(crate) fn unsent(&self) -> u64 {
+        self.topics().map(|topic| topic.unsent).sum()
+    }
+
+    /// Messages of the estimate that cannot be encoded, and why the first cannot.
+    pub(crate) fn unencoded(&self) -> (u64, Option<&str>) {
+        let count = self.topics().map(|topic| topic.unencoded.0).sum();
+        let mut reasons = self.topics().map(|topic| topic.unencoded.1.as_deref());
+        (count, reasons.find_map(|reason| reason))
     }
 
     /// Publishes diagnostics: the node's own status first, then the wheels'.
-    pub(crate) fn publish_diagnostics(&mut self, time_ns: i64, node: Value) -> io::Result<()> {
+    pub(crate) fn publish_diagnostics(&mut self, time_ns: i64, node: Value) {
         let mut statuses = vec![node];
         statuses.extend(wheel_statuses(&self.names, &self.latest));
         let message = build::message([
@@ -178,16 +200,16 @@ impl Outputs {
         ]);
         let (transport, recorder) = (self.transport.as_mut(), &mut self.recorder);
         self.diagnostics
-            .send(transport, recorder, time_ns, &message)
+            .send(transport, recorder, time_ns, &message);
     }
 
     /// The wheels are silent: no slip is claimed any more.
-    pub(crate) fn publish_silence(&mut self, time_ns: i64) -> io::Result<()> {
+    pub(crate) fn publish_silence(&mut self, time_ns: i64) {
         for wheel in &mut self.latest {
             (wheel.slip, wheel.sigma, wheel.motion) = (None, None, None);
             wheel.health = Health::Invalid(Invalid::Dropout);
         }
-        self.publish_slip(time_ns)
+        self.publish_slip(time_ns);
     }
 
     /// Does anyone receive or record a topic?
@@ -196,19 +218,19 @@ impl Outputs {
         self.recorder.is_some() || self.transport.has_subscriber(publisher)
     }
 
-    fn publish_slip(&mut self, time_ns: i64) -> io::Result<()> {
+    fn publish_slip(&mut self, time_ns: i64) {
         if !self.is_wanted(|own| &own.slip) {
-            return Ok(());
+            return;
         }
         let frame = &self.frames.base;
         let (header, bytes) = (Header { time_ns, frame }, &mut self.slip.bytes);
-        write_wheel_slip(bytes, header, &self.names, &self.latest).map_err(io::Error::other)?;
+        let written = write_wheel_slip(bytes, header, &self.names, &self.latest);
         let (transport, recorder) = (self.transport.as_mut(), &mut self.recorder);
-        self.slip.send_written(transport, recorder, time_ns);
-        Ok(())
+        self.slip
+            .send_written(transport, recorder, time_ns, written);
     }
 
-    fn publish_odometry(&mut self, time_ns: i64, odometry: &Odometry) -> io::Result<()> {
+    fn publish_odometry(&mut self, time_ns: i64, odometry: &Odometry) {
         let wants = [
             self.is_wanted(|own| &own.odometry),
             self.is_wanted(|own| &own.twist),
@@ -218,18 +240,19 @@ impl Outputs {
         let (transport, recorder) = (self.transport.as_mut(), &mut self.recorder);
         if wants[0] {
             let bytes = &mut self.odometry.bytes;
-            write_odometry(bytes, in_odom, base, odometry).map_err(io::Error::other)?;
-            self.odometry.send_written(transport, recorder, time_ns);
+            let written = write_odometry(bytes, in_odom, base, odometry);
+            self.odometry
+                .send_written(transport, recorder, time_ns, written);
         }
         if wants[1] {
-            write_twist(&mut self.twist.bytes, in_base, odometry).map_err(io::Error::other)?;
-            self.twist.send_written(transport, recorder, time_ns);
+            let written = write_twist(&mut self.twist.bytes, in_base, odometry);
+            self.twist
+                .send_written(transport, recorder, time_ns, written);
         }
         if let Some(topic) = &mut self.transform {
-            write_transform(&mut topic.bytes, in_odom, base, odometry).map_err(io::Error::other)?;
-            topic.send_written(transport, recorder, time_ns);
+            let written = write_transform(&mut topic.bytes, in_odom, base, odometry);
+            topic.send_written(transport, recorder, time_ns, written);
         }
-        Ok(())
     }
 }
 
@@ -268,10 +291,10 @@ impl Sink for Outputs {
         self.latest_ns = Some(step.time_ns);
         self.latest_at = Some(Instant::now());
         self.latest_speed = step.odometry.map(|odometry| odometry.velocity[0]);
-        self.publish_slip(step.time_ns)?;
+        self.publish_slip(step.time_ns);
         if let Some(odometry) = step.odometry {
             self.last_odometry = Some(odometry);
-            self.publish_odometry(step.time_ns, &odometry)?;
+            self.publish_odometry(step.time_ns, &odometry);
         }
         Ok(())
     }
@@ -282,6 +305,7 @@ impl Sink for Outputs {
         let message = slip_event(header, &self.names, change);
         let (transport, recorder) = (self.transport.as_mut(), &mut self.recorder);
         self.events
-            .send(transport, recorder, change.time_ns, &message)
+            .send(transport, recorder, change.time_ns, &message);
+        Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! `--record`: the messages that come in and go out, as an MCAP file.
 
 use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use grouser_log::container::Channel;
@@ -12,7 +12,8 @@ use crate::error::{Error, Result};
 /// A file in the making: a chunk is written after a second of messages.
 pub(crate) struct Recorder {
     path: PathBuf,
-    writer: McapWriter<BufWriter<File>>,
+    // not buffered: each chunk is whole in the file once it is written
+    writer: McapWriter<File>,
     sequence: u32,
 }
 
@@ -27,7 +28,7 @@ impl Recorder {
             source,
         };
         let file = File::create_new(path).map_err(failed)?;
-        let writer = McapWriter::new(BufWriter::new(file), "ros2").map_err(failed)?;
+        let writer = McapWriter::new(file, "ros2").map_err(failed)?;
         Ok(Self {
             path: path.to_owned(),
             writer,

@@ -107,15 +107,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome> {
         node.screen = Some((Screen::open(Arc::clone(&interrupted))?, Instant::now()));
         SCREEN_IS_OPEN.store(true, Ordering::Relaxed);
     }
-    for arrival in looked.backlog {
-        node.take(&arrival, false)?;
-    }
-    // what arrived meanwhile waited for these, not for the node's work
-    while let Some(arrival) = arrivals.try_recv() {
-        node.take(&arrival, false)?;
-    }
-    node.turn(&mut arrivals, &stop)?;
-    node.finish(arguments, &robot.robot)
+    let kept = (arguments, &robot.robot);
+    node.run(&looked.backlog, &mut arrivals, &stop, kept)
 }
 
 pub(crate) fn wheel_names(robot: &RobotFile) -> Vec<String> {

@@ -11,7 +11,7 @@
 
 use std::path::Path;
 
-use grouser_files::{Document, Section, TomlText};
+use grouser_files::{Document, Section, TomlText, write_whole};
 use grouser_slip::filter::{Learnt, LearntWheel, SlipPrior};
 use grouser_slip::{Measured, Robot};
 
@@ -28,8 +28,11 @@ pub(crate) fn read(path: &Path, robot: &Robot) -> Result<Option<Learnt>> {
     if !path.exists() {
         return Ok(None);
     }
-    let document = Document::read(path)?;
-    let learnt = document.parse(|root: &Section<'_>| -> Result<Learnt> {
+    parse(&Document::read(path)?, path, robot).map(Some)
+}
+
+fn parse(document: &Document, path: &Path, robot: &Robot) -> Result<Learnt> {
+    document.parse(|root: &Section<'_>| -> Result<Learnt> {
         let name = root.text("robot")?;
         if name != robot.name() {
             return Err(Error::OtherRobot {
@@ -74,22 +77,21 @@ pub(crate) fn read(path: &Path, robot: &Robot) -> Result<Option<Learnt>> {
             }
         }
         Ok(learnt)
-    })?;
-    Ok(Some(learnt))
+    })
 }
 
-/// Writes the file anew, whole or not at all.
+/// Writes the file as a whole or not at all. A state that could not be read again is not written.
 ///
 /// # Errors
-/// [`Error::File`].
+/// [`Error::File`]; [`Error::Files`] for a number that a state cannot have.
 pub(crate) fn write(path: &Path, robot: &Robot, learnt: &Learnt) -> Result<()> {
-    let failed = |source| Error::File {
+    let text = text(robot, learnt);
+    let name = path.display().to_string();
+    parse(&Document::from_text(&name, text.clone())?, path, robot)?;
+    write_whole(path, text.as_bytes()).map_err(|error| Error::File {
         path: path.to_owned(),
-        source,
-    };
-    let beside = path.with_extension("new");
-    std::fs::write(&beside, text(robot, learnt)).map_err(failed)?;
-    std::fs::rename(&beside, path).map_err(failed)
+        source: error.into(),
+    })
 }
 
 fn text(robot: &Robot, learnt: &Learnt) -> String {

@@ -48,7 +48,7 @@ pub struct LeftOut {
     pub damages: u64,
     /// Bytes of the file that are lost in them.
     pub bytes_lost: u64,
-    /// Messages that could not be decoded.
+    /// Messages that could not be decoded, and rows of tables whose time is garbled.
     pub undecoded: u64,
     /// Why the first of them could not be.
     pub problem: Option<String>,
@@ -73,6 +73,12 @@ impl LeftOut {
     pub(crate) fn exclude(&mut self, why: &'static str) {
         self.excluded += 1;
         self.exclusion.get_or_insert(why);
+    }
+
+    /// A row of a table that cannot be used.
+    pub(crate) fn leave_out_row(&mut self, why: &crate::Error) {
+        self.undecoded += 1;
+        self.problem.get_or_insert_with(|| why.to_string());
     }
 
     /// What was left out of another file of the same run.
@@ -189,9 +195,19 @@ impl Messages {
                     return;
                 }
                 let recorded = i64::try_from(message.log_time_ns).unwrap_or(i64::MAX);
-                let stamp = (self.clock == Clock::Header).then(|| stamp_of(&value));
+                let stamp = match self.clock {
+                    Clock::Header => stamp_of(&value),
+                    Clock::Recorder => Ok(None),
+                };
+                let Ok(stamp) = stamp else {
+                    self.left_out.undecoded += 1;
+                    self.left_out
+                        .problem
+                        .get_or_insert_with(|| NO_STAMP.to_owned());
+                    return;
+                };
                 Stamped {
-                    time_ns: stamp.flatten().unwrap_or(recorded),
+                    time_ns: stamp.unwrap_or(recorded),
                     log_time_ns: message.log_time_ns,
                     channel: message.channel,
                     size: message.data.len(),
@@ -221,12 +237,25 @@ impl Iterator for Messages {
     }
 }
 
+/// Why a message whose stamp is garbled is left out.
+pub(crate) const NO_STAMP: &str =
+    "its stamp is not a time: `nanosec` must be below 1000000000, and the sum must fit in 64 bits";
+
+/// A stamp that is not a time.
+#[derive(Debug)]
+pub(crate) struct NoStamp;
+
 /// The stamp of a message's header, ns; a stamp of zero is none. Of transforms, the first one's.
-pub(crate) fn stamp_of(value: &Value) -> Option<i64> {
-    let header = value
+pub(crate) fn stamp_of(value: &Value) -> std::result::Result<Option<i64>, NoStamp> {
+    let stamp = value
         .at("header.stamp")
-        .or_else(|| value.at("transforms[0].header.stamp"))?;
-    header.time_ns().filter(|stamp| *stamp > 0)
+        .or_else(|| value.at("transforms[0].header.stamp"));
+    let Some(stamp) = stamp else { return Ok(None) };
+    match stamp.time_ns() {
+        Some(time_ns) => Ok(Some(time_ns).filter(|time_ns| *time_ns > 0)),
+        None if stamp.at("sec").is_some() => Err(NoStamp),
+        None => Ok(None),
+    }
 }
 
 #[cfg(test)]

@@ -330,7 +330,7 @@ impl Tally {
             .iter()
             .any(|kind| topic.channel.type_name.ends_with(kind));
         let stamp = decoded.as_ref().ok().filter(|()| !is_tree);
-        let stamp = stamp.and_then(|()| stamp_of(value));
+        let stamp = stamp.and_then(|()| stamp_of(value).ok().flatten());
         let stamp = stamp.map(i64::cast_unsigned);
         if topic.messages == 1 {
             topic.stamped = stamp.is_some();

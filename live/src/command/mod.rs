@@ -23,6 +23,8 @@ pub(crate) const SUBSCRIPTION: usize = usize::MAX;
 const PERIOD: Duration = Duration::from_millis(20);
 /// A publisher of commands is looked for this often.
 const LOOK_PERIOD: Duration = Duration::from_millis(200);
+/// The zero of a node that ends is sent so often at most until the transport takes it.
+const MAX_ZERO_TRIES: u32 = 5;
 /// A refused command is reported for this long.
 const REPORT_TIME: Duration = Duration::from_secs(2);
 
@@ -147,21 +149,17 @@ impl CommandPath {
             },
         );
         if let (Some(motion), Some(open)) = (motion, &mut self.open) {
-            publish(open, outputs, (&self.frame, now_ns), motion)?;
+            publish(open, outputs, (&self.frame, now_ns), motion);
         }
         Ok(())
     }
 
-    /// The last message of a node that ends.
-    pub(crate) fn stop(&mut self, now_ns: i64, outputs: &mut Outputs) -> Result<()> {
-        self.open.as_mut().map_or(Ok(()), |open| {
-            publish(
-                open,
-                outputs,
-                (&self.frame, now_ns),
-                MotionRequest::default(),
-            )
-        })
+    /// The last message of a node that ends: a zero, again if the transport does not take it.
+    pub(crate) fn stop(&mut self, now_ns: i64, outputs: &mut Outputs) {
+        let Some(open) = &mut self.open else { return };
+        let zero = MotionRequest::default();
+        let mut tries = 0..MAX_ZERO_TRIES;
+        tries.any(|_| publish(open, outputs, (&self.frame, now_ns), zero));
     }
 
     /// The first publisher of commands decides their type.
@@ -232,21 +230,20 @@ impl CommandPath {
     }
 }
 
+/// Has the transport taken the motion?
 fn publish(
     open: &mut OpenTopics,
     outputs: &mut Outputs,
     (frame, now_ns): (&str, i64),
     motion: MotionRequest,
-) -> Result<()> {
+) -> bool {
     let header = Header {
         time_ns: now_ns,
         frame,
     };
     let output = &mut open.output;
-    motion
-        .write(&mut output.bytes, open.is_stamped.then_some(header))
-        .map_err(|error| grouser_replay::Error::Sink(std::io::Error::other(error)))?;
+    let header = open.is_stamped.then_some(header);
+    let written = motion.write(&mut output.bytes, header);
     let (transport, recorder) = (outputs.transport.as_mut(), &mut outputs.recorder);
-    output.send_written(transport, recorder, now_ns);
-    Ok(())
+    output.send_written(transport, recorder, now_ns, written)
 }

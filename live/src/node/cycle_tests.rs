@@ -26,9 +26,18 @@ const WHEELS: usize = 8;
 const PERIOD_NS: i64 = 5_000_000;
 
 /// Takes what is published, and counts it.
-struct Sent {
+pub(super) struct Sent {
     count: Rc<Cell<u64>>,
     has_subscriber: bool,
+}
+
+impl Sent {
+    pub(super) fn new(count: &Rc<Cell<u64>>, has_subscriber: bool) -> Self {
+        Self {
+            count: Rc::clone(count),
+            has_subscriber,
+        }
+    }
 }
 
 impl Transport for Sent {
@@ -62,7 +71,7 @@ impl Transport for Sent {
     fn close(self: Box<Self>) {}
 }
 
-fn robot() -> RobotFile {
+pub(super) fn robot() -> RobotFile {
     let mut text = "format = 1\nname = \"eight wheels\"\n".to_owned();
     for index in 0..WHEELS {
         let role = if index == WHEELS - 1 {
@@ -85,13 +94,13 @@ fn robot() -> RobotFile {
 }
 
 /// Messages of a robot at 0.2 m/s whose rims run at 0.25 m/s: joints, then the IMU.
-struct Driver {
+pub(super) struct Driver {
     definitions: [Definition; 2],
     names: Vec<String>,
 }
 
 impl Driver {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         let definition = |name: &str| {
             let (package, kind) = name.split_once('/').unwrap();
             let text = known::definition(name).unwrap();
@@ -103,7 +112,7 @@ impl Driver {
         }
     }
 
-    fn arrival(&self, number: i64) -> Arrival {
+    pub(super) fn arrival(&self, number: i64) -> Arrival {
         let subscription = usize::try_from(number % 2).unwrap();
         let time_ns = number * PERIOD_NS / 2;
         let seconds = time_ns as f64 * 1e-9;
@@ -131,6 +140,17 @@ impl Driver {
 
 /// A node that has chosen both topics, and the count of what it has published.
 fn node(driver: &Driver, hold: Duration, has_subscriber: bool) -> (Node, Rc<Cell<u64>>) {
+    let count = Rc::default();
+    let transport = Box::new(Sent::new(&count, has_subscriber));
+    (node_over(driver, hold, transport).0, count)
+}
+
+/// A node that has chosen both topics, over a transport.
+pub(super) fn node_over(
+    driver: &Driver,
+    hold: Duration,
+    transport: Box<dyn Transport>,
+) -> (Node, RobotFile) {
     let robot = robot();
     let channels = vec![
         known::channel("/joint_states", "sensor_msgs/JointState").unwrap(),
@@ -148,20 +168,15 @@ fn node(driver: &Driver, hold: Duration, has_subscriber: bool) -> (Node, Rc<Cell
     let inputs = Inputs::of(&intake, &robot, &Options::default()).unwrap();
     let samples = RobotSamples::new(&intake, &robot).unwrap();
     let engine = Engine::new(&robot, inputs, &Options::default()).unwrap();
-    let count = Rc::default();
     let frames = Frames {
         base: "base_link".to_owned(),
         odom: "odom".to_owned(),
     };
-    let transport = Box::new(Sent {
-        count: Rc::clone(&count),
-        has_subscriber,
-    });
     let name = |name: &str| Ok(format!("/{name}"));
     let outputs = Outputs::announce(transport, wheel_names(&robot), frames, false, name).unwrap();
     let mut node = Node::new(channels, intake, (samples, engine), outputs, inbox().0);
     node.hold = hold;
-    (node, count)
+    (node, robot)
 }
 
 /// Allocations, messages published and time of a message, the filter warm.

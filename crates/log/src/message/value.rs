@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+const NS_PER_S: i64 = 1_000_000_000;
+
 /// A field, or a whole message.
 ///
 /// ```
@@ -153,7 +155,7 @@ impl Value {
         }
     }
 
-    /// A time in ns, from `sec` and `nanosec` or `nsec`.
+    /// A time in ns, from `sec` and `nanosec` or `nsec`; `None` also where the nanoseconds are a second or more.
     ///
     /// ```
     /// use grouser_log::message::{Value, build};
@@ -172,8 +174,9 @@ impl Value {
         let nanosec = ["nanosec", "nsec", "nsecs"]
             .iter()
             .find_map(|name| self.at(name))
-            .and_then(whole)?;
-        sec.checked_mul(1_000_000_000)?.checked_add(nanosec)
+            .and_then(whole)
+            .filter(|nanosec| (0..NS_PER_S).contains(nanosec))?;
+        sec.checked_mul(NS_PER_S)?.checked_add(nanosec)
     }
 
     pub(super) fn from_json(json: serde_json::Value) -> Self {

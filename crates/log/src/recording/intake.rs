@@ -14,7 +14,7 @@ use super::navigation::{FixColumns, Track};
 use crate::container::Channel;
 use crate::measures::Measures;
 use crate::message::{Decoders, NavSatFix, SharedDecoder, Value, View, decode, is_spare, short};
-use crate::messages::{Clock, LOOK_AHEAD, LeftOut, stamp_of};
+use crate::messages::{Clock, LOOK_AHEAD, LeftOut, NO_STAMP, stamp_of};
 use crate::order::{Limit, Ordered};
 use crate::wrapped_angles::Angles;
 
@@ -257,7 +257,12 @@ impl Intake {
             }
             return;
         }
-        let time_ns = time(stamp_of(&known.value));
+        let Ok(stamp) = stamp_of(&known.value) else {
+            rows.left_out.undecoded += 1;
+            (rows.left_out.problem).get_or_insert_with(|| NO_STAMP.to_owned());
+            return;
+        };
+        let time_ns = time(stamp);
         if !rows.begin(time_ns) {
             return;
         }

@@ -180,7 +180,8 @@ impl Preview {
         };
         if seen.stamp_ahead.is_none() {
             let log = i128::from(log_time_ns);
-            let ahead = stamp_of(&value).map(|stamp| i128::from(stamp) - log);
+            let stamp = stamp_of(&value).ok().flatten();
+            let ahead = stamp.map(|stamp| i128::from(stamp) - log);
             seen.stamp_ahead = ahead.map(|ns| ns as f64 * 1e-9);
         }
         let view = View::new(&known.channel.type_name, &value);
