@@ -119,6 +119,27 @@ fn ragged_rows() {
 }
 
 #[test]
+fn a_row_whose_time_is_garbled_is_left_out_and_counted() {
+    for bad in ["", "nan", "1e30", "9999999999999", "x", "0.1.5"] {
+        let folder = Folder::new("garbled");
+        let text = format!("{GOOD}{bad},3,0\n0.3,4,0.5\n");
+        let log = Log::find(&[folder.file("log.csv", text.as_bytes())], map("")).unwrap();
+        // as often as it is read
+        for _ in 0..2 {
+            let samples = log.samples(&[]).unwrap().map(Result::unwrap);
+            assert_eq!(samples.count(), 6, "{bad}");
+            let left_out = log.left_out();
+            assert_eq!(left_out.undecoded, 1, "{bad}");
+            let problem = left_out.problem.unwrap();
+            assert!(problem.contains("line 4, column 1 `t`"), "{problem}");
+        }
+    }
+    // another log in the same file is no garbled time
+    let twice = format!("{GOOD}{GOOD}");
+    assert_eq!(at(&read("twice", "", twice.as_bytes()).unwrap_err()).0, 4);
+}
+
+#[test]
 fn a_last_line_that_is_cut_off_is_left_out() {
     for (end, is_row) in [
         ("0", false),
@@ -266,8 +287,8 @@ fn numbers_that_are_none() {
         assert_eq!(at(&error), (4, Some(2)), "{bad}");
     }
     for bad in ["", "nan", "1e30", "9999999999999", "x"] {
-        let error = read("times", "", format!("{GOOD}{bad},3,0\n").as_bytes()).unwrap_err();
-        assert_eq!(at(&error), (4, Some(1)), "{bad}");
+        let error = read("times", "", format!("t,n,g\n{bad},3,0\n").as_bytes()).unwrap_err();
+        assert_eq!(at(&error), (2, Some(1)), "{bad}");
     }
     // Declared as missing, or empty: no reading, and no error.
     let with_gaps = format!("{GOOD}0.2,nan,\n");

@@ -66,8 +66,8 @@ impl Counts {
 
 /// Samples of one table in the order of time.
 ///
-/// It reads line by line: memory does not grow with the file. The first error ends it, but for one in a last line without
-/// a line end, which is cut off.
+/// It reads line by line: memory does not grow with the file. A row whose time is garbled is left out and counted. Any other error
+/// ends it, but for one in a last line without a line end, which is cut off.
 pub(crate) struct CsvReader {
     lines: Lines,
     names: Vec<String>,
@@ -209,7 +209,20 @@ impl CsvReader {
         }
         let field = |index: usize| self.fields[index].text(text);
         let bad = |bad: BadField| bad_field(&here, &self.names, field(bad.field), bad);
-        let time_ns = self.plan.time_ns(field).map_err(bad)?;
+        let time_ns = match self.plan.time_ns(field) {
+            Ok(time_ns) => time_ns,
+            // one garbled time is no end of a table, but a header that is repeated begins another log
+            Err(fault) if self.rows > 0 && self.lines.is_ended() => {
+                let is_header = self.names[fault.field] == field(fault.field).trim();
+                let error = bad(fault);
+                if is_header {
+                    return Err(error);
+                }
+                self.counts.excluded().leave_out_row(&error);
+                return Ok(());
+            }
+            Err(fault) => return Err(bad(fault)),
+        };
         let by_s = self.last_ns.unwrap_or(time_ns).saturating_sub(time_ns) as f64 * 1e-9;
         if by_s > SET_BACK_S {
             return Err(Error::SetBack {

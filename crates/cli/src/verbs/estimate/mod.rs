@@ -451,7 +451,7 @@ fn warnings(found: Found<'_>, request: &Request, named: &[PathBuf]) -> Vec<Strin
     }
     if left_out.undecoded > 0 {
         out.push(format!(
-            "{} messages could not be decoded: {}",
+            "{} messages or rows of tables could not be read: {}",
             left_out.undecoded,
             left_out.problem.unwrap_or_default()
         ));

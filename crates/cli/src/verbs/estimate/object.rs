@@ -340,7 +340,7 @@ fn left_out<'a>() -> Fields<'a, &'a Log> {
     fields! { |log: &'a Log|
         "damages" "damaged places" = log.left_out().damages;
         "bytes_lost" "bytes that are lost" = log.left_out().bytes_lost;
-        "undecoded" "messages that could not be decoded" = log.left_out().undecoded;
+        "undecoded" "messages that could not be decoded, and rows of tables whose time is garbled" = log.left_out().undecoded;
         "late" "messages that came too late for the order of time" = log.left_out().late;
         "zero_poses" "poses of zeros in rows of tables whose logger had no new one" = log.left_out().zero_poses;
         "cut_off" "last lines of tables that are cut off" = log.left_out().cut_off.iter().map(ToString::to_string).collect::<Vec<_>>();
