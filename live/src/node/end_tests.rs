@@ -15,8 +15,8 @@ use super::*;
 use crate::command::{CommandLimits, SUBSCRIPTION};
 use crate::transport::{Endpoint, Graph, Transport, inbox};
 
-/// A second of messages finds the slip; the commands follow.
-const BACKLOG: i64 = 1200;
+/// Two seconds of messages find the slip; the commands follow.
+const BACKLOG: i64 = 800;
 const COMMAND: &str = "/cmd_vel";
 const OUTPUT: &str = "/limited";
 
@@ -122,6 +122,7 @@ fn commanded(driver: &Driver, transport: Box<dyn Transport>) -> Node {
     let described = (&robot.robot, false);
     let path = CommandPath::new(topics, "base_link".to_owned(), described, limits).unwrap();
     node.command = Some(path);
+    // so that a short run has some
     node.diagnostics_period = Duration::from_millis(50);
     node
 }
@@ -144,7 +145,7 @@ struct Ended {
     has_state: bool,
 }
 
-/// Runs a node for a third of a second of commands, with a fault at a call of its transport.
+/// Runs a node for a fifth of a second of commands, with a fault at a call of its transport.
 fn run(fault: Option<(u32, Fault)>, state: &std::path::Path) -> Ended {
     let driver = Driver::new();
     let transport = Faulty::default();
@@ -164,7 +165,7 @@ fn run(fault: Option<(u32, Fault)>, state: &std::path::Path) -> Ended {
         inbox.put(arrival.subscription, arrival.publisher, arrival.bytes);
         inbox.put(SUBSCRIPTION, [2; 16], twist(0.3));
         std::thread::sleep(Duration::from_millis(3));
-        begun.elapsed() > Duration::from_millis(300)
+        begun.elapsed() > Duration::from_millis(200)
     };
     let words = [
         "grouser live",
