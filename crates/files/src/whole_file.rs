@@ -49,7 +49,11 @@ impl From<WriteError> for io::Error {
     fn from(error: WriteError) -> Self {
         match error {
             WriteError::System(source) => source,
-            other => Self::other(other),
+            WriteError::Directory => Self::new(io::ErrorKind::IsADirectory, error),
+            WriteError::ReadOnly => Self::new(io::ErrorKind::PermissionDenied, error),
+            WriteError::NoName | WriteError::NotRegular => {
+                Self::new(io::ErrorKind::InvalidInput, error)
+            }
         }
     }
 }

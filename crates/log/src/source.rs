@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use flate2::bufread::MultiGzDecoder;
 use grouser_files::regular;
@@ -26,6 +26,11 @@ pub(crate) trait Input: Send {
     /// The writer has completed the file that ends at `offset`: does nothing follow it?
     fn ends_at(&mut self, _offset: u64) -> bool {
         true
+    }
+
+    /// Why the writer writes no more into it although it did not complete it; `None` while it may.
+    fn abandoned(&mut self) -> Option<&'static str> {
+        None
     }
 }
 
@@ -53,7 +58,20 @@ struct Growth {
     has_ended: Arc<AtomicBool>,
     /// Up to here the writer has completed what it wrote; 0 where nothing is.
     completed: Arc<AtomicU64>,
+    /// Why it ended before it was completed.
+    abandoned: Arc<OnceLock<&'static str>>,
 }
+
+impl Growth {
+    fn abandon(&self, why: &'static str) {
+        // the first reason counts
+        let _ = self.abandoned.set(why);
+        self.has_ended.store(true, Ordering::Relaxed);
+    }
+}
+
+const TRUNCATED: &str =
+    "it was truncated while it was followed: what was written since is not read";
 
 /// One input under several readers, each of which has its own position.
 #[derive(Clone)]
@@ -101,8 +119,8 @@ impl Shared {
         }
     }
 
-    /// Waits until it has more than `known` bytes; how many it has then. An input that has become shorter was begun anew
-    /// and ends.
+    /// Waits until it has more than `known` bytes; how many it has then. An input that was truncated, or whose name now is
+    /// that of another, ends.
     pub(crate) fn grown(&self, known: u64) -> io::Result<u64> {
         loop {
             let length = self.length()?;
@@ -111,16 +129,25 @@ impl Shared {
             };
             let completed = growth.completed.load(Ordering::Relaxed);
             if length < known {
-                growth.has_ended.store(true, Ordering::Relaxed);
+                growth.abandon(TRUNCATED);
             } else if length > known {
                 return Ok(length);
             } else if completed > 0 && length <= completed {
                 self.end_growth(growth, completed);
+            } else if let Some(why) = self.abandoned_at(length) {
+                growth.abandon(why);
             }
             if self.is_growing() {
                 (growth.wait)();
             }
         }
+    }
+
+    /// Why the writer writes no more behind `length`; what it wrote before is still read.
+    fn abandoned_at(&self, length: u64) -> Option<&'static str> {
+        let mut input = self.input();
+        let why = input.abandoned();
+        why.filter(|_| input.length().is_ok_and(|now| now == length))
     }
 
     /// The same input, as if what it has now were all.
@@ -172,6 +199,7 @@ impl Source {
             wait: Arc::new(wait),
             has_ended: Arc::default(),
             completed: Arc::default(),
+            abandoned: Arc::default(),
         });
         Self {
             path: name.to_owned(),
@@ -185,6 +213,12 @@ impl Source {
     /// May it have more bytes later?
     pub(crate) fn is_growing(&self) -> bool {
         self.held.as_ref().is_some_and(Shared::is_growing)
+    }
+
+    /// Why its writer abandoned it before it was complete.
+    pub(crate) fn abandoned(&self) -> Option<&'static str> {
+        let growth = self.held.as_ref().and_then(|held| held.growth.as_ref());
+        growth.and_then(|growth| growth.abandoned.get().copied())
     }
 
     /// Waits until it has more than `known` bytes; how many it has then.

@@ -15,6 +15,8 @@ use crate::source::Input;
 const NEXT_FILE_TIME: Duration = Duration::from_secs(10);
 /// `ros2 bag record` writes this file when it ends.
 const END_OF_RECORDING: &str = "metadata.yaml";
+const REPLACED: &str =
+    "it was renamed, replaced or removed while it was followed: what was written since is not read";
 /// How the names of recordings end, by their format; ROS 1 renames a bag when it is closed.
 const ENDINGS: [(&str, bool); 3] = [(".mcap", false), (".bag", true), (".bag.active", true)];
 
@@ -163,6 +165,16 @@ impl Input for SplitRecording {
         self.end()
     }
 
+    fn abandoned(&mut self) -> Option<&'static str> {
+        // ROS 1 renames a bag when it is closed
+        let path = self.last.path.to_string_lossy();
+        let closed = path.strip_suffix(".active").map(PathBuf::from);
+        let names = std::iter::once(&self.last.path).chain(&closed);
+        let mut found = names.filter_map(|name| fs::metadata(name).ok());
+        let own = self.last.file.metadata().ok()?;
+        (!found.any(|named| is_same(&own, &named))).then_some(REPLACED)
+    }
+
     fn read_at(&mut self, offset: u64, buffer: &mut [u8]) -> io::Result<usize> {
         let (part, end) = if offset >= self.last.begin {
             (&mut self.last, u64::MAX)
@@ -193,6 +205,18 @@ impl Input for SplitRecording {
             });
         has_ended && next_file(&self.last.path).is_none()
     }
+}
+
+#[cfg(unix)]
+fn is_same(one: &fs::Metadata, other: &fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    (one.dev(), one.ino()) == (other.dev(), other.ino())
+}
+
+/// Elsewhere a file that is open is neither renamed nor replaced.
+#[cfg(not(unix))]
+fn is_same(_: &fs::Metadata, _: &fs::Metadata) -> bool {
+    true
 }
 
 #[cfg(test)]

@@ -26,6 +26,15 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
+    /// The page would open without what it is exported for.
+    #[error(
+        "{}: is neither a table of `grouser estimate -o` nor a report with a run: a log needs the server (--robot R.toml)",
+        path.display()
+    )]
+    NoRun {
+        /// The file.
+        path: PathBuf,
+    },
     /// A log, or a file that describes it, is refused.
     #[error("{message}")]
     Refused {

@@ -3,14 +3,13 @@
 use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, COOKIE, HOST, ORIGIN, TRANSFER_ENCODING};
 use axum::http::{HeaderMap, HeaderValue, Method, Request, StatusCode};
 
-/// The cookie that holds the session.
-pub(crate) const COOKIE_NAME: &str = "grouser-view";
-
 /// What a request is checked against.
 #[derive(Clone, Debug)]
 pub(crate) struct Gate {
     /// The values of `Host` that name this server, with its port.
     hosts: Vec<String>,
+    /// The cookie that holds the session: browsers send it to every port of the machine, so each server has another.
+    cookie_name: String,
     /// The session that the cookie must hold.
     session: String,
 }
@@ -24,7 +23,17 @@ impl Gate {
             .iter()
             .map(|name| format!("{name}:{port}"))
             .collect();
-        Self { hosts, session }
+        Self {
+            hosts,
+            cookie_name: format!("grouser-view-{port}"),
+            session,
+        }
+    }
+
+    /// The header that sets the cookie.
+    pub(crate) fn set_cookie(&self) -> String {
+        let (name, session) = (&self.cookie_name, &self.session);
+        format!("{name}={session}; HttpOnly; SameSite=Strict; Path=/")
     }
 
     /// Host and origin: what keeps other sites' pages out, whatever they know.
@@ -84,7 +93,7 @@ impl Gate {
         let held = cookies
             .flat_map(|cookies| cookies.split(';'))
             .filter_map(|cookie| cookie.trim().split_once('='))
-            .any(|(name, value)| name == COOKIE_NAME && same(value, &self.session));
+            .any(|(name, value)| name == self.cookie_name && same(value, &self.session));
         if held {
             Ok(())
         } else {

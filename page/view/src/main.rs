@@ -66,11 +66,18 @@ fn run(arguments: &Arguments) -> Result<()> {
     let file = arguments.file.as_deref().filter(|_| run.is_none());
     let shown = file.map(read).transpose()?;
     if let Some(path) = &arguments.export {
+        if let (Some(file), Some(shown)) = (file, &shown)
+            && !shown.is_of_page()
+        {
+            return Err(Error::NoRun {
+                path: file.to_owned(),
+            });
+        }
         let file = shown
             .as_ref()
             .map(|shown| (shown.name.as_str(), shown.bytes.as_slice()));
-        return std::fs::write(path, assets::page(file).html()?)
-            .map_err(|source| file_error(path, source));
+        return grouser_files::write_whole(path, assets::page(file).html()?.as_bytes())
+            .map_err(|error| file_error(path, error.into()));
     }
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()

@@ -1,6 +1,6 @@
 //! A log through the estimator in the server, for a page that shows it while it is read.
 
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::sleep;
@@ -97,7 +97,16 @@ impl RecordedRun {
         let mut sink = parts.clone();
         let summary = run_into(&log, &self.robot, &Options::default(), &mut sink)
             .map_err(|error| error.to_string())?;
-        parts.with(|parts| parts.finish(&summary));
+        let left_out = log.left_out();
+        let unread = left_out.problem.map(|problem| {
+            let count = left_out.undecoded;
+            format!("{count} messages or rows of tables could not be read: {problem}")
+        });
+        let doubts: Vec<String> = log.abandoned().into_iter().chain(unread).collect();
+        for doubt in &doubts {
+            let _ = writeln!(io::stderr(), "warning: {doubt}");
+        }
+        parts.with(|parts| parts.finish(&summary, doubts));
         Ok(())
     }
 

@@ -25,7 +25,7 @@ use grouser_page::{attribute, files, server_policy};
 
 use crate::assets;
 use crate::feed::{Feed, PartsFrom};
-use crate::gate::{COOKIE_NAME, Gate, Refused, same};
+use crate::gate::{Gate, Refused, same};
 
 /// Longest body of a request, bytes.
 const MAX_BODY_BYTES: usize = 1 << 20;
@@ -47,6 +47,33 @@ pub struct Shown {
     pub bytes: Vec<u8>,
 }
 
+impl Shown {
+    /// Does the page show it alone: a table of `grouser estimate -o`, or a report of a run or an answer?
+    ///
+    /// ```
+    /// use grouser_view::server::Shown;
+    ///
+    /// let shown = |bytes: &[u8]| Shown { name: "run".into(), bytes: bytes.to_vec() };
+    /// assert!(shown(b"time_s,wheel,slip,slip_sigma\n").is_of_page());
+    /// assert!(!shown(b"[[wheel]]\n").is_of_page());
+    /// ```
+    #[must_use]
+    pub fn is_of_page(&self) -> bool {
+        let text = self
+            .bytes
+            .strip_prefix(b"\xef\xbb\xbf")
+            .unwrap_or(&self.bytes);
+        if text.starts_with(b"time_s,wheel,slip,") {
+            return true;
+        }
+        let report = serde_json::from_slice::<serde_json::Value>(text).unwrap_or_default();
+        let has_runs = report["runs"]
+            .as_array()
+            .is_some_and(|runs| !runs.is_empty());
+        has_runs || report["answer"].is_object()
+    }
+}
+
 /// A run that the page shows while it is read.
 #[derive(Clone, Debug)]
 pub struct Running {
@@ -60,7 +87,6 @@ struct Shared {
     gate: Gate,
     /// The token of the printed address, until it is used.
     token: Mutex<Option<String>>,
-    session: String,
     shown: Option<Shown>,
     running: Option<Running>,
     computing: Semaphore,
@@ -132,11 +158,9 @@ impl Server {
     /// # Errors
     /// No randomness for a session.
     pub async fn serve(self) -> io::Result<()> {
-        let session = secret()?;
         let shared = Arc::new(Shared {
-            gate: Gate::new(self.port, session.clone()),
+            gate: Gate::new(self.port, secret()?),
             token: Mutex::new(Some(self.token)),
-            session,
             shown: self.shown,
             running: self.running,
             computing: Semaphore::new(MAX_COMPUTATIONS),
@@ -279,10 +303,7 @@ fn exchange(shared: &Shared, query: &str) -> Result<Response<Body>, Refused> {
         return Err(wrong);
     }
     *token = None;
-    let cookie = format!(
-        "{COOKIE_NAME}={}; HttpOnly; SameSite=Strict; Path=/",
-        shared.session
-    );
+    let cookie = shared.gate.set_cookie();
     let mut response = text(StatusCode::SEE_OTHER, "");
     let headers = response.headers_mut();
     headers.insert(header::LOCATION, HeaderValue::from_static("/"));

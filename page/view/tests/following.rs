@@ -276,3 +276,75 @@ fn a_recorder_that_splits_its_recording_is_followed() {
     assert!(bits(&shown(&run(false).start())) == expected);
     fs::remove_dir_all(folder).unwrap();
 }
+
+/// Waits for the end of a followed log; its doubts.
+fn doubts(feed: &Feed) -> Vec<String> {
+    let begin = Instant::now();
+    let mut next = 0;
+    loop {
+        let answer = feed.from(next);
+        next = answer.next;
+        for part in answer.parts {
+            let part = &part[8..];
+            let length = u32::from_le_bytes(part[..4].try_into().unwrap()) as usize;
+            let head: Value = serde_json::from_slice(&part[4..4 + length]).unwrap();
+            assert!(head["failed"].is_null(), "{head}");
+            if let Some(doubts) = head["end"]["doubts"].as_array() {
+                let words = doubts
+                    .iter()
+                    .map(|doubt| doubt.as_str().unwrap().to_owned());
+                return words.collect();
+            }
+        }
+        assert!(begin.elapsed() < Duration::from_mins(1), "it does not end");
+        sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn a_log_that_is_truncated_renamed_or_rotated_ends_with_a_doubt() {
+    let folder = env::temp_dir().join(format!("grouser-view-rotated-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let example = Path::new(EXAMPLE);
+    let robot = example.join("robot.toml");
+    let whole = fs::read(example.join("log.csv")).unwrap();
+    let half = whole[..whole.len() / 2]
+        .iter()
+        .rposition(|byte| *byte == b'\n')
+        .unwrap()
+        + 1;
+    for (what, words) in [
+        ("truncated", "truncated"),
+        ("renamed", "renamed"),
+        ("rotated", "renamed"),
+    ] {
+        let folder = folder.join(what);
+        fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("log.csv");
+        fs::write(&path, &whole[..half]).unwrap();
+        let feed = RecordedRun::open(&path, &robot, None, true)
+            .unwrap()
+            .start();
+        let mut shown = Shown::default();
+        shown.wait(&feed, |shown| shown.last_s() > 5.0, Duration::from_mins(1));
+        match what {
+            "truncated" => OpenOptions::new()
+                .write(true)
+                .open(&path)
+                .unwrap()
+                .set_len(100)
+                .unwrap(),
+            "renamed" => fs::rename(&path, folder.join("away")).unwrap(),
+            _ => {
+                fs::rename(&path, folder.join("log.1")).unwrap();
+                fs::write(&path, &whole[half..]).unwrap();
+            }
+        }
+        let doubts = doubts(&feed);
+        assert!(
+            doubts.iter().any(|doubt| doubt.contains(words)),
+            "{what}: {doubts:?}"
+        );
+    }
+    fs::remove_dir_all(folder).unwrap();
+}

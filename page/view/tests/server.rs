@@ -234,9 +234,33 @@ fn without_its_token_nothing_is_shown_and_a_token_works_once() {
     assert!(server.get("/api/file", &cookie).ends_with("secret"));
     assert_eq!(status(&server.get(&format!("/?token={token}"), "")), 401);
     assert_eq!(
-        status(&server.get("/api/file", "Cookie: grouser-view=0\r\n")),
+        status(&server.get(
+            "/api/file",
+            &format!("Cookie: grouser-view-{}=0\r\n", server.port)
+        )),
         401
     );
+}
+
+/// A browser keeps one jar of cookies for all ports of a machine: a cookie replaces another of its name.
+#[test]
+fn two_servers_of_one_machine_do_not_log_each_other_out() {
+    let (one, two) = (start(None), start(None));
+    let pair = |cookie: &str| {
+        let pair = cookie.trim().strip_prefix("Cookie: ").expect("a cookie");
+        let (name, value) = pair.split_once('=').expect("a value");
+        (name.to_owned(), value.to_owned())
+    };
+    let jar: std::collections::BTreeMap<String, String> =
+        [&one, &two].map(|server| pair(&server.sign_in())).into();
+    let pairs: Vec<String> = jar
+        .iter()
+        .map(|(name, value)| format!("{name}={value}"))
+        .collect();
+    let sent = format!("Cookie: {}\r\n", pairs.join("; "));
+    for server in [one, two] {
+        assert_eq!(status(&server.get("/", &sent)), 200);
+    }
 }
 
 #[test]
@@ -427,4 +451,56 @@ fn a_thousand_slow_sockets_are_closed_and_delay_nobody() {
         started.elapsed()
     );
     assert_eq!(status(&server.get("/main.js", &cookie)), 200);
+}
+
+/// The old file stays, and nothing lies next to it.
+#[test]
+fn an_export_is_whole_or_refused() {
+    let folder = std::env::temp_dir().join(format!("grouser-view-export-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let out = folder.join("run.html");
+    std::fs::write(&out, "old").expect("written");
+    let export = |file: &std::path::Path| {
+        Command::new(env!("CARGO_BIN_EXE_grouser-view"))
+            .arg("--export")
+            .arg(&out)
+            .arg(file)
+            .output()
+            .expect("it runs")
+    };
+    let example =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/five-wheel");
+    let no_run = folder.join("no.json");
+    std::fs::write(&no_run, "{\"runs\": []}").expect("written");
+    for file in ["log.mcap", "log.csv", "robot.toml"]
+        .map(|name| example.join(name))
+        .iter()
+        .chain([&no_run])
+    {
+        let ended = export(file);
+        assert_eq!(ended.status.code(), Some(2), "{}", file.display());
+        let words = String::from_utf8_lossy(&ended.stderr).into_owned();
+        assert!(words.contains("neither a table"), "{words}");
+        assert_eq!(std::fs::read(&out).expect("it is there"), b"old");
+    }
+    let table = folder.join("table.csv");
+    std::fs::write(&table, "time_s,wheel,slip,slip_sigma,motion,health\n").expect("written");
+    let run = |limit: &str| {
+        Command::new("sh")
+            .arg("-c")
+            .arg(format!("{limit} exec \"$0\" --export \"$1\" \"$2\""))
+            .arg(env!("CARGO_BIN_EXE_grouser-view"))
+            .args([&out, &table])
+            .output()
+            .expect("it runs")
+    };
+    // as a disk that fills up: the file may have 8 KiB
+    let full = run("trap '' XFSZ; ulimit -f 16;");
+    assert_ne!(full.status.code(), Some(0));
+    assert_eq!(std::fs::read(&out).expect("it is there"), b"old");
+    assert_eq!(run("").status.code(), Some(0));
+    assert!(std::fs::read(&out).expect("it is there").len() > 100_000);
+    let names = std::fs::read_dir(&folder).expect("a folder").count();
+    assert_eq!(names, 3, "nothing else lies there");
+    std::fs::remove_dir_all(folder).expect("removed");
 }

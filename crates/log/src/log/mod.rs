@@ -149,6 +149,13 @@ impl Log {
         left_out
     }
 
+    /// Why a log that is still written ended before its writer completed it: a file was truncated, renamed or replaced.
+    #[must_use]
+    pub fn abandoned(&self) -> Option<String> {
+        let mut files = self.all_files();
+        files.find_map(|file| Some(format!("{}: {}", file.name(), file.abandoned()?)))
+    }
+
     /// How many bytes the files hold, as they stand (compressed or not).
     ///
     /// ```

@@ -109,9 +109,12 @@ impl<F: FnMut(Vec<u8>)> LogParts<F> {
         json!({ "doubts": doubts, "distance_m": self.moments.distance, "wheels": wheels })
     }
 
-    /// As [`LogParts::end`], as the last part.
-    pub fn finish(&mut self, summary: &Summary) {
-        let end = self.end(summary);
+    /// As [`LogParts::end`], as the last part, with further `doubts` of how the log was read.
+    pub fn finish(&mut self, summary: &Summary, doubts: Vec<String>) {
+        let mut end = self.end(summary);
+        if let Some(all) = end["doubts"].as_array_mut() {
+            all.extend(doubts.into_iter().map(Value::from));
+        }
         (self.take)(part::bytes(json!({ "end": end }), &[]));
     }
 }
