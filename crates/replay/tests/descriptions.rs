@@ -184,7 +184,7 @@ fn a_yaw_that_may_be_right_within_its_doubt_is_not_named() {
     for offset_deg in [-5.5_f64, 5.5] {
         let found = doubts_of(|_, _, yaw| *yaw += offset_deg.to_radians());
         println!("{offset_deg}°: {found:?}");
-        assert!(!found.iter().any(Doubt::is_description), "{found:?}");
+        assert!(!found.iter().any(is_description), "{found:?}");
     }
 }
 

@@ -232,7 +232,7 @@ fn a_wheel_is_named_only_at_twenty_to_one() {
                     slip,
                     seed,
                 };
-                let turns = summary(drive, Wrong::default()).turns.unwrap();
+                let turns = summary(drive, Wrong::default()).findings.turns.unwrap();
                 println!("{drive:?}: {turns:?}");
                 let slips = turns.slip.is_some_and(|slip| slip > 0.0);
                 if turns.likelier <= f64::ln(20.0) {
