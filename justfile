@@ -18,6 +18,10 @@ check:
 test:
     cargo test --workspace
 
+# the property tests with other random cases: seeds FIRST to LAST; hours
+seeds first="1" last="50":
+    for seed in $(seq {{first}} {{last}}); do echo "seed $seed"; PROPTEST_RNG_SEED=$seed cargo test --workspace --lib --test all --quiet || exit 1; done
+
 # the share of a crate's lines that its tests run, at least 98 %, by cargo-llvm-cov; minutes
 coverage crate="slip":
     cargo llvm-cov --release --package grouser-{{crate}} --lib --test all --summary-only --fail-under-lines 98
