@@ -1,6 +1,10 @@
-//! Line charts as SVG.
+//! Line charts as SVG, and their files.
+
+use std::io;
+use std::path::PathBuf;
 
 use grouser::figure::{Axis, Chart, Curve, Figure, Points, Style};
+use grouser::files;
 use numpy::{PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 
@@ -41,4 +45,15 @@ pub(crate) fn chart_svg(
     }
     let figure = Figure::new(title).panel(chart);
     Ok(py.detach(|| figure.svg()))
+}
+
+/// Writes a text file as a whole, or leaves what was there.
+#[pyfunction]
+pub(crate) fn write_file(py: Python<'_>, path: PathBuf, text: String) -> PyResult<()> {
+    py.detach(|| {
+        files::write_whole(&path, text.as_bytes()).map_err(|error| {
+            let error = io::Error::from(error);
+            io::Error::new(error.kind(), format!("{}: {error}", path.display())).into()
+        })
+    })
 }

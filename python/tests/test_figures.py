@@ -24,6 +24,28 @@ def test_a_figure_is_valid_svg_and_shows_its_lines(tmp_path: Path) -> None:
     assert pickle.loads(pickle.dumps(figure)) == figure
 
 
+def test_a_figure_is_written_as_a_whole_or_not_at_all(tmp_path: Path) -> None:
+    figure = figures.lines("t", "x", "y", figures.Line([0.0, 1.0], [0.0, 1.0]))
+    path = tmp_path / "figure.svg"
+    path.write_text("old")
+    path.chmod(0o444)
+    with pytest.raises(PermissionError, match="figure.svg"):
+        figure.write(path)
+    assert path.read_text() == "old"
+    path.chmod(0o640)
+    figure.write(path)
+    assert path.read_text() == figure.svg
+    assert path.stat().st_mode & 0o777 == 0o640
+    folder = tmp_path / "folder.svg"
+    folder.mkdir()
+    with pytest.raises(IsADirectoryError):
+        figure.write(folder)
+    folder.rmdir()
+    with pytest.raises(FileNotFoundError):
+        figure.write(tmp_path / "none" / "figure.svg")
+    assert [file.name for file in tmp_path.iterdir()] == ["figure.svg"]
+
+
 def test_titles_are_text_not_markup() -> None:
     figure = figures.lines("<script>", "x", "y", figures.Line([0.0, 1.0], [0.0, np.nan]), figures.Line([0.5], [0.5], points=True))
     assert "<script>" not in figure.svg

@@ -23,3 +23,4 @@ mod module_cycles;
 mod optimize;
 mod recordings;
 mod test_commands;
+mod whole_files;

@@ -35,6 +35,7 @@ __all__ = [
     "solve_front",
     "solve_many",
     "solve_points",
+    "write_file",
 ]
 
 __version__: str
@@ -393,6 +394,7 @@ def chart_svg(
     y_title: str,
     lines: Sequence[tuple[_Floats, _Floats, str, bool]],
 ) -> str: ...
+def write_file(path: str | PathLike[str], text: str) -> None: ...
 def identify(path: str | PathLike[str], threads: int) -> dict[str, Any]: ...
 
 @final

@@ -38,7 +38,7 @@ class Figure:
         return self.svg
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Writes the SVG file.
+        """Writes the SVG file: as a whole, or what was there stays.
 
         Raises
         ------
@@ -48,7 +48,7 @@ class Figure:
         file = Path(path_of("path", path))
         if file.suffix.lower() != ".svg":
             raise InputError(f"path is `{file}`, but a figure is SVG: it must end in `.svg`", "path", str(file))
-        file.write_text(self.svg, encoding="utf-8")
+        _core.write_file(file, self.svg)
 
 
 @dataclass(frozen=True)
