@@ -483,7 +483,7 @@ impl Node {
             None
         };
         let recorder = self.outputs.recorder.take();
-        let recorded = guarded(|| recorder.map(Recorder::finish).transpose());
+        let written = guarded(|| recorder.map(Recorder::finish).transpose());
         let unencoded = self.outputs.unencoded();
         let dropped = unencoded.1.map(|reason| {
             let count = unencoded.0;
@@ -495,9 +495,9 @@ impl Node {
             Ok(())
         });
         faults.extend(left.err());
-        let recorded = recorded.map_err(|error| faults.push(error)).ok().flatten();
+        let written = written.map_err(|error| faults.push(error)).ok().flatten();
         let summary = summary.and_then(|summary| summary.map_err(|error| faults.push(error)).ok());
-        if let (Some(path), false) = (&recorded, arguments.quiet) {
+        if let (Some(path), false) = (&written, arguments.quiet) {
             say(&format!("wrote {}", path.display()));
         }
         let mut faults = faults.into_iter();
