@@ -13,6 +13,8 @@ use clap::Parser as _;
 use super::cycle_tests::{Driver, Sent, node_over};
 use super::*;
 use crate::command::{CommandLimits, SUBSCRIPTION};
+use crate::error::Error;
+use crate::state_file;
 use crate::transport::{Endpoint, Graph, Transport, inbox};
 
 /// Two seconds of messages find the slip; the commands follow.
