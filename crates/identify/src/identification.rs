@@ -16,7 +16,6 @@ use crate::plate::{self, PlateFit, PlateRecord, PlateTest, fit_plates};
 use crate::plausible::{self, Plausibility};
 use crate::readings::Readings;
 use crate::shear::{self, ShearFit, ShearReading, fit_shear};
-use crate::unit_mistake;
 use crate::wheel::{self, Fixed, Misfit, Prediction, WheelModel, WheelTest, predict};
 
 /// A soil and how it was found.
@@ -126,28 +125,13 @@ pub struct WheelStage {
     pub starts: usize,
 }
 
-/// Does a job.
-///
-/// # Errors
-/// What a test's file lacks; [`Error::Missing`] for a number that a later stage needs and nothing gives.
-pub fn identify(job: &Job) -> Result<Identification> {
-    let readings = Readings::read(job)?;
-    let mut out = fitted(job, &readings).map_err(|error| match error {
-        Error::TooFewReadings { message } => {
-            let likely = unit_mistake::explaining(job, &readings, 0.0);
-            let likely = likely
-                .first()
-                .map(|likely| format!(". Is it that {likely}?"));
-            let message = message + &likely.unwrap_or_default();
-            Error::TooFewReadings { message }
-        }
-        other => other,
-    })?;
-    out.implausible = plausible::all(&out, &readings);
-    out.implausible
-        .retain(|number| number.decades_outside() > 0.0);
-    out.unit_mistakes = unit_mistake::likely(job, &readings, &out);
-    Ok(out)
+impl Identification {
+    /// Its numbers beside what soils have, and the sizes of the `readings` behind it.
+    pub(crate) fn plausibilities(&self, readings: &Readings) -> Vec<Plausibility> {
+        let plates = self.plates.as_ref().map(|stage| &stage.fit);
+        let shear = self.shear.as_ref().map(|stage| &stage.fit);
+        plausible::all(plates, shear, readings)
+    }
 }
 
 /// The job done with these readings, without a look at whether the result is plausible.

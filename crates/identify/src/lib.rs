@@ -14,6 +14,7 @@ mod identification;
 mod identified;
 mod inherited;
 mod job;
+mod judged;
 pub mod least_squares;
 mod parameter;
 pub mod plate;
@@ -26,10 +27,9 @@ pub mod wheel;
 
 pub use doubt::Doubt;
 pub use error::{Error, Result};
-pub use identification::{
-    Identification, PlateStage, ShearStage, WheelNumber, WheelStage, identify,
-};
+pub use identification::{Identification, PlateStage, ShearStage, WheelNumber, WheelStage};
 pub use identified::IdentifiedNumber;
 pub use job::{BagTest, Job, PlateSource, WheelJob};
+pub use judged::identify;
 pub use parameter::Parameter;
 pub use plausible::Plausibility;

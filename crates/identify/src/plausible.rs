@@ -5,8 +5,9 @@ use core::fmt;
 use grouser_real::Real;
 use grouser_terra::RigidWheel;
 
-use crate::identification::Identification;
+use crate::plate::PlateFit;
 use crate::readings::Readings;
+use crate::shear::ShearFit;
 
 /// Moduli of different exponents are compared by the pressure that they give at this depth, m.
 const REFERENCE_DEPTH_M: f64 = 0.01;
@@ -121,14 +122,18 @@ fn max(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, f64::max)
 }
 
-/// Every number of `found`, and the sizes of the `readings` behind it.
-pub(crate) fn all(found: &Identification, readings: &Readings) -> Vec<Plausibility> {
+/// Every number of what plates and shear tests gave, and the sizes of the `readings` behind it.
+pub(crate) fn all(
+    plates: Option<&PlateFit>,
+    shear: Option<&ShearFit>,
+    readings: &Readings,
+) -> Vec<Plausibility> {
     let mut list = Vec::new();
-    if let Some(stage) = &found.plates {
-        list.push(number("the exponent n", stage.fit.n, limits::EXPONENT, ""));
-        let moduli = stage.fit.numbers().into_iter();
+    if let Some(fit) = plates {
+        list.push(number("the exponent n", fit.n, limits::EXPONENT, ""));
+        let moduli = fit.numbers().into_iter();
         for k in moduli.filter(|number| number.name.starts_with("k_")) {
-            let pressure = 1e-3 * k.value * Real::powf(REFERENCE_DEPTH_M, stage.fit.n);
+            let pressure = 1e-3 * k.value * Real::powf(REFERENCE_DEPTH_M, fit.n);
             let what = format!("the pressure at a depth of 10 mm by {}", k.name);
             list.push(number(&what, pressure, limits::PRESSURE_KPA, " kPa"));
         }
@@ -167,8 +172,8 @@ pub(crate) fn all(found: &Identification, readings: &Readings) -> Vec<Plausibili
             ),
         ]);
     }
-    if let (Some(stage), Some(readings)) = (&found.shear, &readings.shear) {
-        let [cohesion, phi, k_shear] = stage.fit.values;
+    if let (Some(fit), Some(readings)) = (shear, &readings.shear) {
+        let [cohesion, phi, k_shear] = fit.values;
         let ratios = readings.iter().map(|r| r.shear / r.normal);
         let ratios = ratios.filter(|ratio| ratio.is_finite());
         list.extend([

@@ -10,7 +10,7 @@ use crate::identification::{Identification, WheelNumber, fitted};
 use crate::job::Job;
 use crate::least_squares::Verdict;
 use crate::plate::PlateTest;
-use crate::plausible::{self, Plausibility};
+use crate::plausible::Plausibility;
 use crate::readings::Readings;
 use crate::shear::ShearReading;
 use crate::wheel::{MAX_SCATTER_RATIO, Support, WheelTest};
@@ -263,7 +263,7 @@ struct Strain {
 
 impl Strain {
     fn of(found: &Identification, readings: &Readings) -> Self {
-        let numbers = plausible::all(found, readings);
+        let numbers = found.plausibilities(readings);
         let mut strain = Self {
             decades: numbers.iter().map(Plausibility::decades_outside).sum(),
             from_middle: numbers.iter().map(Plausibility::square_from_middle).sum(),

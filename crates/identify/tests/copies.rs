@@ -1,11 +1,15 @@
 //! Rows that repeat others, and rows whose noise lasts, do not make a result more certain than it is.
 
+use std::fmt::Write;
 use std::path::Path;
 
 use grouser_files::Document;
 use grouser_identify::{Identification, IdentifiedNumber, Job, identify};
 
 use crate::coverage::{Noise, TRUTH, laboratory, wheel_tests};
+
+/// The rows of a table of this name, each often.
+type Repeat<'a> = &'a dyn Fn(&str, &[&str]) -> Vec<String>;
 
 fn identified(folder: &Path) -> Identification {
     identify(&Job::read(&Document::read(&folder.join("tests.toml")).unwrap()).unwrap()).unwrap()
@@ -44,7 +48,6 @@ fn repeated_rows_leave_the_intervals_as_they_are() {
         };
         (0..10).flat_map(renamed).collect()
     };
-    type Repeat<'a> = &'a dyn Fn(&str, &[&str]) -> Vec<String>;
     let ways: [Repeat<'_>; 3] = [&each_row, &each_table, &each_name];
     for (way, repeat) in ways.into_iter().enumerate() {
         let mut rows_of = Vec::new();
@@ -94,7 +97,7 @@ fn wheel_readings_whose_noise_lasts_count_as_few() {
                 let [a, b, c] = lasting;
                 let (pull, torque) = (pull + 0.5 * a, torque + 0.05 * b);
                 let sinkage = sinkage + TRUTH[3] + 5e-4 * c;
-                table += &format!("{slip},{load},{pull},{torque},{sinkage}\n");
+                writeln!(table, "{slip},{load},{pull},{torque},{sinkage}").unwrap();
             }
         }
         std::fs::write(folder.join("wheel.csv"), table).unwrap();

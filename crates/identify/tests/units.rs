@@ -1,5 +1,6 @@
 //! Mistakes in units: is the result called implausible, and the mistake named?
 
+use std::fmt::Write;
 use std::path::Path;
 
 use grouser_files::Document;
@@ -106,7 +107,7 @@ const MISTAKES: [Mistake; 21] = [
     (
         "wheel.csv",
         &["load_n"],
-        0.1019716,
+        0.101_971_6,
         "load of the wheel tests is in kg",
     ),
     (
@@ -221,7 +222,7 @@ fn published_soils_are_plausible() {
                 let noise = 1.0 + 0.02 * (1.7 * f64::from(step) + diameter).sin();
                 let force = area * modulus * depth.powf(entry.n) * noise;
                 let row = [diameter, 1e3 * depth, force].map(|x| x.to_string());
-                plates += &format!("{diameter},{}\n", row.join(","));
+                writeln!(plates, "{diameter},{}", row.join(",")).unwrap();
             }
         }
         std::fs::write(folder.join("plates.csv"), plates).unwrap();
@@ -232,7 +233,7 @@ fn published_soils_are_plausible() {
                 let strength = entry.cohesion_kpa + normal * entry.phi_deg.to_radians().tan();
                 let shown = 1.0 - (-displacement / 20.0).exp();
                 let stress = strength * (shown + 0.01 * (1.9 * f64::from(step) + normal).sin());
-                shear += &format!("{normal},{displacement},{stress}\n");
+                writeln!(shear, "{normal},{displacement},{stress}").unwrap();
             }
         }
         std::fs::write(folder.join("shear.csv"), shear).unwrap();
