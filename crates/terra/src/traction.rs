@@ -208,10 +208,10 @@ impl WheelOnSoil {
     /// let sand = catalogue::find("dry-sand").expect("in the catalogue").soil()?;
     /// let wheel = WheelOnSoil::new(RigidWheel::new(0.125, 0.1)?, sand, Settings::default())?;
     /// let at = |deg| wheel.slip_demand(80.0, Angle::from_deg(deg));
-    /// let SlopeOutcome::Holds { slip } = at(8.0)? else { panic!("8° are held") };
-    /// let SlopeOutcome::Holds { slip: whole } = at(8.5)? else { panic!("8.5° are held") };
-    /// let near = wheel.slip_demand_near(80.0, Angle::from_deg(8.5), slip)?;
-    /// let SlopeOutcome::Holds { slip: near } = near else { panic!("8.5° are held") };
+    /// let SlopeOutcome::Holds { slip } = at(4.0)? else { panic!("4° are held") };
+    /// let SlopeOutcome::Holds { slip: whole } = at(4.5)? else { panic!("4.5° are held") };
+    /// let near = wheel.slip_demand_near(80.0, Angle::from_deg(4.5), slip)?;
+    /// let SlopeOutcome::Holds { slip: near } = near else { panic!("4.5° are held") };
     /// assert!((near.value() - whole.value()).abs() < 1e-11);
     /// # Ok::<(), grouser_terra::Error>(())
     /// ```

@@ -26,7 +26,7 @@ impl BatchKernel {
     /// use grouser_terra::{BatchKernel, RigidWheel, SolveStatus, catalogue};
     ///
     /// let kernel = BatchKernel::new(catalogue::find("dry-sand").expect("in the catalogue").soil()?);
-    /// let slope = [4.0_f64, 8.0, 45.0].map(f64::to_radians);
+    /// let slope = [3.0_f64, 6.0, 45.0].map(f64::to_radians);
     /// let (mut slip, mut status) = ([0.0; 3], [SolveStatus::default(); 3]);
     /// kernel.slip_demand(&RigidWheel::new(0.125, 0.1)?, 80.0, &slope, &mut slip, &mut status)?;
     /// assert!(0.0 < slip[0] && slip[0] < slip[1] && slip[2].is_nan());
