@@ -20,7 +20,7 @@ pub(super) struct Log {
 }
 
 enum Kind {
-    Table(Table),
+    Table(Box<Table>),
     Recording(Box<Recording>),
 }
 
@@ -29,7 +29,8 @@ impl Log {
     pub(super) fn begin(path: &Path, scenario: &Scenario) -> Result<Self> {
         let refused = |error: io::Error| Error::file("write", path, &error);
         let kind = match ending(path).as_deref() {
-            Some("csv") => Table::begin(OutputFile::create(path)?, scenario).map(Kind::Table),
+            Some("csv") => Table::begin(OutputFile::create(path)?, scenario)
+                .map(|table| Kind::Table(Box::new(table))),
             Some("mcap") => Recording::begin(OutputFile::create(path)?, scenario)
                 .map(|recording| Kind::Recording(Box::new(recording))),
             _ => {

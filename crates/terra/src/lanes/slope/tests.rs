@@ -41,7 +41,8 @@ fn which_points_are_searched_on_lanes() {
 /// The search on lanes is the general one; what brakes is left to that.
 #[test]
 fn a_search_ends_as_the_general_one() {
-    let surpluses: [(&dyn Fn(f64) -> Option<f64>, &str); 7] = [
+    type Surplus<'a> = &'a dyn Fn(f64) -> Option<f64>;
+    let surpluses: [(Surplus, &str); 7] = [
         (&|slip| Some(3.0 * (slip - 0.4)), "found"),
         (
             &|slip| (slip > 0.1).then_some(5.0 * (slip - 0.3) * (0.8 - slip)),
