@@ -73,6 +73,7 @@ fn margins_are_the_tilt_from_which_no_loads_balance_the_robot() {
             (20.0, 20.0),
             (-15.0, 25.0),
             (60.0, 0.0),
+            (14.3, -6.0),
         ] {
             let pose = (f64::to_radians(pitch_deg), f64::to_radians(roll_deg));
             let loads = by_loads(&model, pose, DIRECTIONS);

@@ -2,6 +2,7 @@
 
 use grouser_real::Real;
 
+use super::margins::TipOverCone;
 use crate::body::{BodyState, MAX_FREEDOMS, MAX_SPEEDS, Pose, Speeds};
 use crate::robot::RobotModel;
 use crate::vector::{Attitude, Vector};
@@ -16,6 +17,8 @@ const DEPENDENT: f64 = 1e-9;
 const BALANCE_TOLERANCE: f64 = 1e-9;
 /// Further tilts are followed up to this, rad: what a robot that is tilted by more may balance on is not asked.
 const MAX_TILT_RAD: f64 = 1.2;
+/// The share of gravity into the ground is taken to be at least this, so that traction per load is finite.
+const LEAST_UP: f64 = 0.1;
 /// Regularises links that no wheel carries.
 const REGULARISATION: f64 = 1e-12;
 
@@ -52,8 +55,8 @@ struct Motion {
 pub(super) struct Tipping {
     /// The wheels that stay on the ground, in the robot's order.
     pub(super) wheels: Vec<usize>,
-    /// Further tilt of the ground until the others carry nothing, rad.
-    pub(super) tilt: f64,
+    /// Further tilt of the ground until the others carry nothing, rad, and the cone that is met there.
+    pub(super) nearest: (f64, TipOverCone),
     /// The work of the weight against the motion, over its turning and that about level axes, m.
     pub(super) arms: [f64; 2],
 }
@@ -173,7 +176,7 @@ impl Equations {
 
     /// What a load of 1 N on each wheel does, with the traction by which it holds the robot.
     fn columns(&self, down: Vector) -> Vec<Column> {
-        let per_load = -1.0 / (-down.z).max(0.1);
+        let per_load = -1.0 / (-down.z).max(LEAST_UP);
         let column = |wheel: &WheelColumns| {
             let [ahead, left, up] = &wheel.along;
             let mut out = *up;
@@ -310,7 +313,6 @@ impl Equations {
         motions
             .iter()
             .map(|found| {
-                let tilt = self.tilt(found, down);
                 let turning = Vector::new(found.speeds[1], found.speeds[2], 0.0);
                 let level = turning - down * turning.dot(down);
                 let work = dot(&found.speeds, &self.required(down)) / self.weight;
@@ -321,7 +323,7 @@ impl Equations {
                         .filter(|(place, _)| found.staying >> place & 1 == 1)
                         .map(|(_, own)| own.wheel)
                         .collect(),
-                    tilt,
+                    nearest: self.nearest(found, down),
                     arms: [turning, level].map(|turning| {
                         let is_still = turning.length() <= DEPENDENT * size;
                         if is_still {
@@ -340,64 +342,95 @@ impl Equations {
     ///
     /// The motion of a robot with links changes with the traction: what is nearest is looked for from `down` and from the
     /// direction ahead, behind or aside where the least is left on those wheels.
-    fn tilt(&self, found: &Motion, down: Vector) -> f64 {
+    fn nearest(&self, found: &Motion, down: Vector) -> (f64, TipOverCone) {
         const ASIDE_RAD: f64 = 0.8;
-        let left = |down: Vector| {
-            let speeds = across(found.speeds, &units(&self.columns(down), found.staying));
-            dot(&speeds, &self.required(down)) / dot(&speeds, &speeds).sqrt()
-        };
+        let left = |down: Vector| self.left(found, down);
         let own = nearest(left, down, (down, 0.0));
-        if self.rows == 3 || own < 0.0 {
+        if self.rows == 3 || own.0 < 0.0 {
             return own;
         }
         let ahead = down.cross(Vector::AXES[1]).unit();
         let aside = down.cross(ahead);
         let (sin, cos) = Real::sin_cos(ASIDE_RAD);
-        let starts = [ahead, -ahead, aside, -aside].map(|to| down * cos + to * sin);
-        let least = starts
-            .into_iter()
-            .min_by(|a, b| left(*a).total_cmp(&left(*b)));
-        least.map_or(own, |start| {
-            own.min(nearest(left, down, (start, ASIDE_RAD)))
-        })
+        let starts = [ahead, -ahead, aside, -aside].map(|to| {
+            let start = down * cos + to * sin;
+            (left(start).0, start)
+        });
+        let least = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        let other = least.map(|(_, start)| nearest(left, down, (start, ASIDE_RAD)));
+        other.filter(|other| other.0 < own.0).unwrap_or(own)
+    }
+
+    /// The work of gravity and springs against a motion of unit size, and its slope with the direction of gravity: the work
+    /// of the weight and of the forces of the wheels that stay, along each axis.
+    fn left(&self, found: &Motion, down: Vector) -> (f64, Vector) {
+        let columns = self.columns(down);
+        let (mut units, mut basis) = (Vec::with_capacity(ROWS), Vec::with_capacity(ROWS));
+        for (place, column) in columns.iter().enumerate() {
+            if found.staying >> place & 1 == 1 && extend(&mut units, column) {
+                basis.push(place);
+            }
+        }
+        let speeds = across(found.speeds, &units);
+        let size = dot(&speeds, &speeds).sqrt();
+        let mut required = self.required(down);
+        let work = dot(&speeds, &required) / size;
+        let mut slopes = self.weights.map(|weights| -dot(&speeds, &weights) / size);
+        for (unit, place) in units.iter().zip(basis).rev() {
+            let column = &columns[place];
+            let load = dot(unit, &required) / dot(unit, column);
+            add(&mut required, column, -load);
+            let per_up = load / ((-down.z).max(LEAST_UP) * size);
+            for (slope, along) in slopes.iter_mut().zip(&self.wheels[place].along) {
+                *slope += per_up * dot(&speeds, along);
+            }
+        }
+        (work, Vector::new(slopes[0], slopes[1], slopes[2]))
     }
 }
 
 /// The angle from `down` to the nearest direction in which nothing is `left`, rad, from a direction and its angle on.
 ///
 /// On a motion the work of gravity is linear in its direction and that of the springs constant: these directions are a circle
-/// about an axis. The circle is found again where the last one was met.
-fn nearest(left: impl Fn(Vector) -> f64, down: Vector, start: (Vector, f64)) -> f64 {
+/// about an axis. The circle is found again where the last one was met. A search that does not converge has met none.
+fn nearest(
+    left: impl Fn(Vector) -> (f64, Vector),
+    down: Vector,
+    start: (Vector, f64),
+) -> (f64, TipOverCone) {
     const ROUNDS: u32 = 30;
-    const STEP: f64 = 1e-5;
+    const TOLERANCE_RAD: f64 = 1e-6;
     const STRIDE_RAD: f64 = 0.2;
-    let (least, most) = if left(down) >= 0.0 {
+    let (least, most) = if left(down).0 >= 0.0 {
         (0.0, MAX_TILT_RAD)
     } else {
         (-MAX_TILT_RAD, 0.0)
     };
     let (mut foot, mut tilt) = start;
-    for _ in 0..ROUNDS {
-        let here = left(foot);
-        let slope = |axis: Vector| (left(foot + axis * STEP) - here) / STEP;
-        let [x, y, z] = Vector::AXES.map(slope);
-        let axis = Vector::new(x, y, z);
-        let springs = here - axis.dot(foot);
-        let length = axis.length();
-        let opening = Real::acos((-springs / length).clamp(-1.0, 1.0));
-        let aside = axis.cross(down).cross(axis).unit();
-        let angle = opening - Real::atan2(aside.dot(down), axis.dot(down) / length);
-        if (angle - tilt).abs() < 1e-12 {
-            return angle;
+    let mut rounds = 0;
+    loop {
+        let (here, slope) = left(foot);
+        let springs = here - slope.dot(foot);
+        let cone = TipOverCone {
+            axis: slope.unit(),
+            opening: Real::acos((-springs / slope.length()).clamp(-1.0, 1.0)),
+        };
+        let angle = cone.margin(down);
+        rounds += 1;
+        if (angle - tilt).abs() < TOLERANCE_RAD {
+            return (angle, cone);
         }
         tilt = angle
             .clamp(tilt - STRIDE_RAD, tilt + STRIDE_RAD)
             .clamp(least, most);
+        if rounds == ROUNDS {
+            return (if most > 0.0 { most } else { tilt }, cone);
+        }
+        let aside = cone.axis.cross(down).cross(cone.axis).unit();
         let towards = (aside - down * aside.dot(down)).unit();
         let (sin, cos) = Real::sin_cos(tilt);
         foot = down * cos + towards * sin;
     }
-    tilt
 }
 
 /// Orthogonal unit columns that span those of some wheels.

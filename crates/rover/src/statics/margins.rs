@@ -13,11 +13,29 @@ pub struct Edge {
     pub wheels: Vec<usize>,
     /// How much further the ground may tilt until the others carry nothing, rad.
     pub tip_over: f64,
+    /// Where that is, for poses near this one.
+    pub cone: TipOverCone,
     /// Distance of the plumb line through the centre of gravity from the edge, m: the work of the weight over the turning of the
     /// chassis about level axes. Infinite where only a link turns.
     pub horizontal: f64,
     /// How far the centre of gravity must rise to tip over the edge, m.
     pub vertical: f64,
+}
+
+/// Directions of gravity at one angle from an axis, in the robot's frame: those in which a rigid robot begins to tip over an
+/// edge, and those of any robot near one of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TipOverCone {
+    pub(super) axis: Vector,
+    pub(super) opening: f64,
+}
+
+impl TipOverCone {
+    /// The angle from `down` to the nearest of these directions, rad; negative beyond them.
+    #[must_use]
+    pub fn margin(&self, down: Vector) -> f64 {
+        self.opening - Real::atan2(self.axis.cross(down).length(), self.axis.dot(down))
+    }
 }
 
 /// The stability of a robot that stands on a plane.
@@ -73,12 +91,14 @@ pub(super) fn margins_where(equations: &Equations, down: Vector) -> StabilityMar
 
 fn edge(tipping: Tipping) -> Edge {
     let [arm, horizontal] = tipping.arms;
+    let (tip_over, cone) = tipping.nearest;
     Edge {
         wheels: tipping.wheels,
-        tip_over: tipping.tilt,
+        tip_over,
+        cone,
         horizontal,
-        vertical: if tipping.tilt > 0.0 {
-            arm * Real::tan(0.5 * tipping.tilt)
+        vertical: if tip_over > 0.0 {
+            arm * Real::tan(0.5 * tip_over)
         } else {
             0.0
         },

@@ -10,7 +10,7 @@ mod stance;
 mod standing;
 
 pub use loads::{WheelLoads, wheel_loads};
-pub use margins::{Edge, StabilityMargins, stability_margins};
+pub use margins::{Edge, StabilityMargins, TipOverCone, stability_margins};
 pub use posture::{Posture, PostureLimits, adjusted_posture};
 pub use stance::{Footing, Stance, stance};
 pub use standing::Standing;
