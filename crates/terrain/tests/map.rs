@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use grouser_files::Document;
 use grouser_rover::ground::{GeoTiff, TerrainFault};
 use grouser_rover::robot::RobotModel;
+use grouser_rover::statics::stability_margins;
 use grouser_terra::{Soil, catalogue};
 use grouser_terrain::plan::PlanMap;
 use grouser_terrain::raster::Dem;
@@ -132,7 +133,11 @@ fn every_cell_of_an_inclined_plane_has_the_exact_demand_of_its_headings() {
         );
         assert!((value(Quantity::Sinkage) - exact.sinkage).abs() < 2e-4);
         assert_eq!(value(Quantity::State), 0.0);
+        let margins = stability_margins(made.solver.model(), pose.pitch, pose.roll);
+        let off = value(Quantity::TipOver) - margins.tip_over.to_degrees();
+        assert!(off.abs() < 0.03, "{heading}: {off}");
     }
+    assert!(made.maker.tip_over_error().to_degrees() < 0.03);
     // at the edge a wheel stands beyond the model: nothing is known there
     assert!(
         cells[..made.layout.bands()]

@@ -307,6 +307,13 @@ impl Equations {
         motions
     }
 
+    /// The smallest angle from `down` to where the robot tips over, rad.
+    pub(super) fn tip_over(&self, down: Vector) -> f64 {
+        let motions = Self::motions(&self.columns(down));
+        let nearer = |least: f64, found| least.min(self.nearest(found, down, least.max(0.0)).0);
+        motions.iter().fold(MAX_TILT_RAD, nearer)
+    }
+
     /// The ways to tip over from where gravity points `down`.
     pub(super) fn tippings(&self, down: Vector) -> Vec<Tipping> {
         let motions = Self::motions(&self.columns(down));
@@ -323,7 +330,7 @@ impl Equations {
                         .filter(|(place, _)| found.staying >> place & 1 == 1)
                         .map(|(_, own)| own.wheel)
                         .collect(),
-                    nearest: self.nearest(found, down),
+                    nearest: self.nearest(found, down, MAX_TILT_RAD),
                     arms: [turning, level].map(|turning| {
                         let is_still = turning.length() <= DEPENDENT * size;
                         if is_still {
@@ -338,14 +345,14 @@ impl Equations {
     }
 
     /// The angle from `down` to the nearest direction in which the wheels that do not stay carry nothing, rad; negative beyond
-    /// it.
+    /// it. What is not `within` an angle is not followed.
     ///
     /// The motion of a robot with links changes with the traction: what is nearest is looked for from `down` and from the
     /// direction ahead, behind or aside where the least is left on those wheels.
-    fn nearest(&self, found: &Motion, down: Vector) -> (f64, TipOverCone) {
+    fn nearest(&self, found: &Motion, down: Vector, within: f64) -> (f64, TipOverCone) {
         const ASIDE_RAD: f64 = 0.8;
         let left = |down: Vector| self.left(found, down);
-        let own = nearest(left, down, (down, 0.0));
+        let own = nearest(left, down, (down, 0.0), within);
         if self.rows == 3 || own.0 < 0.0 {
             return own;
         }
@@ -357,7 +364,7 @@ impl Equations {
             (left(start).0, start)
         });
         let least = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        let other = least.map(|(_, start)| nearest(left, down, (start, ASIDE_RAD)));
+        let other = least.map(|(_, start)| nearest(left, down, (start, ASIDE_RAD), own.0));
         other.filter(|other| other.0 < own.0).unwrap_or(own)
     }
 
@@ -397,12 +404,13 @@ fn nearest(
     left: impl Fn(Vector) -> (f64, Vector),
     down: Vector,
     start: (Vector, f64),
+    within: f64,
 ) -> (f64, TipOverCone) {
     const ROUNDS: u32 = 30;
     const TOLERANCE_RAD: f64 = 1e-6;
     const STRIDE_RAD: f64 = 0.2;
     let (least, most) = if left(down).0 >= 0.0 {
-        (0.0, MAX_TILT_RAD)
+        (0.0, within)
     } else {
         (-MAX_TILT_RAD, 0.0)
     };
@@ -419,6 +427,9 @@ fn nearest(
         rounds += 1;
         if (angle - tilt).abs() < TOLERANCE_RAD {
             return (angle, cone);
+        }
+        if tilt == most && angle > most {
+            return (most, cone);
         }
         tilt = angle
             .clamp(tilt - STRIDE_RAD, tilt + STRIDE_RAD)

@@ -2,8 +2,7 @@
 
 use grouser_real::Real;
 
-use super::loads::wheel_loads;
-use super::margins::stability_margins;
+use super::equations::Equations;
 use crate::robot::RobotModel;
 
 /// What may be adjusted, and how far.
@@ -121,13 +120,17 @@ pub fn adjusted_posture(
 }
 
 fn quality(model: &RobotModel, pitch: f64, roll: f64) -> (f64, f64) {
-    let margins = stability_margins(model, pitch, roll);
-    let loads = wheel_loads(model, pitch, roll).loads;
+    let equations = Equations::on_plane(model);
+    let down = equations.down(pitch, roll);
+    let (loads, _) = equations.loads(down);
     let powered: Vec<f64> = model.powered().map(|index| loads[index]).collect();
     let count = powered.len().max(1) as f64;
     let mean = powered.iter().sum::<f64>() / count;
     let square = powered.iter().map(|l| Real::powi(l - mean, 2)).sum::<f64>() / count;
-    (margins.tip_over, square.sqrt() / mean.abs().max(1e-9))
+    (
+        equations.tip_over(down),
+        square.sqrt() / mean.abs().max(1e-9),
+    )
 }
 
 fn adjusted(model: &RobotModel, x: &[f64; 5]) -> RobotModel {
