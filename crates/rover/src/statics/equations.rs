@@ -307,11 +307,19 @@ impl Equations {
         motions
     }
 
-    /// The smallest angle from `down` to where the robot tips over, rad.
-    pub(super) fn tip_over(&self, down: Vector) -> f64 {
-        let motions = Self::motions(&self.columns(down));
-        let nearer = |least: f64, found| least.min(self.nearest(found, down, least.max(0.0)).0);
-        motions.iter().fold(MAX_TILT_RAD, nearer)
+    /// The smallest angle from `down` to where the robot tips over, rad; any up to `enough` where it is less.
+    pub(super) fn tip_over(&self, down: Vector, enough: f64) -> f64 {
+        let (required, mut motions) = (self.required(down), Self::motions(&self.columns(down)));
+        let work =
+            |own: &Motion| dot(&own.speeds, &required) / dot(&own.speeds, &own.speeds).sqrt();
+        motions.sort_by(|a, b| work(a).total_cmp(&work(b)));
+        let mut least = MAX_TILT_RAD;
+        for found in &motions {
+            if least > enough {
+                least = least.min(self.nearest(found, down, least.max(0.0)).0);
+            }
+        }
+        least
     }
 
     /// The ways to tip over from where gravity points `down`.
@@ -414,8 +422,7 @@ fn nearest(
     } else {
         (-MAX_TILT_RAD, 0.0)
     };
-    let (mut foot, mut tilt) = start;
-    let mut rounds = 0;
+    let (mut foot, mut tilt, mut rounds) = (start.0, start.1, 0);
     loop {
         let (here, slope) = left(foot);
         let springs = here - slope.dot(foot);
@@ -447,10 +454,9 @@ fn nearest(
 /// Orthogonal unit columns that span those of some wheels.
 fn units(columns: &[Column], of: u64) -> Vec<Column> {
     let mut units = Vec::with_capacity(ROWS);
-    for (place, column) in columns.iter().enumerate() {
-        if of >> place & 1 == 1 {
-            extend(&mut units, column);
-        }
+    let staying = columns.iter().enumerate();
+    for (_, column) in staying.filter(|(place, _)| of >> place & 1 == 1) {
+        extend(&mut units, column);
     }
     units
 }
