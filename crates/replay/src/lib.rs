@@ -79,6 +79,8 @@ pub use sink::{Row, Sink, Step};
 pub use smooth::{Smoothed, smoothed};
 pub use soil_reading::{SoilReading, reference_skid, soil_readings};
 pub use start::check_start;
+#[doc(hidden)]
+pub use steering::WheelSteering;
 pub use summary::{
     AlongSummary, EventAt, FusedSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary,
 };

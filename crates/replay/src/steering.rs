@@ -6,7 +6,7 @@ use grouser_slip::{Measurement, Robot, Sample};
 
 /// Steers the wheels of a robot by one angle.
 #[derive(Clone, Debug)]
-pub(crate) struct WheelSteering {
+pub struct WheelSteering {
     kind: SteeringKind,
     /// Index and position of each steered wheel, m.
     wheels: Vec<(usize, f64, f64)>,
@@ -16,7 +16,9 @@ pub(crate) struct WheelSteering {
 }
 
 impl WheelSteering {
-    pub(crate) fn new(steering: &Steering, robot: &Robot) -> Self {
+    /// For the steering of a robot file.
+    #[must_use]
+    pub fn new(steering: &Steering, robot: &Robot) -> Self {
         let all = robot.wheels().iter().enumerate();
         let (wheels, others): (Vec<_>, Vec<_>) = all
             .map(|(index, wheel)| (index, wheel.x, wheel.y))
@@ -34,7 +36,7 @@ impl WheelSteering {
     }
 
     /// The angles of the wheels that a sample of the steering means; nothing for other samples.
-    pub(crate) fn angles(&self, sample: &Sample) -> impl Iterator<Item = Sample> {
+    pub fn angles(&self, sample: &Sample) -> impl Iterator<Item = Sample> {
         let angle = match sample.measurement {
             Measurement::Steering { angle } => Some(angle).filter(|angle| angle.is_finite()),
             _ => None,

@@ -29,12 +29,16 @@ mod fault;
 pub mod filter;
 mod history;
 mod measured_slip;
+#[doc(hidden)]
+pub mod motion;
 pub mod onboard;
 pub mod prior;
 mod reference;
 mod robot;
 mod sample;
 pub mod settings;
+#[doc(hidden)]
+pub mod smooth;
 mod speed;
 pub mod start;
 mod state;

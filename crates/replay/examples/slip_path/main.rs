@@ -1,0 +1,128 @@
+//! Slips of a log by the one model of the motion, over the whole log: what `bench/estimators` judges next to `estimate`.
+//!
+//! ```text
+//! cargo run --release -p grouser-replay --example slip_path -- LOG.csv --robot R.toml --map C.toml -o OUT.csv
+//! ```
+//!
+//! It makes steps of 50 ms of the samples. Delays that the robot file does not state and held readings are not found, and
+//! carriers of wheels are ignored.
+
+mod gather;
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use grouser_files::columns;
+use grouser_files::robot::{self, RobotFile};
+use grouser_files::topics::Topics;
+use grouser_log::Log;
+use grouser_replay::{Inputs, Options, RobotSamples, WheelSteering};
+use grouser_slip::Reference;
+use grouser_slip::motion::{KINDS, Levels, Noise, Step, Value, start};
+use grouser_slip::smooth::{fit, wheel_slips};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let (mut files, mut robot, mut map, mut out) = (Vec::new(), None, None, None);
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--robot" => robot = arguments.next().map(PathBuf::from),
+            "--map" => map = arguments.next().map(PathBuf::from),
+            "-o" => out = arguments.next().map(PathBuf::from),
+            "--online" => return Err("the model runs over whole logs only".into()),
+            _ => files.push(PathBuf::from(argument)),
+        }
+    }
+    let file = robot::read(&robot.ok_or("--robot is missing")?)?;
+    let map = map.map(|map| columns::read(&map)).transpose()?;
+    let log = Log::find_any(&files, map, &Topics::default())?;
+    let inputs = Inputs::of(&log, &file, &Options::default())?;
+    let mut samples = RobotSamples::new(&log, &file)?;
+    let steering = (file.steering.as_ref()).map(|of| WheelSteering::new(of, &file.robot));
+    let mut gathered = gather::Gathered::new(&file, &inputs);
+    for sample in log.samples(&vec![0; log.clocks()])? {
+        let sample = samples.convert(sample?);
+        gathered.take(&sample);
+        for angle in steering.iter().flat_map(|of| of.angles(&sample)) {
+            gathered.take(&angle);
+        }
+    }
+    let mut steps = gathered.steps();
+    let values = || {
+        steps
+            .iter()
+            .flat_map(|step| &step.readings)
+            .map(|of| of.value)
+    };
+    let place = values().find_map(|value| match value {
+        Value::Place(place) => Some(place),
+        Value::Heading(_) | Value::Speed(_) => None,
+    });
+    let heading = values().find_map(|value| match value {
+        Value::Heading(heading) => Some(heading),
+        Value::Place(_) | Value::Speed(_) => None,
+    });
+    let has_gyro = steps.iter().any(|step| step.turn.is_some());
+    let begin = start(
+        place.unwrap_or_default(),
+        heading.unwrap_or_default(),
+        has_gyro,
+    );
+    let (levels, learn) = prior(&file, &inputs, has_gyro);
+    let found = fit(&mut steps, begin, levels, learn);
+    std::fs::write(out.ok_or("-o is missing")?, table(&file, &steps, &found)?)?;
+    Ok(())
+}
+
+/// Sigmas of the kinds of noise before the log, in the order of [`Noise::ALL`], and which of them the log teaches.
+fn prior(file: &RobotFile, inputs: &Inputs, has_gyro: bool) -> (Levels, [bool; KINDS]) {
+    let by_displacement = inputs.reference == Reference::Displacement;
+    let settings = &file.settings;
+    // a cheap gyro's, or what differential wheels make of a turn
+    let (turn, turn_bias) = if has_gyro { (2e-3, 2e-4) } else { (0.05, 0.05) };
+    // a sum of displacements wanders, a pose does not
+    let (wander, place) = if by_displacement {
+        (1e-3, 1e-3)
+    } else {
+        (1e-5, settings.position_sigma)
+    };
+    let sigmas = [
+        0.03,
+        0.03,
+        0.03,
+        turn,
+        turn_bias,
+        3e-3,
+        1e-3,
+        wander,
+        place,
+        settings.yaw_sigma,
+        settings.speed_sigma,
+        1.0,
+    ];
+    let mut learn = [true; KINDS];
+    learn[Noise::Skid as usize] = false;
+    learn[Noise::Wheel as usize] = false;
+    learn[Noise::Wander as usize] = by_displacement;
+    (Levels(sigmas.map(|sigma| sigma * sigma)), learn)
+}
+
+fn table(
+    file: &RobotFile,
+    steps: &[Step],
+    found: &grouser_slip::smooth::Fit,
+) -> Result<String, std::fmt::Error> {
+    let mut text = String::from("time_s,wheel,slip,slip_sigma,motion,health\n");
+    for (index, wheel) in file.robot.wheels().iter().enumerate() {
+        for slip in wheel_slips(found, steps, index) {
+            let step = &steps[slip.step];
+            let (middle, sigma) = (step.time - 0.5 * step.dt, slip.variance.sqrt());
+            writeln!(
+                text,
+                "{middle:.4},{},{:.5},{sigma:.5},,Ok",
+                wheel.name, slip.slip
+            )?;
+        }
+    }
+    Ok(text)
+}

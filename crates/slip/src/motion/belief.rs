@@ -1,0 +1,112 @@
+//! A Gaussian belief over the state, and its update by one scalar measurement.
+
+use super::state::SIZE;
+
+/// One coefficient for each number of the state.
+pub type Row = [f64; SIZE];
+
+/// Mean and covariance of the state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Belief {
+    /// The mean.
+    pub mean: Row,
+    /// The covariance, symmetric.
+    pub covariance: [Row; SIZE],
+}
+
+/// What one scalar measurement did to a belief: the backward pass of the smoother needs no more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correction {
+    /// The measurement's Jacobian.
+    pub row: Row,
+    /// Kalman gain.
+    pub gain: Row,
+    /// Measured less predicted.
+    pub innovation: f64,
+    /// Variance of the innovation.
+    pub variance: f64,
+}
+
+impl Belief {
+    /// A belief with independent numbers.
+    #[must_use]
+    pub fn independent(mean: Row, sigma: Row) -> Self {
+        let mut covariance = [[0.0; SIZE]; SIZE];
+        for (i, sigma) in sigma.iter().enumerate() {
+            covariance[i][i] = sigma * sigma;
+        }
+        Self { mean, covariance }
+    }
+
+    /// P h.
+    #[must_use]
+    pub fn spread(&self, row: &Row) -> Row {
+        let mut out = [0.0; SIZE];
+        for (j, &h) in row.iter().enumerate() {
+            if h != 0.0 {
+                for (out, p) in out.iter_mut().zip(&self.covariance[j]) {
+                    *out += h * p;
+                }
+            }
+        }
+        out
+    }
+
+    /// hᵀ P h.
+    #[must_use]
+    pub fn variance_of(&self, row: &Row) -> f64 {
+        dot(row, &self.spread(row))
+    }
+
+    /// hᵀ x.
+    #[must_use]
+    pub fn mean_of(&self, row: &Row) -> f64 {
+        dot(row, &self.mean)
+    }
+
+    /// The Kalman update by one scalar measurement: x += K ν, P −= K S Kᵀ.
+    pub fn update(&mut self, row: &Row, innovation: f64, variance: f64) -> Correction {
+        let spread = self.spread(row);
+        let total = dot(row, &spread) + variance;
+        let mut gain = spread;
+        for gain in &mut gain {
+            *gain /= total;
+        }
+        for i in 0..SIZE {
+            self.mean[i] += gain[i] * innovation;
+            if spread[i] != 0.0 {
+                for (p, gain) in self.covariance[i].iter_mut().zip(&gain) {
+                    *p -= spread[i] * gain;
+                }
+            }
+        }
+        Correction {
+            row: *row,
+            gain,
+            innovation,
+            variance: total,
+        }
+    }
+
+    /// Adds process noise to one number.
+    pub fn add_noise(&mut self, index: usize, variance: f64) {
+        self.covariance[index][index] += variance;
+    }
+
+    /// P ← F P Fᵀ where F is the identity with `row` in place of row `index`.
+    pub fn propagate(&mut self, index: usize, row: &Row) {
+        let spread = self.spread(row);
+        let variance = dot(row, &spread);
+        for (j, &spread) in spread.iter().enumerate() {
+            self.covariance[index][j] = spread;
+            self.covariance[j][index] = spread;
+        }
+        self.covariance[index][index] = variance;
+    }
+}
+
+/// aᵀ b.
+#[must_use]
+pub fn dot(a: &Row, b: &Row) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

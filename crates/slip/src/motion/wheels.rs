@@ -1,0 +1,140 @@
+//! The common motion of the wheels over a step: the direction in which they run and how far.
+
+use grouser_real::{Real, solve};
+
+use super::step::WheelStep;
+
+/// The common motion of the wheels over a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CommonMotion {
+    /// Distance by the wheels along [`Self::direction`], m.
+    pub distance: f64,
+    /// Direction in the robot's frame, rad.
+    pub direction: f64,
+    /// Turn by the wheels, rad; `None` where the wheels cannot show one.
+    pub turn: Option<f64>,
+    /// Variance of the distance, m².
+    pub variance: f64,
+    /// Turn by the gyro, else by the wheels, without a correction of the bias, rad.
+    pub turned: f64,
+}
+
+/// Two headings of wheels differ by less than this where the wheels are parallel: the sine.
+const PARALLEL_SINE: f64 = 0.02;
+
+/// Wheels run at this multiple of the robot's speed at most where their part in a turn is concerned: beyond, a turn is theirs alone.
+const MAX_WHEEL_SHARE: f64 = 10.0;
+/// Wheels move along themselves: the weight of no sideways speed against a wheel's own speed.
+const SIDEWAYS_WEIGHT: f64 = 1e-2;
+/// The weight of a gyro's turn against a wheel's distance, 1/m².
+const TURN_WEIGHT: f64 = 1e4;
+/// Shorter distances have no direction, m.
+const MIN_DISTANCE: f64 = 1e-5;
+/// Levers of parallel wheels that scatter by less than this show no turn, m².
+const MIN_LEVER_SCATTER: f64 = 1e-6;
+
+/// The common motion of the powered wheels; `turn` is the robot's turn over the step (rad), `share` its speed over that of its
+/// wheels, `last` the direction that holds while the wheels are stationary.
+#[must_use]
+pub fn common_motion(
+    wheels: &[WheelStep],
+    turn: Option<f64>,
+    share: f64,
+    last: f64,
+    scratch: &mut [f64],
+) -> Option<CommonMotion> {
+    let used = || {
+        wheels
+            .iter()
+            .filter(|wheel| !wheel.is_free && wheel.distance.is_some())
+    };
+    let first = used().next()?.row;
+    let count = used().count();
+    let parallel =
+        used().all(|w| (first[0] * w.row[1] - first[1] * w.row[0]).abs() < PARALLEL_SINE);
+    let by_wheels = turn_by_wheels(used());
+    let share = share.max(1.0 / MAX_WHEEL_SHARE);
+    let turned = turn.map(|turn| turn / share).or(by_wheels).unwrap_or(0.0);
+    if parallel {
+        let mut n = 0;
+        let mut variance = 0.0;
+        for wheel in used() {
+            let level = wheel.distance.unwrap_or(0.0) - turned * wheel.row[2];
+            scratch[n] = level;
+            variance += wheel.variance;
+            n += 1;
+        }
+        let levels = &mut scratch[..n];
+        levels.sort_unstable_by(f64::total_cmp);
+        let distance = if n % 2 == 1 {
+            levels[n / 2]
+        } else {
+            0.5 * (levels[n / 2 - 1] + levels[n / 2])
+        };
+        return Some(CommonMotion {
+            distance,
+            direction: Real::atan2(first[1], first[0]),
+            turn: by_wheels.map(|t| t * share),
+            variance: variance / (count * count) as f64,
+            turned: 0.0,
+        });
+    }
+    // wheels in several directions: least squares over (x, y, turn), the turn given where a gyro measures it
+    let (mut a, mut b) = ([[0.0; 3]; 3], [0.0; 3]);
+    let mut variance = 0.0;
+    for wheel in used() {
+        let row = wheel.row;
+        add(&mut a, &mut b, row, wheel.distance.unwrap_or(0.0), 1.0);
+        variance += wheel.variance;
+        if !wheel.is_omni {
+            let across = wheel.across;
+            add(&mut a, &mut b, across, 0.0, SIDEWAYS_WEIGHT);
+        }
+    }
+    if turn.is_some() {
+        add(&mut a, &mut b, [0.0, 0.0, 1.0], turned, TURN_WEIGHT);
+    }
+    let [x, y, z] = solve(a, b)?;
+    let size = Real::hypot(x, y);
+    let is_omni = wheels.iter().any(|wheel| wheel.is_omni);
+    // wheels that roll one way go forwards and backwards, others in any direction
+    let sign = if is_omni || x >= 0.0 { 1.0 } else { -1.0 };
+    let direction = if size > MIN_DISTANCE {
+        Real::atan2(sign * y, sign * x)
+    } else {
+        last
+    };
+    let distance = sign * size;
+    Some(CommonMotion {
+        distance,
+        direction,
+        turn: Some(z * share),
+        variance: variance / (count * count) as f64,
+        turned: 0.0,
+    })
+}
+
+/// Adds an equation row · (x, y, turn) = value to the normal equations.
+fn add(a: &mut [[f64; 3]; 3], b: &mut [f64; 3], row: [f64; 3], value: f64, weight: f64) {
+    for i in 0..3 {
+        for j in 0..3 {
+            a[i][j] += weight * row[i] * row[j];
+        }
+        b[i] += weight * row[i] * value;
+    }
+}
+
+/// The turn that parallel wheels at different distances from the middle show.
+fn turn_by_wheels<'a>(wheels: impl Iterator<Item = &'a WheelStep> + Clone) -> Option<f64> {
+    let n = wheels.clone().count() as f64;
+    let mean = |f: &dyn Fn(&WheelStep) -> f64| wheels.clone().map(f).sum::<f64>() / n;
+    let lever = mean(&|w| w.row[2]);
+    let level = mean(&|w| w.distance.unwrap_or(0.0));
+    let (mut below, mut above) = (0.0, 0.0);
+    for wheel in wheels {
+        let off = wheel.row[2] - lever;
+        below += off * off;
+        above += off * (wheel.distance.unwrap_or(0.0) - level);
+    }
+    (below > MIN_LEVER_SCATTER).then(|| above / below)
+}

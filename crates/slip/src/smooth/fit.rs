@@ -1,0 +1,218 @@
+//! Levels of noise by maximum likelihood, jumps of the slip and outliers, over a whole log.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use grouser_real::Real;
+
+use super::back::{Back, Residual, back};
+use super::jumps::Jumps;
+use crate::motion::{Belief, CommonMotion, KINDS, Levels, Motion, Noise, Step, Tape};
+
+/// The result of [`fit`].
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The most likely levels.
+    pub levels: Levels,
+    /// The last pass back.
+    pub back: Back,
+    /// The wheels' common motion in each step.
+    pub common: Vec<CommonMotion>,
+    /// Steps at which the slip jumps.
+    pub jumps: Vec<usize>,
+    /// The log-likelihood less what the jumps cost.
+    pub evidence: f64,
+}
+
+/// Share of outliers among readings of a reference, and their size in sigma: a prior, two of a hundred GNSS fixes or camera poses.
+const OUTLIERS: f64 = 0.02;
+const OUTLIER_SIGMA: f64 = 30.0;
+/// A first pass takes readings for this many times as noisy as their prior has them.
+const WIDE: f64 = 10.0;
+/// The median of χ² with one degree of freedom.
+const CHI_SQUARE_MEDIAN: f64 = 0.455;
+/// The prior of a level weighs as much as this many readings.
+const PRIOR_WEIGHT: f64 = 2.0;
+/// No level falls below this: far below any sensor's, in the square of its unit.
+const MIN_LEVEL: f64 = 1e-12;
+/// Rounds of maximum likelihood; each is one pass forward and one back. More move no figure by 3 %.
+const ROUNDS: usize = 10;
+/// Rounds in which the slip keeps its prior's level while jumps are looked for, and the first ones without a search.
+const JUMP_ROUNDS: usize = 8;
+const SETTLING_ROUNDS: usize = 2;
+/// The last rounds add no jumps, so that the levels settle.
+const LAST_ROUNDS: usize = 3;
+
+/// The steps, and what every pass over them needs.
+struct Passes<'a> {
+    steps: &'a mut [Step],
+    start: Belief,
+    learn: [bool; KINDS],
+    scratch: Vec<f64>,
+}
+
+impl Passes<'_> {
+    /// Over all steps and back.
+    fn run(&mut self, levels: &Levels, jumps: &Jumps) -> (Back, Vec<CommonMotion>) {
+        let mut tape = Tape::default();
+        let mut motion = Motion::new(self.start);
+        let mut common = Vec::with_capacity(self.steps.len());
+        for (step, extra) in self.steps.iter().zip(&jumps.extra) {
+            motion.advance(step, levels, *extra, &mut self.scratch, Some(&mut tape));
+            common.push(motion.common);
+        }
+        (back(&tape), common)
+    }
+
+    /// First levels of the readings by the median of their errors, from a pass with wide ones: outliers among them drag a first pass
+    /// with narrow ones away, and levels that are too small would make outliers of all. Readings far beyond are left out at first.
+    fn begin(&mut self, prior: &Levels, jumps: &Jumps) -> Levels {
+        let is_learnt = |kind: Noise| !kind.is_process() && self.learn[kind as usize];
+        let mut wide = *prior;
+        for kind in Noise::ALL.into_iter().filter(|&kind| is_learnt(kind)) {
+            wide.0[kind as usize] *= WIDE * WIDE;
+        }
+        let (found, _) = self.run(&wide, jumps);
+        let mut levels = *prior;
+        let noise_of =
+            |steps: &[Step], of: &Residual| steps[of.step].readings[of.reading].value.noise();
+        for kind in Noise::ALL {
+            let of_kind = (found.residuals.iter()).filter(|of| noise_of(self.steps, of) == kind);
+            let mut squares: Vec<f64> = of_kind.map(|of| of.u * of.u / of.m).collect();
+            squares.sort_unstable_by(f64::total_cmp);
+            if let Some(median) = squares.get(squares.len() / 2) {
+                let level = &mut levels.0[kind as usize];
+                *level = level.max(wide.of(kind) * median / CHI_SQUARE_MEDIAN);
+            }
+        }
+        for of in &found.residuals {
+            let level = levels.of(noise_of(self.steps, of));
+            let square = of.u * of.u / (of.m * of.m);
+            if square > OUTLIER_SIGMA * OUTLIER_SIGMA * level {
+                self.steps[of.step].readings[of.reading].scale = square / level;
+            }
+        }
+        levels
+    }
+
+    /// Gives each reading the variance that it deserves by what all other readings predict.
+    fn weigh(&mut self, found: &Back, levels: &Levels) {
+        // step, reading, gain in log-likelihood as an outlier, squared error over the level
+        let mut gains: Vec<(usize, usize, f64, f64)> = Vec::new();
+        for residual in &found.residuals {
+            let (step, reading) = (residual.step, residual.reading);
+            let error = residual.u / residual.m;
+            let level = levels.of(self.steps[step].readings[reading].value.noise());
+            let wide = 1.0 / residual.m + OUTLIER_SIGMA * OUTLIER_SIGMA * level;
+            let (square, m) = (error * error, residual.m);
+            let gain = 0.5 * (square * m - square / wide - Real::ln(wide * m));
+            let size = square / level;
+            match gains.last_mut() {
+                // x and y of one place are outliers together
+                Some(last) if (last.0, last.1) == (step, reading) => {
+                    last.2 += gain;
+                    last.3 = last.3.max(size);
+                }
+                _ => gains.push((step, reading, gain, size)),
+            }
+        }
+        for (step, reading, gain, size) in gains {
+            let odds = Real::exp((gain + Real::ln(OUTLIERS / (1.0 - OUTLIERS))).clamp(-50.0, 50.0));
+            let share = odds / (1.0 + odds);
+            // an outlier's variance is its own squared error, where that is larger
+            let outlier = (OUTLIER_SIGMA * OUTLIER_SIGMA).max(size);
+            self.steps[step].readings[reading].scale = 1.0 / (1.0 - share + share / outlier);
+        }
+    }
+
+    /// One round of maximum likelihood, of all levels but one.
+    fn learn(&self, found: &Back, levels: &mut Levels, kept: Option<Noise>) {
+        for kind in Noise::ALL {
+            if !self.learn[kind as usize] || kept == Some(kind) {
+                continue;
+            }
+            let level = levels.of(kind);
+            let scale = if kind.is_process() { level } else { 1.0 };
+            let [found, expected] = found.scores[kind as usize].map(|score| score * scale);
+            let ratio = (found + PRIOR_WEIGHT) / (expected + PRIOR_WEIGHT);
+            levels.0[kind as usize] = (level * ratio).max(MIN_LEVEL);
+        }
+    }
+
+    /// Fits levels, outliers and, where `jumping`, jumps; `None` where there are no jumps to find.
+    fn fit(
+        &mut self,
+        prior: Levels,
+        mut jumps: Jumps,
+        times: &[f64],
+        jumping: bool,
+    ) -> Option<Fit> {
+        for reading in self.steps.iter_mut().flat_map(|step| &mut step.readings) {
+            reading.scale = 1.0;
+        }
+        let mut levels = self.begin(&prior, &jumps);
+        if jumping {
+            // from the sparse side: a level that has learnt to wander hides every jump
+            for round in 0..JUMP_ROUNDS {
+                let (found, _) = self.run(&levels, &jumps);
+                self.weigh(&found, &levels);
+                self.learn(&found, &mut levels, Some(Noise::Slip));
+                if round >= SETTLING_ROUNDS && !jumps.find(&found.shocks, times) {
+                    break;
+                }
+            }
+            if jumps.at.is_empty() {
+                return None;
+            }
+        }
+        for round in 1..ROUNDS {
+            let (found, _) = self.run(&levels, &jumps);
+            self.weigh(&found, &levels);
+            self.learn(&found, &mut levels, None);
+            if jumping && round < ROUNDS - LAST_ROUNDS {
+                jumps.find(&found.shocks, times);
+            }
+        }
+        let (back, common) = self.run(&levels, &jumps);
+        let evidence = jumps.evidence(back.likelihood);
+        Some(Fit {
+            levels,
+            back,
+            common,
+            jumps: jumps.at,
+            evidence,
+        })
+    }
+}
+
+/// Fits the model to the steps: a slip that wanders, or one that is steady and jumps, whichever has more evidence.
+///
+/// `learn` says which levels are found; the others keep their prior.
+#[must_use]
+pub fn fit(steps: &mut [Step], start: Belief, prior: Levels, learn: [bool; KINDS]) -> Fit {
+    let wheels = steps
+        .iter()
+        .map(|step| step.wheels.len())
+        .max()
+        .unwrap_or(0);
+    let times: Vec<f64> = steps.iter().map(|step| step.time).collect();
+    let readings = steps
+        .iter()
+        .filter(|step| !step.readings.is_empty())
+        .count();
+    // without a reference the wheels alone show a jump
+    let shown = if readings > 0 { readings } else { steps.len() };
+    let mut passes = Passes {
+        steps,
+        start,
+        learn,
+        scratch: vec![0.0; wheels],
+    };
+    let none = || Jumps::none(times.len(), shown);
+    let jumping = passes.fit(prior, none(), &times, true);
+    match (passes.fit(prior, none(), &times, false), jumping) {
+        (Some(wandering), Some(jumping)) if wandering.evidence < jumping.evidence => jumping,
+        (Some(wandering), _) => wandering,
+        (None, _) => unreachable!("a fit without jumps always ends"),
+    }
+}
