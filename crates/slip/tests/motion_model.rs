@@ -33,7 +33,7 @@ fn the_pass_back_is_the_dense_solution() {
         (0..width).map(of).collect()
     };
     for _ in 0..6 {
-        let index = random.bits() as usize % SIZE;
+        let index = random.below(SIZE);
         let variance = 0.1 + random.uniform();
         belief.add_noise(index, variance);
         tape.0.push(Entry::Noise {
@@ -46,7 +46,7 @@ fn the_pass_back_is_the_dense_solution() {
         rows[index].resize(width, 0.0);
         rows[index][width - 1] += 1.0;
         let mut row: Row = core::array::from_fn(|_| random.normal());
-        let index = random.bits() as usize % SIZE;
+        let index = random.below(SIZE);
         rows[index] = at(&rows, &row, width);
         let mean = belief.mean_of(&row);
         belief.propagate(index, &row);

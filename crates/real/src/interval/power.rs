@@ -85,7 +85,8 @@ impl Interval {
             return Self::EMPTY;
         }
         if self.low < 0.0 {
-            if exponent.high.floor() >= exponent.low {
+            // floor is exact, by any library
+            if libm::floor(exponent.high) >= exponent.low {
                 return Self::ENTIRE;
             }
             let low = 0.0;

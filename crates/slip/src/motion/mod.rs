@@ -8,7 +8,7 @@
 //! | `wheels` | the common motion of the wheels over a step |
 //! | `noise` | the kinds of noise and their levels |
 //! | `model` | how a belief passes over a step |
-//! | `tape` | what the pass did, for the pass back ([`crate::smooth`]) |
+//! | `tape` | what the pass did, for the pass back (`smooth`) |
 
 mod belief;
 mod model;

@@ -1,6 +1,6 @@
 //! The same model over a whole log: a pass back over what the pass forward did, and levels of noise by maximum likelihood.
 //!
-//! [`fit`] finds the levels, the jumps of the slip and the outliers; [`wheel_slips`] each wheel's slip by the smoothed motion.
+//! `fit` finds the levels, the jumps of the slip and the outliers; `wheel_slips` each wheel's slip by the smoothed motion.
 
 mod back;
 mod fit;

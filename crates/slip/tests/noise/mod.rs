@@ -17,6 +17,12 @@ impl Noise {
         z ^ (z >> 31)
     }
 
+    /// Below `count`.
+    #[allow(dead_code, reason = "not every test that shares this module needs it")]
+    pub(crate) fn below(&mut self, count: usize) -> usize {
+        usize::try_from(self.bits() % count as u64).unwrap_or(0)
+    }
+
     /// In [0, 1).
     pub(crate) fn uniform(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
