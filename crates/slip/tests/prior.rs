@@ -278,7 +278,6 @@ fn a_soil_that_holds_no_slope_counts_half_way_to_the_end() {
     let wheel = RigidWheel::new(0.15, 0.12).unwrap();
     for (key, share, weight, from, to) in [
         ("dry-sand", 0.15, 500.0, -10.0, 10.0),
-        ("snow", 0.3, 200.0, -45.0, -30.0),
     ] {
         let soils = frictions(key, share);
         let slopes = (Angle::from_deg(from), Angle::from_deg(to));
