@@ -31,6 +31,7 @@ mod solve;
 mod sqp;
 mod status;
 mod tape;
+mod watch;
 mod watched;
 mod weighted;
 
@@ -46,7 +47,7 @@ pub use derivative::{
 pub use error::{Error, Result};
 pub use jacobian::Jacobian;
 pub use method::Method;
-pub use model::{Model, Watch};
+pub use model::Model;
 pub use multi_start::{MultiStart, Optimum, multi_start, multi_start_with};
 pub use pareto::{
     Algorithm, Crossover, Front, FrontPoint, MAX_POPULATION, Mutation, ParetoSettings, das_dennis,
@@ -60,3 +61,4 @@ pub use solution::{Counts, Kkt, Multipliers, Solution};
 pub use solve::{Merit, evaluate, solve, solve_with};
 pub use status::{Limit, Status, Violation};
 pub use tape::{Binary, Node, Tape, TapedFunctions, Unary};
+pub use watch::Watch;

@@ -1,7 +1,7 @@
 //! Functions that are combinations of many parts, the greatest of a set of them.
 
 use crate::jacobian::Jacobian;
-use crate::model::Watch;
+use crate::watch::Watch;
 
 /// What stands behind the functions of a problem whose objectives have kinks that are known: every function is the greatest of
 /// a set of linear combinations of parts, and of constraints there is one. A solver can then linearise the parts, and choose the

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::jacobian::Jacobian;
 use crate::method::Method;
-use crate::model::{Model, Watch};
+use crate::model::Model;
 use crate::parts::{Parts, functions};
 use crate::problem::Problem;
 use crate::program::Program;
@@ -14,6 +14,7 @@ use crate::solution::{Kkt, Solution};
 use crate::solve::Merit;
 use crate::sqp;
 use crate::status::Status;
+use crate::watch::Watch;
 
 /// A decrease of the utility beyond this · (1 + |utility|) refutes a solution. The optimality conditions themselves leave 1e-8 of
 /// it open ([`Settings::optimality_tolerance`]).

@@ -7,12 +7,13 @@ use crate::callback::Callback;
 use crate::error::Result;
 use crate::jacobian::Jacobian;
 use crate::method::Method;
-use crate::model::{Model, Watch};
+use crate::model::Model;
 use crate::parts::Parts;
 use crate::problem::{LinearConstraint, Problem, ProblemParams, Variable};
 use crate::settings::Settings;
 use crate::solution::{Counts, Solution};
 use crate::sqp;
+use crate::watch::Watch;
 
 /// The names of added variables and rows begin with it: those of the problem, which are reported, do not.
 const MARK: char = '\u{2502}';

@@ -1,7 +1,8 @@
 //! Derivatives by finite differences, for functions that run on `f64` alone.
 
 use crate::jacobian::Jacobian;
-use crate::model::{Model, Watch};
+use crate::model::Model;
+use crate::watch::Watch;
 
 /// ∛ε: the relative step at which a central difference has the least error.
 const CBRT_EPSILON: f64 = 6.055_454_452_393_343e-6;

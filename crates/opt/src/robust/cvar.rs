@@ -12,9 +12,10 @@
 use super::{Values, Worlds};
 use crate::error::Result;
 use crate::jacobian::Jacobian;
-use crate::model::{Model, Watch};
+use crate::model::Model;
 use crate::parts::{Parts, functions, gradients};
 use crate::problem::{Problem, ProblemParams};
+use crate::watch::Watch;
 
 struct Cvar<'a> {
     worlds: Worlds<'a>,

@@ -13,9 +13,10 @@ mod worst_case;
 
 use crate::error::{Error, Result};
 use crate::jacobian::Jacobian;
-use crate::model::{Model, Watch};
+use crate::model::Model;
 use crate::problem::{Problem, ProblemParams};
 use crate::tape::{Tape, TapedFunctions};
+use crate::watch::Watch;
 
 pub use measure::Measure;
 pub use samples::{Uncertainty, sample};

@@ -4,8 +4,9 @@
 use super::{Values, Worlds};
 use crate::error::Result;
 use crate::jacobian::Jacobian;
-use crate::model::{Model, Watch};
+use crate::model::Model;
 use crate::problem::{Problem, ProblemParams};
+use crate::watch::Watch;
 
 /// A σ below this share of the mean is rounding.
 const ROUNDING_SHARE: f64 = 1e-12;

@@ -3,9 +3,10 @@
 use super::{Values, Worlds};
 use crate::error::Result;
 use crate::jacobian::Jacobian;
-use crate::model::{Model, Watch};
+use crate::model::Model;
 use crate::problem::{Problem, ProblemParams};
 use crate::tape::TapedFunctions;
+use crate::watch::Watch;
 
 struct WorstCase<'a>(Worlds<'a>);
 

@@ -154,7 +154,7 @@ impl Parts for &Fan {
         _: &[f64],
         _: &mut [f64],
         _: Option<&mut Jacobian>,
-        _: &mut dyn crate::model::Watch,
+        _: &mut dyn crate::watch::Watch,
     ) {
     }
 
