@@ -8,11 +8,13 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod best;
 mod callback;
 mod certify;
 mod derivative;
 mod error;
 mod jacobian;
+mod merit;
 mod method;
 mod model;
 mod multi_start;
@@ -46,6 +48,7 @@ pub use derivative::{
 };
 pub use error::{Error, Result};
 pub use jacobian::Jacobian;
+pub use merit::Merit;
 pub use method::Method;
 pub use model::Model;
 pub use multi_start::{MultiStart, Optimum, multi_start, multi_start_with};
@@ -58,7 +61,7 @@ pub use robust::{Measure, Uncertainty, World, robust, sample};
 pub use settings::Settings;
 pub use sobol::Sobol;
 pub use solution::{Counts, Kkt, Multipliers, Solution};
-pub use solve::{Merit, evaluate, solve, solve_with};
+pub use solve::{evaluate, solve, solve_with};
 pub use status::{Limit, Status, Violation};
 pub use tape::{Binary, Node, Tape, TapedFunctions, Unary};
 pub use watch::Watch;

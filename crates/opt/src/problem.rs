@@ -341,7 +341,7 @@ impl<'a> Problem<'a> {
 
     /// The same problem, each evaluation of which is noted.
     pub(crate) fn recorded<'b>(&'b self, record: &'b dyn Record) -> Problem<'b> {
-        let model = Box::new(Recorded::new(self, record));
+        let model = Box::new(Recorded::new(self.model(), self.function_count(), record));
         self.with(self.params.variables.clone(), model)
     }
 
