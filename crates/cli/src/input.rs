@@ -7,7 +7,8 @@ use grouser_files::regular;
 use grouser_rover::robot::RobotModel;
 use sha2::{Digest as _, Sha256};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, shown};
+use crate::figure_file::ending;
 use crate::files_in_use;
 
 /// The name that stands for standard input or standard output.
@@ -25,9 +26,6 @@ pub(crate) struct Input {
     hash: Option<Sha256>,
     path: PathBuf,
     length: Option<u64>,
-    /// The SHA-256 of the file, where what is read is not what stands in it.
-    #[cfg(feature = "parquet")]
-    known: Option<String>,
 }
 
 impl Input {
@@ -49,47 +47,15 @@ impl Input {
             hash: Some(Sha256::new()),
             path: path.to_owned(),
             length,
-            #[cfg(feature = "parquet")]
-            known: None,
         })
     }
 
-    /// The same input, hashed only if that is reported.
-    fn hashed(mut self, is_reported: bool) -> Self {
-        self.hash = self.hash.filter(|_| is_reported);
-        self
-    }
-
-    /// Opens a table, which is long, and hashes it only if that is reported: as [`Input::open`], and a Parquet file as the
-    /// text of a CSV table.
-    #[cfg(feature = "parquet")]
-    pub(crate) fn open_table(path: &Path, is_reported: bool) -> Result<Self> {
-        use crate::error::Error;
-        use crate::parquet_table::{ParquetText, is_parquet};
-        if !is_parquet(path) {
-            return Ok(Self::open(path)?.hashed(is_reported));
-        }
-        let refuse = |error: io::Error| Error::file("read", path, &error);
-        let mut whole = Self::open(path)?.hashed(is_reported);
-        if is_reported {
-            io::copy(&mut whole, &mut io::sink()).map_err(refuse)?;
-        }
-        let known = whole.digest().map(|(_, known)| known);
-        let file = regular::open(path)?;
-        Ok(Self {
-            source: Box::new(ParquetText::open(file).map_err(refuse)?),
-            hash: None,
-            path: path.to_owned(),
-            length: None,
-            known,
-        })
-    }
-
-    /// Opens a table, which is long, and hashes it only if that is reported.
-    #[cfg(not(feature = "parquet"))]
+    /// Opens a CSV table, which is long, and hashes it only if that is reported.
     pub(crate) fn open_table(path: &Path, is_reported: bool) -> Result<Self> {
         refuse_parquet(path)?;
-        Ok(Self::open(path)?.hashed(is_reported))
+        let mut input = Self::open(path)?;
+        input.hash = input.hash.filter(|_| is_reported);
+        Ok(input)
     }
 
     /// Its name as given.
@@ -104,29 +70,20 @@ impl Input {
 
     /// Its name and the SHA-256 of what was read, where it is reported.
     pub(crate) fn digest(self) -> Option<(String, String)> {
-        let digest = self.hash.map(hexadecimal);
-        #[cfg(feature = "parquet")]
-        let digest = self.known.or(digest);
-        Some((self.path.display().to_string(), digest?))
+        let digest = self.hash.map(hexadecimal)?;
+        Some((self.path.display().to_string(), digest))
     }
 }
 
-/// This build reads and writes no Parquet.
-#[cfg(not(feature = "parquet"))]
+/// Refuses a table whose name says Parquet: a CSV table of that name would mislead whoever opens it.
 pub(crate) fn refuse_parquet(path: &Path) -> Result<()> {
-    let parquet = path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
-    if parquet {
-        return Err(crate::error::Error::usage(
-            format!(
-                "{} is a Parquet file, which this build does not know",
-                crate::error::shown(path)
-            ),
-            "build with `--features parquet`, or give a CSV file",
-        ));
+    match ending(path).as_deref() {
+        Some("parquet") => Err(Error::usage(
+            format!("{} is a Parquet file, not a CSV table", shown(path)),
+            "convert it, or solve it in Python with `under_load` and `at_sinkage`",
+        )),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// The SHA-256 of `bytes`.

@@ -44,8 +44,6 @@ mod operation;
 mod output;
 #[cfg(feature = "command")]
 mod output_choice;
-#[cfg(feature = "parquet")]
-mod parquet_table;
 #[cfg(feature = "command")]
 #[cfg(feature = "command")]
 mod progress;

@@ -219,6 +219,24 @@ fn what_is_no_table_is_refused_with_its_place() {
 }
 
 #[test]
+fn a_table_of_another_format_is_refused_by_its_name() {
+    let folder = Folder::new();
+    let header = "soil,radius_m,width_m,slip,load_n\n";
+    let (csv, parquet) = (
+        folder.file("in.csv", header),
+        folder.file("in.parquet", header),
+    );
+    let output = folder.path("out.Parquet");
+    for (input, output) in [(&parquet, &folder.path("out.csv")), (&csv, &output)] {
+        let words = ["batch".into(), input.clone(), "-o".into(), output.clone()];
+        let said = grouser::<PathBuf>(words);
+        said.assert_refused("Parquet");
+        assert!(said.err.contains("not a CSV table"), "{said:?}");
+    }
+    assert_eq!(folder.names(), ["in.csv", "in.parquet"]);
+}
+
+#[test]
 fn a_byte_order_mark_and_other_columns_do_no_harm() {
     let (rows, text) = solve(
         &Folder::new(),

@@ -1,4 +1,4 @@
-//! Where the lines of a completed table go: a CSV file, standard output, or a Parquet file where the build has it.
+//! Where the lines of a completed table go: a CSV file or standard output.
 
 use std::io::{self, IsTerminal as _, Stdout, Write as _};
 use std::panic::resume_unwind;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::thread::{self, JoinHandle};
 
 use crate::error::{Error, Result};
-use crate::input::STANDARD;
+use crate::input::{STANDARD, refuse_parquet};
 use crate::output::OutputFile;
 use crate::terminal::printable;
 use crate::thread_pool::has_room;
@@ -29,8 +29,6 @@ enum Kind {
         syncing: Option<JoinHandle<io::Result<()>>>,
     },
     Standard(io::BufWriter<Stdout>),
-    #[cfg(feature = "parquet")]
-    Parquet(Box<crate::parquet_table::ParquetSink<OutputFile>>),
 }
 
 impl TableSink {
@@ -42,20 +40,10 @@ impl TableSink {
                 kind: Kind::Standard(io::BufWriter::new(io::stdout())),
             });
         }
-        #[cfg(not(feature = "parquet"))]
-        crate::input::refuse_parquet(path)?;
+        refuse_parquet(path)?;
         let file = OutputFile::create(path)?;
-        let target = file.path().to_owned();
-        #[cfg(feature = "parquet")]
-        if crate::parquet_table::is_parquet(path) {
-            let sink = crate::parquet_table::ParquetSink::new(file);
-            return Ok(Self {
-                path: target,
-                kind: Kind::Parquet(Box::new(sink)),
-            });
-        }
         Ok(Self {
-            path: target,
+            path: file.path().to_owned(),
             kind: Kind::Csv {
                 file,
                 unsynced: 0,
@@ -90,10 +78,6 @@ impl TableSink {
                 out.write_all(printable(text).as_bytes())
             }
             Kind::Standard(out) => out.write_all(text.as_bytes()),
-            #[cfg(feature = "parquet")]
-            Kind::Parquet(sink) => text
-                .split_inclusive('\n')
-                .try_for_each(|line| sink.line(line)),
         }
         .map_err(|error| Error::file("write", &self.path, &error))
     }
@@ -108,13 +92,6 @@ impl TableSink {
             Kind::Standard(mut out) => out
                 .flush()
                 .map_err(|error| Error::file("write", &self.path, &error)),
-            #[cfg(feature = "parquet")]
-            Kind::Parquet(sink) => {
-                let file = sink
-                    .finish()
-                    .map_err(|error| Error::file("write", &self.path, &error))?;
-                file.map_or(Ok(()), OutputFile::finish)
-            }
         }
     }
 }

@@ -48,8 +48,6 @@ impl Outputs {
         // all at once, so that no name is there twice
         let mut begun = Vec::new();
         for path in paths {
-            #[cfg(not(feature = "parquet"))]
-            crate::input::refuse_parquet(path)?;
             let format = match ending(path).as_deref() {
                 Some("tif" | "tiff") => {
                     maps.push(path.clone());
@@ -68,7 +66,7 @@ impl Outputs {
                             "{} does not end in `.tif`, `.svg`, `.png`, `.yaml`, `.mcap`, `.sdf` or `.parquet`",
                             shown(path)
                         ),
-                        "the ending of the output's name chooses its format",
+                        "the ending of the output's name chooses its format; `.parquet` needs a build with `--features parquet`",
                     ));
                 }
             };
