@@ -45,7 +45,6 @@ mod output;
 #[cfg(feature = "command")]
 mod output_choice;
 #[cfg(feature = "command")]
-#[cfg(feature = "command")]
 mod progress;
 #[cfg(feature = "command")]
 mod report_file;
@@ -63,6 +62,8 @@ mod terminal;
 mod thread_pool;
 #[cfg(feature = "command")]
 mod usage;
+#[cfg(feature = "command")]
+mod values;
 #[cfg(feature = "command")]
 mod verb_report;
 #[cfg(feature = "command")]

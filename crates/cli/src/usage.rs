@@ -9,6 +9,7 @@ use serde_json::Value;
 use crate::command::Command;
 use crate::error::{Details, Error};
 use crate::terminal;
+use crate::verbs::FORMER;
 use crate::wrap::wrapped;
 
 /// Help and version to standard output with exit 0; everything else as an error with exit 2.
@@ -32,6 +33,13 @@ pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> u8 {
 }
 
 fn usage(error: &clap::Error, arguments: &[OsString]) -> Error {
+    let name = one(error, ContextKind::InvalidSubcommand).unwrap_or_default();
+    let former = FORMER
+        .iter()
+        .find(|(former, _)| name == format!("`{former}`"));
+    if let Some((_, verb)) = former {
+        return Error::usage_without_hint(format!("{name} is now `grouser {verb}`"));
+    }
     let field = one(error, ContextKind::InvalidArg).map(|name| name.trim_matches('`').to_owned());
     let field = field.filter(|name| name.starts_with("--") && !name.contains('`'));
     let value = one(error, ContextKind::InvalidValue).filter(|value| !value.is_empty());

@@ -4,8 +4,6 @@
 
 mod batch;
 mod climb;
-mod completions;
-mod curve;
 mod design;
 mod drive;
 mod estimate;
@@ -19,7 +17,6 @@ mod optimize;
 mod paper;
 mod plan;
 mod robot;
-mod slip_model;
 mod soils;
 mod validate;
 mod view;
@@ -32,15 +29,20 @@ use crate::session::{self, Session};
 use crate::thread_pool;
 use crate::verb_report::Report;
 
+/// Verbs of before, and what does their job now.
+pub(crate) const FORMER: [(&str, &str); 3] = [
+    ("curve", "wheel --slip FROM:TO"),
+    ("slip-model", "paper slip-model"),
+    ("completions", "help --completions SHELL"),
+];
+
 /// What the command can do.
 #[derive(clap::Subcommand, Debug)]
 pub(crate) enum Verb {
     Soils(soils::Arguments),
     Wheel(wheel::Arguments),
-    Curve(curve::Arguments),
     Batch(batch::Arguments),
     Climb(climb::Arguments),
-    SlipModel(slip_model::Arguments),
     Estimate(estimate::Arguments),
     Drive(drive::Arguments),
     Map(map::Arguments),
@@ -56,25 +58,24 @@ pub(crate) enum Verb {
     View(view::Arguments),
     Init(init::Arguments),
     Help(help::Arguments),
-    Completions(completions::Arguments),
 }
 
 impl Verb {
     /// May it compute in loops over all processors?
     fn has_loops(&self) -> bool {
-        matches!(
-            self,
-            Self::Curve(_)
-                | Self::Climb(_)
-                | Self::Estimate(_)
-                | Self::Drive(_)
-                | Self::Map(_)
-                | Self::Plan(_)
-                | Self::Optimize(_)
-                | Self::Paper(_)
-                | Self::Identify(_)
-                | Self::Validate(_)
-        )
+        match self {
+            Self::Wheel(arguments) => arguments.is_range(),
+            Self::Climb(_)
+            | Self::Estimate(_)
+            | Self::Drive(_)
+            | Self::Map(_)
+            | Self::Plan(_)
+            | Self::Optimize(_)
+            | Self::Paper(_)
+            | Self::Identify(_)
+            | Self::Validate(_) => true,
+            _ => false,
+        }
     }
 }
 
@@ -86,10 +87,8 @@ pub(crate) fn run(verb: Verb, command: clap::Command, session: &mut Session) -> 
     match verb {
         Verb::Soils(arguments) => soils::run(&arguments, session),
         Verb::Wheel(arguments) => wheel::run(&arguments, session),
-        Verb::Curve(arguments) => curve::run(&arguments, session),
         Verb::Batch(arguments) => batch::run(&arguments, session),
         Verb::Climb(arguments) => climb::run(&arguments, session),
-        Verb::SlipModel(arguments) => slip_model::run(&arguments, session),
         Verb::Estimate(arguments) => estimate::run(&arguments, session),
         Verb::Drive(arguments) => drive::run(&arguments, session),
         Verb::Map(arguments) => map::run(&arguments, session),
@@ -105,7 +104,6 @@ pub(crate) fn run(verb: Verb, command: clap::Command, session: &mut Session) -> 
         Verb::View(arguments) => view::run(&arguments),
         Verb::Init(arguments) => init::run(&arguments),
         Verb::Help(arguments) => help::run(&arguments, command, &schemas()),
-        Verb::Completions(arguments) => completions::run(&arguments, command),
     }
 }
 
@@ -114,17 +112,14 @@ fn schemas() -> Vec<(&'static str, Value)> {
     let mut list = vec![
         ("soils", soils::schema()),
         ("wheel", wheel::schema()),
-        ("curve", curve::schema()),
         ("batch", batch::schema()),
         ("climb", climb::schema()),
-        ("slip-model", slip_model::schema()),
         ("estimate", estimate::schema()),
         ("drive", drive::schema()),
         ("map", map::schema()),
         ("plan", plan::schema()),
         ("optimize", optimize::schema()),
         ("design", design::schema()),
-        ("paper", paper::schema()),
         ("robot", robot::schema()),
         ("identify", identify::schema()),
         ("validate", validate::schema()),
@@ -132,6 +127,7 @@ fn schemas() -> Vec<(&'static str, Value)> {
         ("init", init::schema()),
     ];
     list.extend(log::schemas());
+    list.extend(paper::schemas());
     for (name, schema) in &mut list {
         // an index would put a null where there is none
         let several = schema.get_mut("anyOf").and_then(Value::as_array_mut);

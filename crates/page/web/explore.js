@@ -19,14 +19,14 @@ import {
 } from './state.js';
 import { StressPicture } from './stress.js';
 
-/** Points of a curve, as many as the command's `curve` has by default. */
+/** Points of a curve, as many as the command's range of slip has by default. */
 const POINTS = 91;
 /** Points of a compared soil's curve. */
 const COMPARED_POINTS = 46;
 /** Points of the curves between which a band lies. */
 const BAND_POINTS = 31;
 const PROFILE_POINTS = 121;
-/** From this slip on a wheel spins nearly on the spot, as for the command's `curve`. */
+/** From this slip on a wheel spins nearly on the spot, as for the command's range of slip. */
 const SPINNING_SLIP = 0.99;
 /** How long nothing moves before the best slips are looked for, ms. */
 const SETTLED_MS = 120;

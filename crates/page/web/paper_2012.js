@@ -80,6 +80,6 @@ export class Paper2012 {
         h('strong', {}, this.slip === null ? 'no slip' : shown(this.slip)), `; our wheel runs at ${shown(ours)}.`,
         inside ? '' : ` The angle lies outside the contact, which ends at ${shown(point.theta_1_deg)}°: the number has no meaning under a wheel.`),
       h('p', { class: 'muted' }, 'S₀ is the slip at which the shear displacement returns to zero at θ. It depends on θ and z/r alone: no soil moves it, and it is never positive. The paper apparently prints magnitudes. With a share x of the strength it is the slip at which the soil at θ mobilises x: the law of shear that our wheel obeys too, solved for the slip. Source: Ani et al. (2012), J. Cent. South Univ. 19.'));
-    this.command.textContent = `grouser slip-model --theta-deg ${state.theta_deg} --sinkage-m ${z} --radius-m ${state.radius_m}${state.mobilised > 0 ? ` --mobilised ${state.mobilised} --soil ${soil}` : ''}`;
+    this.command.textContent = `grouser paper slip-model --theta-deg ${state.theta_deg} --sinkage-m ${z} --radius-m ${state.radius_m}${state.mobilised > 0 ? ` --mobilised ${state.mobilised} --soil ${soil}` : ''}`;
   }
 }

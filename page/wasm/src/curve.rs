@@ -1,4 +1,4 @@
-//! A wheel over a range of slip: the numbers of `grouser curve --json`.
+//! A wheel over a range of slip: the numbers of `grouser wheel --slip FROM:TO --json`.
 
 use std::collections::BTreeMap;
 

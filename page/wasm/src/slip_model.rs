@@ -1,4 +1,4 @@
-//! The analytical slip model of Ani et al. (2012) over one of its quantities: the numbers of `grouser slip-model --json`.
+//! The analytical slip model of Ani et al. (2012) over one of its quantities: the numbers of `grouser paper slip-model --json`.
 
 use grouser_terra::{Angle, Mobilised, ModelOutcome, entry_angle, slip_model};
 use serde_json::{Value, json};

@@ -105,7 +105,7 @@ pub const STATEMENTS: &[Statement] = &[
         "(P8)–(P16)",
         "the slip that mobilises a share of the strength",
         Verdict::Reproduced,
-        "`grouser slip-model --mobilised`; shares that no slip can mobilise are a typed outcome",
+        "`grouser paper slip-model --mobilised`; shares that no slip can mobilise are a typed outcome",
     ),
     statement(
         "(P17), (P19)",

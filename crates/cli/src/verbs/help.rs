@@ -1,5 +1,6 @@
-//! `help`: what a verb does, as text, as a man page, or the schema of its JSON object.
+//! `help`: what a verb does, as text, as a man page, or the schema of its JSON object; the completions of a shell.
 
+use clap_complete::Shell;
 use serde_json::Value;
 
 use crate::error::{Error, Result};
@@ -9,8 +10,9 @@ use grouser_report::Object;
 
 #[derive(clap::Args, Debug)]
 #[command(
-    about = "Explain a verb: text, man page, or the JSON schema of its result",
-    after_help = "Examples:\n  grouser help wheel\n  grouser help log info --schema\n  grouser help estimate --man | man -l -"
+    about = "Explain a verb: text, man page, or the JSON schema of its result; completions of a shell",
+    after_help = "Examples:\n  grouser help wheel\n  grouser help log info --schema\n  grouser help estimate --man | man -l -\n  \
+        grouser help --completions bash > ~/.local/share/bash-completion/completions/grouser"
 )]
 pub(crate) struct Arguments {
     /// The verb, such as `wheel` or `log info`; all of them when none is given
@@ -22,6 +24,9 @@ pub(crate) struct Arguments {
     /// Print a man page
     #[arg(long)]
     man: bool,
+    /// Print the completions of a shell
+    #[arg(long, value_name = "SHELL", conflicts_with_all = ["verb", "schema", "man"])]
+    completions: Option<Shell>,
 }
 
 /// Explains a verb of `command`; `schemas` are those of its verbs.
@@ -30,6 +35,11 @@ pub(crate) fn run(
     mut command: clap::Command,
     schemas: &[(&str, Value)],
 ) -> Result<Report> {
+    if let Some(shell) = arguments.completions {
+        let mut script = Vec::new();
+        clap_complete::generate(shell, &mut command, "grouser", &mut script);
+        return Ok(text_of(String::from_utf8_lossy(&script).into_owned()));
+    }
     command.build();
     let mut of = &mut command;
     let path = arguments.verb.join(" ");

@@ -23,15 +23,15 @@ const VERBS: [(u32, &str); 36] = [
     ),
     (
         3,
-        "curve --soil @soil.toml --radius-m 0.1 --width-m 0.1 --load-n 40 --slip-from -0.5 --slip-to 0.5 --points 5 -o >x.csv",
+        "wheel --soil @soil.toml --radius-m 0.1 --width-m 0.1 --load-n 40 --slip -0.5:0.5 --points 5 -o >x.csv",
     ),
     (
         1,
-        "curve --soil lunar --radius-m 0.1 --width-m 0.1 --mass-kg 4 --points 5 -o >x.svg",
+        "wheel --soil lunar --radius-m 0.1 --width-m 0.1 --mass-kg 4 --slip 0:0.9 --points 5 -o >x.svg",
     ),
     (
         2,
-        "slip-model --theta-deg 10 --sinkage-m 0.01 --radius-m 0.05:0.1 --mobilised 0.2 --soil @soil.toml --points 4 -o >x.csv",
+        "paper slip-model --theta-deg 10 --sinkage-m 0.01 --radius-m 0.05:0.1 --mobilised 0.2 --soil @soil.toml --points 4 -o >x.csv",
     ),
     (
         2,

@@ -149,7 +149,7 @@ fn negative_values_are_values() {
     assert_eq!(json["slip"], -0.3);
     // Drifting to the right, the soil pushes to the left.
     assert!(json["side_force_n"].as_f64().unwrap() > 0.0);
-    let json = line("slip-model --theta-deg -5 --sinkage-m 0.01 --radius-m 0.1 --json")
+    let json = line("paper slip-model --theta-deg -5 --sinkage-m 0.01 --radius-m 0.1 --json")
         .assert_done()
         .json();
     assert_eq!(json["theta_deg"], -5.0);
@@ -170,8 +170,9 @@ fn the_slip_model_gives_the_numbers_of_the_model_page() {
         (0.10, 0.014, -0.1709, false),
         (0.18, 0.03, -0.1894, true),
     ] {
-        let words =
-            format!("slip-model --theta-deg 32 --sinkage-m {sinkage} --radius-m {radius} --json");
+        let words = format!(
+            "paper slip-model --theta-deg 32 --sinkage-m {sinkage} --radius-m {radius} --json"
+        );
         let json = line(&words).assert_done().json();
         assert!(
             (json["slip"].as_f64().unwrap() - slip).abs() < 5e-5,
@@ -246,7 +247,7 @@ fn a_reader_that_goes_away_is_no_error() {
 #[test]
 fn every_verb_helps_with_an_example() {
     let help = line("--help").assert_done().out;
-    for verb in ["soils", "wheel", "curve", "batch", "slip-model"] {
+    for verb in ["soils", "wheel", "batch", "paper"] {
         assert!(help.contains(verb), "{help}");
         let help = line(&format!("{verb} --help")).assert_done().out;
         assert!(

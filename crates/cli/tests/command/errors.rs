@@ -307,7 +307,7 @@ fn flags_that_are_out_of_range_have_field_value_limit_and_unit() {
             "deg".into(),
         ),
         (
-            format!("curve {wheel} --load-n 50 --points 1 --json"),
+            format!("wheel {wheel} --load-n 50 --slip 0:0.9 --points 1 --json"),
             "--points",
             1.0,
             serde_json::json!([2, 100_000]),
@@ -323,7 +323,9 @@ fn flags_that_are_out_of_range_have_field_value_limit_and_unit() {
             "{error}"
         );
     }
-    let said = line(&format!("curve {wheel} --load-n 50 --points 1"));
+    let said = line(&format!(
+        "wheel {wheel} --load-n 50 --slip 0:0.9 --points 1"
+    ));
     assert!(
         said.err
             .contains("`--points` is 1, but must lie in [2, 100000]"),

@@ -19,11 +19,11 @@ const FIGURES: [(&str, &str); 4] = [
         "--figure",
     ),
     (
-        "curve --soil lunar --radius-m 0.125 --width-m 0.15 --load-n 40 --load-n 90 --slip-from -0.3 --slip-to 0.9 --points 40",
+        "wheel --soil lunar --radius-m 0.125 --width-m 0.15 --load-n 40 --load-n 90 --slip -0.3:0.9 --points 40",
         "-o",
     ),
     (
-        "slip-model --theta-deg -5:40 --sinkage-m 0.01,0.014,0.02,0.03 --radius-m 0.1",
+        "paper slip-model --theta-deg -5:40 --sinkage-m 0.01,0.014,0.02,0.03 --radius-m 0.1",
         "-o",
     ),
 ];

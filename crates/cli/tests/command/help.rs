@@ -54,15 +54,29 @@ fn the_exit_codes_are_those_of_the_documentation() {
 #[test]
 fn completions_and_man_pages_name_the_verbs() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        let said = line(&format!("completions {shell}")).assert_done();
+        let said = line(&format!("help --completions {shell}")).assert_done();
         assert!(said.out.contains("slip-model"), "{shell}");
     }
-    line("completions tcsh").assert_refused("a shell that is not known");
+    line("help --completions tcsh").assert_refused("a shell that is not known");
     let page = line("help wheel --man").assert_done();
     assert!(
         page.out.starts_with(".ie") && page.out.contains(".SH SYNOPSIS"),
         "{page:?}"
     );
+}
+
+#[test]
+fn a_verb_of_before_names_what_does_its_job() {
+    for (verb, now) in [
+        ("curve --soil lunar", "wheel --slip FROM:TO"),
+        ("slip-model", "paper slip-model"),
+        ("completions bash", "help --completions SHELL"),
+    ] {
+        let said = line(verb);
+        said.assert_refused(verb);
+        assert_eq!(said.err.lines().count(), 1, "{said:?}");
+        assert!(said.err.contains(&format!("`grouser {now}`")), "{said:?}");
+    }
 }
 
 #[test]

@@ -32,12 +32,12 @@ fn verbs(folder: &Folder) -> Vec<Vec<OsString>> {
         ),
         words("wheel --soil lunar --radius-m 0.1 --width-m 0.1 --slip 0.2 --sinkage-m 0.01"),
         with(
-            "curve --soil lunar --radius-m 0.1 --width-m 0.1 --load-n 40 --slip-from 0 --slip-to 0.5 \
+            "wheel --soil lunar --radius-m 0.1 --width-m 0.1 --load-n 40 --slip 0:0.5 \
              --points 5 -o",
             std::slice::from_ref(&out),
         ),
         with(
-            "slip-model --theta-deg 10 --sinkage-m 0.01 --radius-m 0.05:0.1 --mobilised 0.2 --soil lunar \
+            "paper slip-model --theta-deg 10 --sinkage-m 0.01 --radius-m 0.05:0.1 --mobilised 0.2 --soil lunar \
              --points 5 -o",
             std::slice::from_ref(&figure),
         ),

@@ -38,7 +38,9 @@ fn without_threads_the_verbs_do_the_same() {
             folder.path(name).display()
         )
     };
-    let curve = "curve --soil lunar --radius-m 0.1 --width-m 0.1 --load-n 40 --points 9".to_owned();
+    let curve =
+        "wheel --soil lunar --radius-m 0.1 --width-m 0.1 --load-n 40 --slip 0:0.9 --points 9"
+            .to_owned();
     let problem = concat!(
         "optimize ",
         env!("CARGO_MANIFEST_DIR"),

@@ -124,9 +124,9 @@ fn the_longest_name_that_the_system_takes_is_written() {
 /// Verbs that read files and write some: the words, with `@NAME` for a file of the folder and `>NAME` for the output.
 const READ_AND_WRITE: [&str; 25] = [
     "wheel --soil @soil.toml --radius-m 0.1 --width-m 0.1 --slip 0.2 --load-n 40 --figure >x.svg",
-    "curve --soil @soil.toml --radius-m 0.1 --width-m 0.1 --load-n 40 --points 3 -o >x.csv",
-    "curve --soil @soil.toml --radius-m 0.1 --width-m 0.1 --load-n 40 --points 3 -o >x.png",
-    "slip-model --theta-deg 10 --sinkage-m 0.01 --radius-m 0.05:0.1 --mobilised 0.2 --soil @soil.toml --points 3 -o >x.csv",
+    "wheel --soil @soil.toml --radius-m 0.1 --width-m 0.1 --load-n 40 --slip 0:0.9 --points 3 -o >x.csv",
+    "wheel --soil @soil.toml --radius-m 0.1 --width-m 0.1 --load-n 40 --slip 0:0.9 --points 3 -o >x.png",
+    "paper slip-model --theta-deg 10 --sinkage-m 0.01 --radius-m 0.05:0.1 --mobilised 0.2 --soil @soil.toml --points 3 -o >x.csv",
     "climb --soil @soil.toml --robot @skid-steer.toml -o >x.svg",
     "batch @in.csv -o >x.csv",
     "batch @of-file.csv -o >x.csv",
@@ -232,7 +232,7 @@ fn two_outputs_of_one_name_are_refused() {
     let folder = Folder::new();
     let output = folder.path("x.csv").display().to_string();
     let said = line(&format!(
-        "curve --soil lunar --radius-m 0.1 --width-m 0.1 --load-n 40 --points 3 -o {output} -o {}",
+        "wheel --soil lunar --radius-m 0.1 --width-m 0.1 --load-n 40 --slip 0:0.9 --points 3 -o {output} -o {}",
         folder.path("./x.csv").display()
     ));
     said.assert_refused("one name twice");
@@ -243,8 +243,8 @@ fn two_outputs_of_one_name_are_refused() {
 #[test]
 fn a_curve_with_points_that_are_not_solved_ends_with_3() {
     let curve = |load: &str| {
-        let wheel = "--soil lunar --radius-m 0.1 --width-m 0.05 --points 31";
-        super::program::line(&format!("curve {wheel} --load-n {load}"))
+        let wheel = "--soil lunar --radius-m 0.1 --width-m 0.05 --slip 0:0.9 --points 31";
+        super::program::line(&format!("wheel {wheel} --load-n {load}"))
     };
     let codes: Vec<Option<i32>> = ["20", "300", "100000"].map(|load| curve(load).code).into();
     assert_eq!(codes, [Some(0), Some(3), Some(1)]);

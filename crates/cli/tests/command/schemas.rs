@@ -22,17 +22,17 @@ const EXAMPLES: &[(&str, &str)] = &[
         "wheel --soil lunar --radius-m 0.125 --width-m 0.15 --load-n 1e9 --slip 0.25",
     ),
     (
-        "curve",
-        "curve --soil lunar --radius-m 0.125 --width-m 0.15 --load-n 40 --points 5",
+        "wheel",
+        "wheel --soil lunar --radius-m 0.125 --width-m 0.15 --load-n 40 --slip 0:0.9 --points 5",
     ),
     ("batch", "batch examples/batch/points.csv -o OUT/solved.csv"),
     (
-        "slip-model",
-        "slip-model --theta-deg 32 --sinkage-m 0.01 --radius-m 0.1",
+        "paper slip-model",
+        "paper slip-model --theta-deg 32 --sinkage-m 0.01 --radius-m 0.1",
     ),
     (
-        "slip-model",
-        "slip-model --theta-deg 0:40 --points 4 --sinkage-m 0.01 --radius-m 0.1",
+        "paper slip-model",
+        "paper slip-model --theta-deg 0:40 --points 4 --sinkage-m 0.01 --radius-m 0.1",
     ),
     (
         "estimate",
@@ -170,7 +170,7 @@ fn every_verb_with_a_schema_has_an_example() {
     let refused = line("help help --schema").err;
     let names = refused.split("verbs with one are ").nth(1).unwrap();
     let names: Vec<&str> = names.trim().split(", ").collect();
-    assert!(names.len() > 20, "{names:?}");
+    assert!(names.len() >= 20, "{names:?}");
     for name in &names {
         let schema = schema(name);
         for keyword in ["anyOf", "required"] {
@@ -211,7 +211,7 @@ fn a_wrong_object_does_not_fit() {
 
 #[test]
 fn keys_carry_their_units() {
-    let wheel = schema("wheel");
+    let wheel = &schema("wheel")["anyOf"][0];
     assert_eq!(wheel["properties"]["sinkage_m"]["unit"], "m");
     assert_eq!(
         wheel["properties"]["drawbar_pull_n"]["description"],

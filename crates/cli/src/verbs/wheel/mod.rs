@@ -1,35 +1,46 @@
-//! `wheel`: one operating point.
+//! `wheel`: one operating point, or a range of slip.
 
-use std::fmt::Write as _; // writing to a string cannot fail
+mod point;
+mod range;
+
 use std::path::PathBuf;
 
-use grouser_terra::{Angle, LugPassage, SlopeOutcome, WheelOnSoil};
+use grouser_report::{Fields, fields};
+use grouser_terra::LugPassage;
 use serde_json::Value;
 
-use crate::error::Result;
-use crate::exit::Outcome;
-use crate::figure_file;
-use crate::law_error::Names;
-use crate::operation::{self, Answer, Prescribed};
+use crate::error::{Error, Result};
+use crate::operation::Prescribed;
 use crate::session::Session;
+use crate::values::Values;
 use crate::verb_report::Report;
 use crate::wheel_choice::{GravityArgument, MaxSlip, WheelArguments};
-use grouser_report::number::{parse_finite, shown};
-use grouser_report::{Fields, Table, fields};
+use grouser_report::number::parse_finite;
+
+/// More points than this are no range any more.
+const MAX_POINTS: i64 = 100_000;
 
 #[derive(clap::Args, Debug)]
 #[command(
-    about = "Solve one operating point of a wheel on a soil",
-    after_help = "Example:\n  grouser wheel --soil dry-sand --radius-m 0.125 --width-m 0.1 --load-n 80 --slip 0.2"
+    about = "Solve a wheel on a soil, at one operating point or over a range of slip",
+    after_help = "Examples:\n  grouser wheel --soil dry-sand --radius-m 0.125 --width-m 0.1 --load-n 80 --slip 0.2\n  \
+        grouser wheel --soil dry-sand --radius-m 0.125 --width-m 0.1 --load-n 80 --slip 0:0.9 --points 10\n  \
+        grouser wheel --soil lunar --radius-m 0.125 --width-m 0.15 --load-n 40 --load-n 65 --slip 0:0.9 -o pull.svg"
 )]
 pub(crate) struct Arguments {
     #[command(flatten)]
     wheel: WheelArguments,
-    /// Slip, from −1 (locked) by 0 to 1 (spinning on the spot); with `--slope-deg` the default is the slip that holds the slope
-    #[arg(long, value_name = "S", value_parser = parse_finite, allow_hyphen_values = true, required_unless_present = "slope_deg")]
-    slip: Option<f64>,
+    /// Slip, from −1 (locked) by 0 to 1 (spinning on the spot): a number, a list `a,b,c` or a range `from:to`; with
+    /// `--slope-deg` the default is the slip that holds the slope
+    #[arg(
+        long,
+        value_name = "S",
+        allow_hyphen_values = true,
+        required_unless_present = "slope_deg"
+    )]
+    slip: Option<Values>,
     #[command(flatten)]
-    prescribed: LoadOrSinkage,
+    prescribed: LoadsOrSinkages,
     /// Slope in degrees, uphill positive: the wheel's weight is the load, W cos α of it is carried, and the pull must hold W sin α
     #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true, conflicts_with = "sinkage_m")]
     slope_deg: Option<f64>,
@@ -37,247 +48,100 @@ pub(crate) struct Arguments {
     max_slip: MaxSlip,
     #[command(flatten)]
     gravity: GravityArgument,
-    /// Draw the wheel and the stress under it (.svg or .png)
+    /// Points of a range of slip, evenly spaced
+    #[arg(long, value_name = "N", default_value_t = 91, value_parser = clap::value_parser!(u32).range(2..=MAX_POINTS))]
+    points: u32,
+    /// Write a range of slip as a table (.csv) or a figure (.svg, .png); may be given several times
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+    /// Draw the wheel and the stress under it, at one operating point (.svg or .png)
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
 }
 
-/// Exactly one of the three.
-#[derive(clap::Args, Clone, Copy, Debug)]
+/// Exactly one of the three, once or several times.
+#[derive(clap::Args, Clone, Debug)]
 #[group(required = true, multiple = false)]
-struct LoadOrSinkage {
-    /// Load that the wheel carries in N
+struct LoadsOrSinkages {
+    /// Load that the wheel carries in N; several times for several curves
     #[arg(long, value_name = "N", value_parser = parse_finite, allow_hyphen_values = true)]
-    load_n: Option<f64>,
-    /// Mass on the wheel in kg, instead of its load
+    load_n: Vec<f64>,
+    /// Mass on the wheel in kg, instead of its load; several times for several curves
     #[arg(long, value_name = "KG", value_parser = parse_finite, allow_hyphen_values = true)]
-    mass_kg: Option<f64>,
-    /// Sinkage in m
+    mass_kg: Vec<f64>,
+    /// Sinkage in m; several times for several curves
     #[arg(long, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true)]
-    sinkage_m: Option<f64>,
+    sinkage_m: Vec<f64>,
 }
 
-/// The pull that a slope requires, and the slip that provides it.
-struct OnSlope {
-    degrees: f64,
-    /// W sin α, N.
-    pull: f64,
-    outcome: SlopeOutcome,
+impl Arguments {
+    /// Loads, by themselves or as masses, or sinkages.
+    fn prescribed(&self) -> Result<Vec<Prescribed>> {
+        let given = &self.prescribed;
+        let gravity = self.gravity.with_mass(!given.mass_kg.is_empty())?;
+        let weights = given.mass_kg.iter().map(|mass| mass * gravity);
+        let loads = given.load_n.iter().copied().chain(weights);
+        let sinkages = given.sinkage_m.iter().copied().map(Prescribed::Sinkage);
+        Ok(loads.map(Prescribed::Load).chain(sinkages).collect())
+    }
+
+    /// Is it more than one operating point?
+    pub(crate) fn is_range(&self) -> bool {
+        let given = &self.prescribed;
+        let several = given.load_n.len() + given.mass_kg.len() + given.sinkage_m.len() > 1;
+        several
+            || self
+                .slip
+                .as_ref()
+                .is_some_and(|slip| slip.single().is_none())
+    }
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
-    let refuse = |error| Names::Flags.error(&error);
-    let target = arguments
-        .figure
-        .as_deref()
-        .map(figure_file::Target::of)
-        .transpose()?;
-    let (pair, chosen) = arguments
-        .wheel
-        .pair(session, arguments.max_slip.settings())?;
-    let mass = arguments.prescribed.mass_kg;
-    let gravity = arguments.gravity.with_mass(mass.is_some())?;
-    let weight = arguments
-        .prescribed
-        .load_n
-        .or(mass.map(|mass| mass * gravity));
-    let slope = match (arguments.slope_deg, weight) {
-        (Some(degrees), Some(weight)) => Some(on_slope(&pair, degrees, weight).map_err(refuse)?),
-        _ => None,
-    };
-    let demand = slope.as_ref().and_then(OnSlope::demand);
-    let Some(slip) = arguments.slip.or(demand) else {
-        return Ok(immobilised(arguments, &pair, &chosen.name, slope.as_ref()));
-    };
-    let kinematics = arguments.wheel.kinematics(slip)?;
-    let prescribed = match (weight, arguments.prescribed.sinkage_m, &slope) {
-        (Some(weight), _, Some(slope)) => {
-            Prescribed::Load(weight * Angle::from_deg(slope.degrees).cos())
+    match (arguments.prescribed()?.as_slice(), &arguments.slip) {
+        ([prescribed], slip) if !arguments.is_range() => {
+            if !arguments.output.is_empty() {
+                return Err(Error::usage(
+                    "`--output` writes a range of slip, but there is one operating point",
+                    "give `--slip` a range `from:to` or a list `a,b,c`; `--figure` draws one operating point",
+                ));
+            }
+            let slip = slip.as_ref().and_then(Values::single);
+            point::run(arguments, (*prescribed, slip), session)
         }
-        (Some(load), _, None) => Prescribed::Load(load),
-        (None, sinkage, _) => Prescribed::Sinkage(sinkage.unwrap_or(f64::NAN)),
-    };
-    let answer = operation::solve(&pair, prescribed, &kinematics).map_err(refuse)?;
-
-    let lugs = answer
-        .point
-        .as_ref()
-        .and_then(|point| pair.lug_passage(point));
-    let solved = Solved {
-        lugs: lugs.as_ref(),
-        slip: Some(slip),
-        weight,
-        arguments,
-        soil: &chosen.name,
-        pair: &pair,
-        answer: Some(&answer),
-        slope: slope.as_ref(),
-    };
-    let mut text = text(solved);
-    if let (Some(target), Some(point)) = (target, &answer.point) {
-        let figure = grouser_campaign::stress::draw(&pair, point, &chosen.name);
-        text.push_str(&target.write(&figure)?);
-    }
-    let outcome = if answer.point.is_some() {
-        Outcome::Done
-    } else {
-        Outcome::NoResult
-    };
-    let failure = answer.status.complaint(prescribed);
-    Ok(Report {
-        outcome,
-        ..Report::done(fields().object(solved), text).failing(failure)
-    })
-}
-
-/// The report of a wheel that no slip holds on its slope.
-fn immobilised(
-    arguments: &Arguments,
-    pair: &WheelOnSoil,
-    soil: &str,
-    slope: Option<&OnSlope>,
-) -> Report {
-    let solved = Solved {
-        arguments,
-        soil,
-        pair,
-        slip: None,
-        weight: None,
-        answer: None,
-        slope,
-        lugs: None,
-    };
-    let max_slip = shown(arguments.max_slip.max_slip);
-    let failure = Some(format!("no slip up to {max_slip} holds the slope"));
-    Report::done(fields().object(solved), text(solved)).failing(failure)
-}
-
-fn on_slope(pair: &WheelOnSoil, degrees: f64, weight: f64) -> grouser_terra::Result<OnSlope> {
-    let slope = Angle::from_deg(degrees);
-    let outcome = pair.slip_demand(weight, slope)?;
-    Ok(OnSlope {
-        degrees,
-        pull: weight * slope.sin(),
-        outcome,
-    })
-}
-
-impl OnSlope {
-    fn demand(&self) -> Option<f64> {
-        match self.outcome {
-            SlopeOutcome::Holds { slip } => Some(slip.value()),
-            _ => None,
+        (prescribed, Some(slips)) => {
+            let alone = [
+                ("--slope-deg", arguments.slope_deg.is_some()),
+                ("--figure", arguments.figure.is_some()),
+            ];
+            if let Some((flag, _)) = alone.iter().find(|(_, is_given)| *is_given) {
+                return Err(Error::usage(
+                    format!("`{flag}` is for one operating point, but there are several"),
+                    "give one slip and one load",
+                ));
+            }
+            range::run(arguments, (prescribed, slips), session)
         }
+        (_, None) => Err(Error::usage(
+            "`--slope-deg` is for one operating point, but there are several",
+            "give one load",
+        )),
     }
 }
 
-impl OnSlope {
-    fn fields<'a>() -> Fields<'a, &'a Self> {
-        fields! { |slope: &'a Self|
-            "slope_pull_n" "pull that the slope requires" .shown("N") = slope.pull;
-            "slip_demand" "slip that holds the slope" .shown("").missing("none") = slope.demand();
-        }
-    }
-}
-
-/// The operating point and what it was solved for.
-#[derive(Clone, Copy)]
-struct Solved<'a> {
-    arguments: &'a Arguments,
-    soil: &'a str,
-    pair: &'a WheelOnSoil,
-    /// The slip that was given or that holds the slope.
-    slip: Option<f64>,
-    /// The weight on the wheel, N, where it is given.
-    weight: Option<f64>,
-    answer: Option<&'a Answer>,
-    slope: Option<&'a OnSlope>,
-    lugs: Option<&'a LugPassage>,
-}
-
-/// The fluctuation of the forces as lugs pass.
-fn passage<'a>() -> Fields<'a, &'a LugPassage> {
-    fields! { |lugs: &'a LugPassage|
-        "grouser_spacing_deg" "angle between two lugs" .shown("deg") = lugs.spacing.to_degrees();
-        "grousers_in_soil" "lugs in the soil on average" .shown("") = lugs.in_soil;
-        "pull_fluctuation_n" "fluctuation of the pull as lugs pass, greatest less least" .shown("N") = lugs.pull;
+/// How far the forces rise and fall as lugs pass.
+fn passage<'a>() -> Fields<'a, Option<LugPassage>> {
+    fields! { |lugs: Option<LugPassage>|
+        "grouser_spacing_deg" "angle between two lugs" .shown("deg") = lugs.map(|lugs| lugs.spacing.to_degrees());
+        "grousers_in_soil" "lugs in the soil on average" .shown("") = lugs.map(|lugs| lugs.in_soil);
+        "pull_fluctuation_n" "fluctuation of the pull as lugs pass, greatest less least" .shown("N") =
+            lugs.map(|lugs| lugs.pull);
         "torque_fluctuation_nm" "fluctuation of the torque as lugs pass, greatest less least" .shown("N m") =
-            lugs.torque;
-    }
-}
-
-fn fields<'a>() -> Fields<'a, Solved<'a>> {
-    fields! { |of: Solved<'a>|
-        "soil" "soil" = of.soil;
-        "radius_m" "radius of the wheel" = of.arguments.wheel.radius_m;
-        "width_m" "width of the wheel" = of.arguments.wheel.width_m;
-        "rebound" "rebound ratio" = of.pair.soil().params().rebound;
-        "slip" "slip" = of.slip;
-        "slip_angle_deg" "slip angle" = of.arguments.wheel.slip_angle_deg;
-        "slope_deg" "slope" = of.arguments.slope_deg;
-        "load_n" "load" = of.weight;
-        also(operation::fields()) = of.answer;
-        also(OnSlope::fields()) = of.slope;
-        "grouser_height_m" "height of the lugs" = of.pair.wheel().grousers().map(|lugs| lugs.height);
-        also(passage()) = of.lugs;
+            lugs.map(|lugs| lugs.torque);
     }
 }
 
 /// The JSON schema.
 pub(crate) fn schema() -> Value {
-    fields().schema()
-}
-
-/// The quantities that people see.
-const LINES: [&str; 10] = [
-    "sinkage_m",
-    "entry, greatest stress, exit",
-    "vertical_force_n",
-    "drawbar_pull_n",
-    "side_force_n",
-    "torque_nm",
-    "tractive_efficiency",
-    "energy_j_per_m",
-    "compaction_resistance_n",
-    "error_estimate_n",
-];
-
-fn text(solved: Solved<'_>) -> String {
-    let wheel = &solved.arguments.wheel;
-    let mut text = format!(
-        "{}: wheel of radius {} m, width {} m, rebound {}, {}\n",
-        solved.soil,
-        shown(wheel.radius_m),
-        shown(wheel.width_m),
-        shown(solved.pair.soil().params().rebound),
-        solved.slip.map_or_else(
-            || "at no slip".to_owned(),
-            |slip| format!("at slip {}", shown(slip)),
-        ),
-    );
-    if let Some(slope) = solved.slope {
-        let _ = writeln!(text, "on a slope of {} deg", shown(slope.degrees));
-    }
-    let mut table = Table::new().text("").number("").text("");
-    if let Some(answer) = solved.answer.filter(|answer| answer.point.is_some()) {
-        operation::fields()
-            .pick(&LINES)
-            .add_lines(&mut table, answer);
-    }
-    if let Some(slope) = solved.slope {
-        OnSlope::fields().add_lines(&mut table, slope);
-    }
-    if let Some(lugs) = solved.lugs {
-        passage().add_lines(&mut table, lugs);
-    }
-    text.push_str(&table.render_body());
-    for caution in solved
-        .answer
-        .and_then(|answer| answer.point)
-        .iter()
-        .flat_map(|point| point.cautions.iter())
-    {
-        let _ = writeln!(text, "caution: {caution}");
-    }
-    text
+    serde_json::json!({"anyOf": [point::fields().schema(), range::output::fields().schema()]})
 }

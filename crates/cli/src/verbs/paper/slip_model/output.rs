@@ -1,4 +1,4 @@
-//! What `slip-model` reports: text, a table, JSON.
+//! What the slip model reports: text, a table, JSON.
 
 use std::fmt::Write as _; // writing to a string cannot fail
 

@@ -1,11 +1,12 @@
-//! What `curve` reports: text, a table, JSON.
+//! What a range of slip reports: text, a table, JSON.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_terra::{BestSlip, Caution, LugPassage, WheelOnSoil};
 
-use super::family::Family;
+use super::super::passage;
+use super::Family;
 use crate::operation::{self, Answer, Prescribed};
 use crate::wheel_choice::WheelArguments;
 use grouser_report::number::shown;
@@ -66,19 +67,9 @@ impl Point<'_> {
     }
 }
 
-/// How far the forces rise and fall as lugs pass.
-fn fluctuation<'a>() -> Fields<'a, Option<LugPassage>> {
-    fields! { |lugs: Option<LugPassage>|
-        "pull_fluctuation_n" "fluctuation of the pull as lugs pass, greatest less least" .shown("N") =
-            lugs.map(|lugs| lugs.pull);
-        "torque_fluctuation_nm" "fluctuation of the torque as lugs pass, greatest less least" .shown("N m") =
-            lugs.map(|lugs| lugs.torque);
-    }
-}
-
 /// What all points of the run share.
 #[derive(Clone, Copy)]
-pub(super) struct Frame<'a> {
+pub(in crate::verbs::wheel) struct Frame<'a> {
     pub(super) wheel: &'a WheelArguments,
     pub(super) pair: &'a WheelOnSoil,
     pub(super) soil: &'a str,
@@ -196,12 +187,12 @@ fn points<'a>() -> Fields<'a, Point<'a>> {
         "slip" "slip" .shown("").given() = point.slip;
         "load_n" "load" .given() = point.family.prescribed.load();
         join(operation::fields()) = point.answer;
-        join(fluctuation()) = point.lugs();
+        join(passage().pick(&["pull_fluctuation_n", "torque_fluctuation_nm"])) = point.lugs();
     }
 }
 
 /// `curves` has one entry for each load or sinkage, `points` all points of all of them.
-pub(super) fn fields<'a>() -> Fields<'a, Frame<'a>> {
+pub(in crate::verbs::wheel) fn fields<'a>() -> Fields<'a, Frame<'a>> {
     fields! { |frame: Frame<'a>|
         join(wheel()) = frame;
         "curves" "the curves: one for each load or sinkage" rows(curve()) = frame.families;

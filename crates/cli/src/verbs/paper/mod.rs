@@ -1,4 +1,6 @@
-//! `paper`: a folder with what can be reproduced of the source paper, and what cannot, said plainly.
+//! `paper`: its slip model, and a folder with what can be reproduced of the source paper, and what cannot, said plainly.
+
+mod slip_model;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,8 +14,8 @@ use crate::session::Session;
 use crate::verb_report::Report;
 use grouser_report::{Fields, fields};
 
-const SCENARIO: &str = include_str!("../../templates/scenario.toml");
-const ROBOT: &str = include_str!("../../templates/robot.toml");
+const SCENARIO: &str = include_str!("../../../templates/scenario.toml");
+const ROBOT: &str = include_str!("../../../templates/robot.toml");
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -23,15 +25,27 @@ const ROBOT: &str = include_str!("../../templates/robot.toml");
         paper's optimisation problem under several readings, and a page that says \
         of each equation, table and figure whether it is reproduced, reproduced in part, or not possible and why. The \
         printed optimum slip of 0.1146 is not claimed.",
-    after_help = "Example:\n  grouser paper -o paper"
+    after_help = "Examples:\n  grouser paper -o paper\n  grouser paper slip-model --theta-deg 32 --sinkage-m 0.03 --radius-m 0.1",
+    args_conflicts_with_subcommands = true
 )]
 pub(crate) struct Arguments {
+    #[command(subcommand)]
+    part: Option<Part>,
     /// The folder; it is made if it does not exist
     #[arg(short, long, value_name = "DIR", default_value = "paper")]
     output: PathBuf,
 }
 
+/// One part of the paper by itself.
+#[derive(clap::Subcommand, Debug)]
+enum Part {
+    SlipModel(slip_model::Arguments),
+}
+
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    if let Some(Part::SlipModel(arguments)) = &arguments.part {
+        return slip_model::run(arguments, session);
+    }
     let folder = &arguments.output;
     fs::create_dir_all(folder).map_err(|error| Error::file("make", folder, &error))?;
     session.used_seed(SEED);
@@ -74,7 +88,10 @@ fn fields<'a>() -> Fields<'a, (&'a PathBuf, &'a Paper)> {
     }
 }
 
-/// The JSON schema.
-pub(crate) fn schema() -> serde_json::Value {
-    fields().schema()
+/// The JSON schemas.
+pub(crate) fn schemas() -> [(&'static str, serde_json::Value); 2] {
+    [
+        ("paper", fields().schema()),
+        ("paper slip-model", slip_model::schema()),
+    ]
 }

@@ -1,4 +1,4 @@
-//! `slip-model`: the analytical slip model of the paper, at a point or over a range.
+//! `paper slip-model`: the analytical slip model of the paper, at a point or over a range.
 
 mod figure;
 mod grid;
@@ -9,13 +9,14 @@ use std::path::PathBuf;
 
 use grouser_terra::Mobilised;
 
-use self::grid::{Axes, Values};
+use self::grid::Axes;
 use self::point::{Point, evaluate};
 use crate::error::{Error, Result};
 use crate::law_error::Names;
 use crate::output_choice::Output;
 use crate::session::Session;
 use crate::soil_choice::{Overrides, choose};
+use crate::values::Values;
 use crate::verb_report::Report;
 use grouser_report::number::{parse_finite, shown};
 
@@ -27,9 +28,9 @@ use grouser_report::number::{parse_finite, shown};
         S is 1 - v/(r w), the driving formula continued below zero. S_0 is never positive (figures of the paper \
         apparently show its magnitude) and depends on the angle and on sinkage/radius alone: no soil can move it. \
         Outside the contact it is computed all the same, with a caution.",
-    after_help = "Examples:\n  grouser slip-model --theta-deg 32 --sinkage-m 0.03 --radius-m 0.1\n  \
-        grouser slip-model --theta-deg 0:40 --sinkage-m 0.01,0.014,0.02,0.03 --radius-m 0.1 -o slip.svg\n  \
-        grouser slip-model --theta-deg 10 --sinkage-m 0.02 --radius-m 0.1 --mobilised 0.5 --soil dry-sand"
+    after_help = "Examples:\n  grouser paper slip-model --theta-deg 32 --sinkage-m 0.03 --radius-m 0.1\n  \
+        grouser paper slip-model --theta-deg 0:40 --sinkage-m 0.01,0.014,0.02,0.03 --radius-m 0.1 -o slip.svg\n  \
+        grouser paper slip-model --theta-deg 10 --sinkage-m 0.02 --radius-m 0.1 --mobilised 0.5 --soil dry-sand"
 )]
 pub(crate) struct Arguments {
     /// Angle on the rim from the vertical, positive towards travel, in degrees: a number, a list `a,b,c` or a range `from:to`

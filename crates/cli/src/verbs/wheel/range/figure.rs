@@ -1,8 +1,8 @@
-//! The figure of `curve`: drawbar pull, torque, sinkage and efficiency against slip.
+//! The figure of a range of slip: drawbar pull, torque, sinkage and efficiency against slip.
 
 use grouser_terra::OperatingPoint;
 
-use super::family::Family;
+use super::Family;
 use crate::operation::Prescribed;
 use grouser_figure::{Axis, Chart, Colour, Curve, Figure, Mark, Marker, Style};
 use grouser_report::number::rounded;

@@ -1,4 +1,4 @@
-//! The figure of `slip-model`: slip against what is swept. Outside the contact the lines are thin.
+//! The figure of the slip model: slip against what is swept. Outside the contact the lines are thin.
 
 use super::grid::{Axes, Quantity};
 use super::point::Point;
