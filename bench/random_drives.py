@@ -1,4 +1,4 @@
-"""`grouser drive` on robots, soils, reliefs, gravities, sensors and legs drawn at random: open loop beside the controller.
+"""`grouser drive` on robots, soils, reliefs, gravities, sensors and legs drawn at random: open loop at the controller's own mean speed next to the controller.
 
     cargo build --release && python bench/random_drives.py [FIRST [COUNT]]
 

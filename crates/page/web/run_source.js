@@ -58,7 +58,7 @@ export class RunSource {
     this.choice = h('select', { 'aria-label': 'Another scenario', hidden: !hasModule('drive'), on: { change: () => this.#chooseExample() } },
       h('option', { value: '' }, 'another scenario'),
       ['sandbox', 'soft-patch', 'slope'].map((name) => h('optgroup', { label: name },
-        ['controller', 'fixed-slip', 'open-loop'].map((pilot) => h('option', { value: `${name} ${pilot}` }, `${name}, ${pilot}`)))));
+        ['controller', 'open-loop'].map((pilot) => h('option', { value: `${name} ${pilot}` }, `${name}, ${pilot}`)))));
     this.stopButton = h('button', { type: 'button', class: 'quiet', hidden: true, on: { click: () => Promise.all([this.#drive.stop(), this.#log.stop()]) } }, 'Stop');
     this.status = h('p', { class: 'run-status', role: 'status' });
     this.tools = h('div', { class: 'run-tools', hidden: !hasModule('explore') },

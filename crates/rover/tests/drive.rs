@@ -223,6 +223,38 @@ fn the_same_seed_drives_the_same_drive() {
     assert_ne!(first, drive(&short, Pilot::Controller, 2));
 }
 
+/// The baseline of a controller: requested speeds in the share that the controller's own drive reached.
+#[test]
+fn open_loop_at_the_controllers_pace_has_its_mean_speed() {
+    let mut slope = scenario("slope");
+    slope.duration = 20.0;
+    let speed = slope.legs[0].speed;
+    let controlled = drive(&slope, Pilot::Controller, 15);
+    let mean = controlled.way / controlled.duration;
+    assert!(
+        (controlled.pace() - mean / speed).abs() < 0.1,
+        "{}",
+        controlled.pace()
+    );
+    let fair = slope.at_pace(controlled.pace());
+    assert_eq!(fair.legs[0].speed, controlled.pace() * speed);
+    let rim = |scenario: &Scenario| {
+        let mut fastest = 0.0;
+        Simulation::new(scenario, Pilot::OpenLoop, RUNNING_SLIP, 15)
+            .unwrap()
+            .run(|frame| {
+                fastest = frame
+                    .wheels
+                    .iter()
+                    .map(|w| w.speeds[0])
+                    .fold(fastest, f64::max);
+                true
+            });
+        fastest
+    };
+    assert!((rim(&fair) / rim(&slope) - controlled.pace()).abs() < 0.05);
+}
+
 /// Halving the step changes the drive less than its course: progress and energy within 2 %.
 #[test]
 fn halving_the_step_changes_little() {

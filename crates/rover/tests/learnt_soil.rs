@@ -287,8 +287,10 @@ fn an_unknown_soil_is_learnt_and_driven() {
     let own = scenario.ground.soils[0].soil;
     let weak = scaled_soil(&own, 0.8, 1.0).unwrap();
     let world = (&weak, Some(FOREIGN_LAW));
+    let mut not_learnt = scenario.clone();
+    not_learnt.learn = None;
     let (learnt, known) = std::thread::scope(|scope| {
-        let known = scope.spawn(|| drive(&scenario, Pilot::KnownSoil, world, 1));
+        let known = scope.spawn(|| drive(&not_learnt, Pilot::Controller, world, 1));
         (
             drive(&scenario, Pilot::Controller, world, 1),
             known.join().unwrap(),
@@ -367,6 +369,8 @@ fn a_soft_patch_is_not_learnt_away() {
 #[ignore = "minutes"]
 fn many_worlds() {
     let plain = waves("five-wheel.toml", "");
+    let mut not_learnt = plain.clone();
+    not_learnt.learn = None;
     let with_contact = waves("five-wheel.toml", CONTACT_SENSORS);
     let own = plain.ground.soils[0].soil;
     let seeds: u64 = std::env::var("GROUSER_SEEDS").map_or(2, |seeds| seeds.parse().unwrap());
@@ -376,13 +380,8 @@ fn many_worlds() {
             for seed in 1..=seeds {
                 let world = (&soil, law);
                 let [learnt, known, contact] = std::thread::scope(|scope| {
-                    let drives = [
-                        (&plain, Pilot::Controller),
-                        (&plain, Pilot::KnownSoil),
-                        (&with_contact, Pilot::Controller),
-                    ];
-                    let drives = drives.map(|(scenario, pilot)| {
-                        scope.spawn(move || drive(scenario, pilot, world, seed))
+                    let drives = [&plain, &not_learnt, &with_contact].map(|scenario| {
+                        scope.spawn(move || drive(scenario, Pilot::Controller, world, seed))
                     });
                     drives.map(|drive| drive.join().unwrap())
                 });

@@ -193,7 +193,6 @@ fn drawn(draws: &mut Draws) -> Scenario {
         scenario.control = control;
     }
     scenario.optimum = draws.yes().then(|| draws.between(0.01, 0.95));
-    scenario.fixed_slip = draws.between(0.01, 0.95);
     let faults = (0..3).map(|_| {
         let (_, kind, (low, high)) = draws.of(&FaultKind::NAMES);
         let from = draws.between(0.0, 9.0);

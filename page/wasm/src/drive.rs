@@ -40,7 +40,16 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
         None => scenario.seed,
     };
     let optimum = scenario.slip_setpoint().map_err(Problem::of)?;
-    let mut simulation = Simulation::new(&scenario, pilot, optimum, seed).map_err(Problem::of)?;
+    let drive = |scenario, pilot| Simulation::new(scenario, pilot, optimum, seed);
+    let scenario = match pilot {
+        // the fair baseline, as of the command
+        Pilot::OpenLoop => {
+            let controlled = drive(&scenario, Pilot::Controller).map_err(Problem::of)?.run(|_| true);
+            scenario.at_pace(controlled.pace())
+        }
+        _ => scenario,
+    };
+    let mut simulation = drive(&scenario, pilot).map_err(Problem::of)?;
     let mut seen = DriveRecorder::default();
     let result = simulation.run(|frame| {
         seen.add(frame);

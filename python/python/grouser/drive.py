@@ -105,7 +105,7 @@ class Simulation:
     ----------
     scenario : Scenario
     pilot : str
-        `controller`, `fixed-slip` or `open-loop`. With commands of your own choose `open-loop`: its computer
+        `controller` or `open-loop`. With commands of your own choose `open-loop`: its computer
         estimates and takes no decisions.
     seed : int, optional
         Of ground and noise; the scenario's by default.
@@ -178,7 +178,7 @@ def run(
     ----------
     scenario : Scenario
     pilot : str
-        `controller` (ours), `fixed-slip` or `open-loop`; without effect where a controller is given.
+        `controller` (ours) or `open-loop`; without effect where a controller is given.
     controller : callable, optional
         A function of an `Observation` to one `WheelCommand` a wheel. Its exceptions pass through.
     seed : int, optional

@@ -101,6 +101,27 @@ fn a_report_stands_alone_and_takes_no_markup() {
     assert!((went - run["energy_j"].as_f64().unwrap()).abs() < 1e-9 * went);
 }
 
+/// Open loop compares with the controller where it has the mean speed of that drive, alone or next to it.
+#[test]
+fn open_loop_has_the_mean_speed_of_the_controllers_drive() {
+    let folder = Folder::new();
+    let scenario = hostile_scenario(&folder);
+    let drives = |drivers: &str| {
+        let said = grouser(["drive", &scenario, "--compare", drivers, "--json"]);
+        said.assert_done().json()["runs"].clone()
+    };
+    let both = drives("controller,open-loop");
+    assert_eq!(both[0]["controller"], "controller");
+    assert_eq!(both[0]["speed_share"], 1.0);
+    let share = both[1]["speed_share"].as_f64().unwrap();
+    assert!(share > 0.0 && share != 1.0, "{share}");
+    let alone = drives("open-loop");
+    assert_eq!(alone.as_array().unwrap().len(), 1);
+    assert_eq!(alone[0], both[1]);
+    let refused = grouser(["drive", &scenario, "--compare", "known-soil"]);
+    refused.assert_refused("a driver of before");
+}
+
 /// A drive over waves as long as a wheel has a balance of energy that is off by 3 %; one that leaves the map at once has turned over
 /// next to nothing, which belies no balance.
 #[test]
@@ -413,27 +434,15 @@ fn what_is_learnt_of_the_soil_is_in_json_text_report_and_logs() {
     let path = folder.file("short.toml", short).display().to_string();
     let [table, recording, page] = ["drive.csv", "drive.mcap", "page.html"]
         .map(|name| folder.path(name).display().to_string());
-    let compare = "known-soil,controller";
-    let arguments = [
-        "drive",
-        &path,
-        "--compare",
-        compare,
-        "-o",
-        &table,
-        "--report",
-        &page,
-        "--json",
-    ];
+    let arguments = ["drive", &path, "-o", &table, "--report", &page, "--json"];
     let runs = grouser(arguments).assert_done().json();
-    assert!(runs["runs"][0]["soil"].is_null());
-    let soil = &runs["runs"][1]["soil"];
+    let soil = &runs["runs"][0]["soil"];
     assert!(soil["readings"].as_u64().unwrap() >= 3, "{soil}");
     let number = |key: &str| soil[key].as_f64().unwrap();
     assert!(number("phi_low_deg") < number("phi_deg"), "{soil}");
     assert!(number("phi_deg") < number("phi_high_deg"), "{soil}");
     let report = embedded(&std::fs::read_to_string(&page).unwrap());
-    assert_eq!(report["runs"][1]["soil"]["readings"], soil["readings"]);
+    assert_eq!(report["runs"][0]["soil"]["readings"], soil["readings"]);
     // the last row of the table has the last belief
     let rows = std::fs::read_to_string(&table).unwrap();
     let header: Vec<&str> = rows.lines().next().unwrap().split(',').collect();

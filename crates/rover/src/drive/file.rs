@@ -102,9 +102,9 @@ fn read(
         })?;
     let sensors = root.section("sensors", read_sensors)?.unwrap_or_default();
     let usual = ControlSettings::under_gravity(robot.linkage.gravity());
-    let (control, optimum, fixed_slip) = root
+    let (control, optimum) = root
         .section("control", |s| read_control(s, &usual))?
-        .unwrap_or((usual, None, None));
+        .unwrap_or((usual, None));
     let faults = read_faults(root, &robot)?;
     let duration = root.number("duration_s", (0.1, 1e6))?;
     let plan = root.section("plan", read_plan)?;
@@ -147,7 +147,6 @@ fn read(
         faults,
         control,
         optimum,
-        fixed_slip: fixed_slip.unwrap_or(usual.fixed_slip),
         hotel: root
             .optional_number("hotel_w", (0.0, 1e6))?
             .unwrap_or(usual.hotel),
@@ -408,10 +407,11 @@ fn read_sensors(s: &Section<'_>) -> Result<SensorSettings> {
     Ok(out)
 }
 
-/// The controller's settings, the slip to run at where the file gives one, and the fixed slip.
-type Control = (ControlSettings, Option<f64>, Option<f64>);
-
-fn read_control(s: &Section<'_>, usual: &ControlSettings) -> Result<Control> {
+/// The controller's settings, and the slip to run at where the file gives one.
+fn read_control(
+    s: &Section<'_>,
+    usual: &ControlSettings,
+) -> Result<(ControlSettings, Option<f64>)> {
     let mut out = *usual;
     read_fields(s, &mut out, ControlSettings::FIELDS)?;
     out.check().map_err(|error| {
@@ -421,11 +421,7 @@ fn read_control(s: &Section<'_>, usual: &ControlSettings) -> Result<Control> {
         };
         refused.map_or_else(|| Error::from(error), Error::from)
     })?;
-    Ok((
-        out,
-        s.optional_number("optimum", SLIP_LIMITS)?,
-        s.optional_number("fixed_slip", SLIP_LIMITS)?,
-    ))
+    Ok((out, s.optional_number("optimum", SLIP_LIMITS)?))
 }
 
 fn read_faults(root: &Section<'_>, robot: &RobotModel) -> Result<Schedule> {

@@ -89,6 +89,8 @@ pub struct DriveResult {
     pub distance: f64,
     /// Length of its way, m.
     pub way: f64,
+    /// Length of the way at the requested speeds, m.
+    pub requested_way: f64,
     /// Electrical energy with the electronics', J.
     pub energy: f64,
     /// Where it went.
@@ -115,6 +117,17 @@ pub struct DriveResult {
 }
 
 impl DriveResult {
+    /// Mean speed as a share of the mean requested speed; 1 where the robot did not move.
+    #[must_use]
+    pub fn pace(&self) -> f64 {
+        let share = self.way / self.requested_way;
+        if share > 0.0 && share.is_finite() {
+            share
+        } else {
+            1.0
+        }
+    }
+
     /// J per metre of progress; `None` where there was none to speak of (a centimetre).
     #[must_use]
     pub fn energy_per_metre(&self) -> Option<f64> {

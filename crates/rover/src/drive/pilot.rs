@@ -1,4 +1,4 @@
-//! Who drives: open loop, a fixed slip, or the controller.
+//! Who drives: open loop or the controller.
 
 use grouser_slip::control::{ControlSettings, Decides};
 
@@ -7,48 +7,32 @@ use grouser_slip::control::{ControlSettings, Decides};
 /// ```
 /// use grouser_rover::drive::Pilot;
 ///
-/// assert_eq!(Pilot::ALL.map(Pilot::name), ["open-loop", "fixed-slip", "known-soil", "controller"]);
+/// assert_eq!(Pilot::ALL.map(Pilot::name), ["open-loop", "controller"]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Pilot {
     /// Every rim runs at the requested speed, whatever the ground does; only the heading is held.
     OpenLoop,
-    /// The slip loop at a fixed slip, without decisions.
-    FixedSlip,
-    /// The whole controller, which takes the ground for the known soil even where the scenario has it learnt.
-    KnownSoil,
     /// The whole controller; it learns the soil where the scenario has it learnt.
     Controller,
 }
 
 impl Pilot {
     /// Every pilot.
-    pub const ALL: [Self; 4] = [
-        Self::OpenLoop,
-        Self::FixedSlip,
-        Self::KnownSoil,
-        Self::Controller,
-    ];
+    pub const ALL: [Self; 2] = [Self::OpenLoop, Self::Controller];
 
     /// Its name in tables, files and flags.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::OpenLoop => "open-loop",
-            Self::FixedSlip => "fixed-slip",
-            Self::KnownSoil => "known-soil",
             Self::Controller => "controller",
         }
     }
 
     /// The controller's settings for it.
-    pub(super) fn settings(
-        self,
-        mut settings: ControlSettings,
-        optimum: f64,
-        fixed: f64,
-    ) -> ControlSettings {
+    pub(super) fn settings(self, mut settings: ControlSettings, optimum: f64) -> ControlSettings {
         match self {
             // heading is held, so that all drive the same way
             Self::OpenLoop => {
@@ -56,11 +40,7 @@ impl Pilot {
                 settings.decides = Decides::Nothing;
                 settings.max_feedforward = 0.0;
             }
-            Self::FixedSlip => {
-                settings.optimum = fixed;
-                settings.decides = Decides::Nothing;
-            }
-            Self::KnownSoil | Self::Controller => settings.optimum = optimum,
+            Self::Controller => settings.optimum = optimum,
         }
         settings
     }

@@ -305,8 +305,6 @@ pub struct Scenario {
     pub control: ControlSettings,
     /// The slip to run at that the file gives; else the optimiser's.
     pub optimum: Option<f64>,
-    /// The slip of the fixed-slip controller.
-    pub fixed_slip: f64,
     /// Power that electronics draw all the time, W.
     pub hotel: f64,
 }
@@ -402,7 +400,6 @@ impl Scenario {
             faults: Schedule::default(),
             control: ControlSettings::default(),
             optimum: None,
-            fixed_slip: 0.3,
             hotel: 0.0,
         }
     }
@@ -428,7 +425,6 @@ impl Scenario {
             }
         }
         Error::check(&of, "duration", self.duration, (0.1, 1e6), "s")?;
-        Error::check(&of, "fixed_slip", self.fixed_slip, (0.01, 0.95), "1")?;
         self.sensors.check()?;
         self.control.check()?;
         // until then no wheel has a slip, and the drive would end as one without sensors
@@ -436,6 +432,17 @@ impl Scenario {
             + FIRST_SLIP_WINDOWS * FilterSettings::default().wheel_window;
         let blind_time = self.control.blind_time;
         Error::check(&of, "blind_time", blind_time, (first_slip, 1e3), "s")
+    }
+
+    /// The same at a share of its requested speeds: the fair baseline of a controller is open loop at the controller's
+    /// own mean speed ([`DriveResult::pace`](super::DriveResult::pace)).
+    #[must_use]
+    pub fn at_pace(&self, share: f64) -> Self {
+        let mut slower = self.clone();
+        for leg in &mut slower.legs {
+            leg.speed *= share;
+        }
+        slower
     }
 
     /// Does the robot's own computer learn the soil? A drive that plans its way leaves that to the navigator.

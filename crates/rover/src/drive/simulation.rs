@@ -87,6 +87,8 @@ pub struct Simulation {
     /// Load-weighted slip over a second, and the greatest so far.
     mean_slip: f64,
     worst_slip: f64,
+    /// Length of the way that was requested, m.
+    requested_way: f64,
     /// For how many periods each wheel was loaded, and sunk too deep for the laws.
     deep: Vec<[u64; 2]>,
     steps_per_period: u32,
@@ -142,7 +144,7 @@ impl Simulation {
         let model = vehicle.model();
         let loads = wheel_loads(model, 0.0, 0.0).loads;
         let known = (loads.as_slice(), tables, scenario.start.2);
-        let control = pilot.settings(scenario.control, optimum, scenario.fixed_slip);
+        let control = pilot.settings(scenario.control, optimum);
         let spec = scenario.learn.filter(|_| scenario.learns_on_board());
         let learn = spec.filter(|_| pilot == Pilot::Controller).map(|spec| {
             let mut settings = SoilLearnSettings::default();
@@ -181,6 +183,7 @@ impl Simulation {
             energy_at_start: kinetic + potential,
             mean_slip: 0.0,
             worst_slip: 0.0,
+            requested_way: 0.0,
             deep: vec![[0; 2]; scenario.robot.wheels.len()],
             steps_per_period,
             ended: None,
@@ -382,6 +385,7 @@ impl Simulation {
             let _ = self.on_board.set_steering_angle(index, wheel.steer);
         }
         let request = self.request();
+        self.requested_way += CONTROL_PERIOD_S * request.speed.abs();
         let commands = self.on_board.tick(to_ns(time), request);
         self.commands.copy_from_slice(commands);
         self.compare(yaw);
@@ -488,6 +492,7 @@ impl Simulation {
             duration: self.vehicle.time(),
             distance: self.referee.distance(),
             way: self.referee.way(),
+            requested_way: self.requested_way,
             energy: self.electric(),
             ledger,
             energy_error: (ledger.electric - spent) / turned,

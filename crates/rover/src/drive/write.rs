@@ -73,7 +73,6 @@ pub fn to_toml(scenario: &Scenario, remarks: &[&str]) -> String {
     let usual = ControlSettings::under_gravity(scenario.robot.linkage.gravity());
     write_fields(&mut out, &scenario.control, &usual, ControlSettings::FIELDS);
     out.optional_number("optimum", scenario.optimum);
-    out.number("fixed_slip", scenario.fixed_slip);
     faults(&mut out, &scenario.faults, &scenario.robot);
     out.finish()
 }

@@ -35,7 +35,7 @@ use crate::verb_report::Report;
         scenario gives, else at the one that the running-slip problem (examples/problems/running-slip.toml) gives for \
         this wheel, load and soil. docs/drive.md says what is simulated and how far it can be trusted.",
     after_help = "Examples:\n  grouser drive examples/scenarios/sandbox.toml --report sandbox.html\n  \
-        grouser drive examples/scenarios/soft-patch.toml --compare open-loop,fixed-slip,controller\n  \
+        grouser drive examples/scenarios/soft-patch.toml --compare open-loop,controller\n  \
         grouser drive examples/scenarios/soft-patch.toml --compare open-loop,controller --sweep 50 --json\n  \
         grouser drive examples/scenarios/sandbox.toml -o drive.mcap"
 )]
@@ -43,7 +43,8 @@ pub(crate) struct Arguments {
     /// The scenario (.toml)
     #[arg(value_name = "SCENARIO.toml")]
     scenario: PathBuf,
-    /// Drive the same ground with each of these: `open-loop`, `fixed-slip`, `known-soil`, `controller`
+    /// Drive the same ground with each of these: `controller`, `open-loop` (wheels at the mean speed of the
+    /// controller's own drive)
     #[arg(
         long,
         value_name = "NAMES",
@@ -134,7 +135,7 @@ fn pilot(name: &str) -> Result<Pilot> {
         .ok_or_else(|| {
             Error::usage(
                 format!("`--compare` names `{name}`, which is no driver"),
-                "drivers are `open-loop`, `fixed-slip`, `known-soil` and `controller`",
+                "drivers are `open-loop` and `controller`",
             )
         })
 }
@@ -149,74 +150,88 @@ struct Jobs<'a> {
 
 /// Every driver with every seed, on all cores; in the order of drivers, then seeds. The logs are of the last
 /// driver and the first seed.
+///
+/// The controller drives first: open loop has the mean speed of that drive, so that their energies compare.
 fn drive_all(scenario: &Scenario, jobs: &Jobs<'_>, logs: Vec<Log>) -> Result<(Vec<Run>, Vec<Log>)> {
     let first = jobs.first;
-    let list: Vec<(Pilot, u64)> = jobs
-        .pilots
-        .iter()
-        .flat_map(|pilot| (0..jobs.sweep).map(move |i| (*pilot, first.wrapping_add(i))))
-        .collect();
-    let seeds = list.len() / jobs.pilots.len().max(1);
-    let logged = list.len() - seeds;
-    let whole = scenario.duration * list.len() as f64;
-    let progress = Progress::of_drives(whole, list.len());
+    let has_open_loop = jobs.pilots.contains(&Pilot::OpenLoop);
+    let count = jobs.sweep * if has_open_loop { 2 } else { 1 };
+    let progress = Progress::of_drives(
+        scenario.duration * count as f64,
+        usize::try_from(count).unwrap_or(usize::MAX),
+    );
     let logs = Mutex::new(logs);
     // a drive that plans its way has tables of its own
     let tables = match scenario.plan {
         Some(_) => SoilTables::default(),
         None => Simulation::soil_tables(scenario)?,
     };
-    let runs = list
-        .into_par_iter()
-        .enumerate()
-        .map(|(index, (pilot, seed))| {
-            let mut seen = (seed == first).then(DriveRecorder::default);
-            // one run alone holds the lock, for as long as it drives
-            let mut logs = (index == logged).then(|| logs.lock().ok()).flatten();
-            let mut failed = None;
-            let mut reported = 0.0;
-            let mut see = |frame: &Frame<'_>| {
-                if let Some(seen) = &mut seen {
-                    seen.add(frame);
-                }
-                for log in logs.as_deref_mut().into_iter().flatten() {
-                    if let Err(error) = log.add(frame) {
-                        failed = Some(log.refused(&error));
-                        return false;
-                    }
-                }
-                if frame.time - reported >= 1.0 {
-                    progress.drove(
-                        frame.time - reported,
-                        frame.speed,
-                        frame.wheels.iter().find_map(|w| w.observation.slip),
-                    );
-                    reported = frame.time;
-                }
-                true
-            };
-            let (result, planned) = if scenario.plan.is_some() {
-                let driven = mission::drive(scenario, jobs.optimum, seed, &mut see)?;
-                (driven.result.clone(), Some(driven))
-            } else {
-                let mut drive =
-                    Simulation::with_tables(scenario, pilot, jobs.optimum, seed, &tables)?;
-                (drive.run(&mut see), None)
-            };
-            progress.drove(scenario.duration - reported, 0.0, None);
-            match failed {
-                Some(error) => Err(error),
-                None => Ok(Run {
-                    pilot,
-                    seed,
-                    result,
-                    own_laws: own_laws(scenario, pilot, (jobs.optimum, &tables), seed)?,
-                    planned,
-                    seen,
-                }),
+    let drive = |pilot: Pilot, pace: f64, seed: u64| {
+        let scenario = &scenario.at_pace(pace);
+        let is_shown = seed == first && jobs.pilots.contains(&pilot);
+        let mut seen = is_shown.then(DriveRecorder::default);
+        // one run alone holds the lock, for as long as it drives
+        let is_logged = is_shown && jobs.pilots.last() == Some(&pilot);
+        let mut logs = is_logged.then(|| logs.lock().ok()).flatten();
+        let mut failed = None;
+        let mut reported = 0.0;
+        let mut see = |frame: &Frame<'_>| {
+            if let Some(seen) = &mut seen {
+                seen.add(frame);
             }
+            for log in logs.as_deref_mut().into_iter().flatten() {
+                if let Err(error) = log.add(frame) {
+                    failed = Some(log.refused(&error));
+                    return false;
+                }
+            }
+            if frame.time - reported >= 1.0 {
+                progress.drove(
+                    frame.time - reported,
+                    frame.speed,
+                    frame.wheels.iter().find_map(|w| w.observation.slip),
+                );
+                reported = frame.time;
+            }
+            true
+        };
+        let (result, planned) = if scenario.plan.is_some() {
+            let driven = mission::drive(scenario, jobs.optimum, seed, &mut see)?;
+            (driven.result.clone(), Some(driven))
+        } else {
+            let mut drive = Simulation::with_tables(scenario, pilot, jobs.optimum, seed, &tables)?;
+            (drive.run(&mut see), None)
+        };
+        progress.drove(scenario.duration - reported, 0.0, None);
+        match failed {
+            Some(error) => Err(error),
+            None => Ok(Run {
+                pilot,
+                pace,
+                seed,
+                result,
+                own_laws: own_laws(scenario, pilot, (jobs.optimum, &tables), seed)?,
+                planned,
+                seen,
+            }),
+        }
+    };
+    let runs = (0..jobs.sweep)
+        .into_par_iter()
+        .map(|index| {
+            let seed = first.wrapping_add(index);
+            let mut of_seed = vec![drive(Pilot::Controller, 1.0, seed)?];
+            if has_open_loop {
+                let pace = of_seed[0].result.pace();
+                of_seed.push(drive(Pilot::OpenLoop, pace, seed)?);
+            }
+            Ok(of_seed)
         })
-        .collect::<Result<Vec<Run>>>()?;
+        .collect::<Result<Vec<_>>>()?;
+    let mut runs: Vec<Run> = runs.into_iter().flatten().collect();
+    let place = |run: &Run| jobs.pilots.iter().position(|pilot| *pilot == run.pilot);
+    runs.retain(|run| place(run).is_some());
+    runs.sort_by_key(place);
     Ok((runs, logs.into_inner().unwrap_or_default()))
 }
 

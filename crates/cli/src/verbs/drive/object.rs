@@ -34,6 +34,8 @@ fn run<'a>() -> Fields<'a, (&'a Scenario, &'a Run)> {
     fields! { |of: (&'a Scenario, &'a Run)|
         "controller" "driver" = of.1.pilot.name();
         "seed" "seed" = of.1.seed;
+        "speed_share" "share of the requested speeds that it was driven at: 1, in open loop that of the controller's own drive" =
+            of.1.pace;
         "distance_m" "progress along the legs" = of.1.result.distance;
         "way_m" "way of the robot" = of.1.result.way;
         "duration_s" "duration" = of.1.result.duration;

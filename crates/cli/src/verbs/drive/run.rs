@@ -9,6 +9,8 @@ use grouser_terrain::mission::PlannedDrive;
 /// One finished drive.
 pub(super) struct Run {
     pub(super) pilot: Pilot,
+    /// Share of the requested speeds that it was driven at: 1, in open loop that of the controller's drive.
+    pub(super) pace: f64,
     pub(super) seed: u64,
     pub(super) result: DriveResult,
     /// The slips of the same drive where the ground obeys the estimator's own laws; `None` where it does anyway.

@@ -55,6 +55,19 @@ pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
                 .map_or_else(dash, |rmse| format!("{rmse:.3}")),
         );
     }
+    let open = runs.iter().filter(|run| run.pilot == Pilot::OpenLoop);
+    let paces = open.map(|run| run.pace);
+    if let Some(low) = paces.clone().reduce(f64::min) {
+        let high = paces.fold(low, f64::max);
+        let mut share = rounded(low, 3);
+        if high > low {
+            share = format!("{share} to {}", rounded(high, 3));
+        }
+        let _ = writeln!(
+            out,
+            "\nopen-loop: wheels at the controller's own mean speed, {share} of the requested"
+        );
+    }
     planned(runs, &mut out);
     super::soil::text(runs, &mut out);
     if let Some(law) = scenario.ground.world_laws
