@@ -212,7 +212,7 @@ fn soils(wheel: RigidWheel) {
         k_shear: (&k_shear).into(),
         k_phi: (&k_phi).into(),
         c_1: (&c_1).into(),
-        ..SoilColumns::of(&soil)
+        ..SoilColumns::from_soil(&soil)
     };
     let one_exponent = SoilColumns {
         n: base.n.into(),

@@ -25,10 +25,10 @@ impl Environment {
     /// # Errors
     /// [`Error::Environment`] for a domain that is no number up to 232, or another middleware.
     pub fn read() -> Result<Self> {
-        Self::of(|name| std::env::var(name).ok().filter(|value| !value.is_empty()))
+        Self::from_variables(|name| std::env::var(name).ok().filter(|value| !value.is_empty()))
     }
 
-    fn of(variable: impl Fn(&'static str) -> Option<String>) -> Result<Self> {
+    fn from_variables(variable: impl Fn(&'static str) -> Option<String>) -> Result<Self> {
         let refused = |name, value: &str, wanted: String| Error::Environment {
             name,
             value: value.to_owned(),
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     fn with(name: &'static str, value: &'static str) -> Result<Environment> {
-        Environment::of(|key| (key == name).then(|| value.to_owned()))
+        Environment::from_variables(|key| (key == name).then(|| value.to_owned()))
     }
 
     #[test]

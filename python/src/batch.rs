@@ -87,7 +87,7 @@ fn soil_columns<'a>(
     if keys.is_empty() {
         return Ok(None);
     }
-    let mut soils = SoilColumns::of(&soil.soil);
+    let mut soils = SoilColumns::from_soil(&soil.soil);
     for ((key, column), scaled) in keys.iter().zip(columns).zip(room) {
         let number = SoilNumber::named(key);
         let place = number.and_then(|number| Some((number, number.column(&mut soils)?)));
@@ -223,7 +223,7 @@ pub(crate) fn point_cautions<'py>(
     let inputs: [_; 8] = first_inputs(&columns, keys.len(), points)?;
     let mut room = vec![Vec::new(); keys.len()];
     let soils = soil_columns(soil, &keys, &columns[inputs.len()..], &mut room)?;
-    let soils = soils.unwrap_or_else(|| SoilColumns::of(&soil.soil));
+    let soils = soils.unwrap_or_else(|| SoilColumns::from_soil(&soil.soil));
     let kernel = BatchKernel::new(soil.soil);
     let mut masks: BTreeMap<Caution, Vec<bool>> = BTreeMap::new();
     for from in (0..points).step_by(POINTS_PER_BLOCK) {

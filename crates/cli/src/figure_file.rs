@@ -31,11 +31,11 @@ pub(crate) fn ending(path: &Path) -> Option<String> {
 impl Target {
     /// Begins all figures.
     pub(crate) fn begin(paths: &[PathBuf]) -> Result<Vec<Self>> {
-        paths.iter().map(|path| Self::of(path)).collect()
+        paths.iter().map(|path| Self::create(path)).collect()
     }
 
     /// Begins the figure `path`.
-    pub(crate) fn of(path: &Path) -> Result<Self> {
+    pub(crate) fn create(path: &Path) -> Result<Self> {
         let format = match ending(path).as_deref() {
             Some("svg") => Format::Svg,
             Some("png") => Format::Png,

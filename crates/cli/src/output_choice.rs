@@ -18,7 +18,7 @@ pub(crate) enum Output {
 impl Output {
     /// Begins all files, so that a path that cannot be written is refused before the work.
     pub(crate) fn begin(paths: &[PathBuf]) -> Result<Vec<Self>> {
-        paths.iter().map(|path| Self::of(path)).collect()
+        paths.iter().map(|path| Self::create(path)).collect()
     }
 
     /// Writes all files; gives the lines that say so.
@@ -34,10 +34,10 @@ impl Output {
         written.collect()
     }
 
-    fn of(path: &Path) -> Result<Self> {
+    fn create(path: &Path) -> Result<Self> {
         match ending(path).as_deref() {
             Some("csv") => OutputFile::create(path).map(Self::Table),
-            Some("svg" | "png") => Target::of(path).map(Self::Figure),
+            Some("svg" | "png") => Target::create(path).map(Self::Figure),
             _ => Err(Error::usage(
                 format!("{} does not end in `.csv`, `.svg` or `.png`", shown(path)),
                 "the ending of the output's name chooses its format",

@@ -5,6 +5,7 @@
 
 use std::fmt;
 
+use grouser_real::median;
 use grouser_slip::{Measurement, Reference, Sample};
 
 /// Of this number of updates the decision is made, and not of fewer than the second number.
@@ -206,8 +207,7 @@ impl Updates {
 
     /// The median time between rows, s.
     fn period_s(&mut self) -> Option<f64> {
-        self.periods_s.sort_by(f64::total_cmp);
-        self.periods_s.get(self.periods_s.len() / 2).copied()
+        median(&mut self.periods_s)
     }
 
     /// The median interval of updates, s; `None` where rows are readings.

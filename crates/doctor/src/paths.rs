@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use grouser_real::{Real, solve, wrap_angle};
+use grouser_real::{Real, median, solve, wrap_angle};
 
 /// Straight paths: their length, m, and in standard deviations of a place; how far they turn, rad, and their longest time, s.
 pub(crate) const MIN_PATH_M: f64 = 0.5;
@@ -119,9 +119,8 @@ impl Paths {
     /// Lengths by the pose as multiples of those by the wheels: the median, and the value below which nine of ten are.
     pub(crate) fn scales(&self) -> Option<[f64; 2]> {
         let mut scales = self.scales.clone();
-        scales.sort_by(f64::total_cmp);
-        (scales.len() >= MIN_PATHS)
-            .then(|| [scales[scales.len() / 2], scales[scales.len() * 9 / 10]])
+        let middle = median(&mut scales).filter(|_| scales.len() >= MIN_PATHS)?;
+        Some([middle, scales[scales.len() * 9 / 10]])
     }
 
     /// Length of the mean unit vector of an angle of the straight paths.

@@ -178,7 +178,7 @@ impl Area {
             outline.push([last[0], 0.0]);
             outline.push([first[0], 0.0]);
         }
-        Self::of(AreaShape::Polygon(outline))
+        Self::new(AreaShape::Polygon(outline))
     }
 
     /// Between two lines, such as a confidence band.
@@ -190,13 +190,13 @@ impl Area {
         let mut outline: Vec<[f64; 2]> = finite(lower).collect();
         let upper: Vec<[f64; 2]> = finite(upper).collect();
         outline.extend(upper.into_iter().rev());
-        Self::of(AreaShape::Polygon(outline))
+        Self::new(AreaShape::Polygon(outline))
     }
 
     /// All that lies between two values of x.
     #[must_use]
     pub fn columns(from: f64, to: f64) -> Self {
-        Self::of(AreaShape::Columns([from, to]))
+        Self::new(AreaShape::Columns([from, to]))
     }
 
     /// In another colour; `opacity` from 0 (nothing to be seen) to 1.
@@ -207,7 +207,7 @@ impl Area {
         self
     }
 
-    fn of(shape: AreaShape) -> Self {
+    fn new(shape: AreaShape) -> Self {
         Self {
             shape,
             colour: Colour::BLUE,

@@ -31,7 +31,7 @@ pub(super) struct Axes {
 
 impl Axes {
     /// Ticks for a frame of about `width` points, at most `max_y` intervals up.
-    pub(super) fn of(chart: &Chart, width: f64, max_y: u8) -> Self {
+    pub(super) fn new(chart: &Chart, width: f64, max_y: u8) -> Self {
         let all = data(chart);
         let x_range = chart
             .x

@@ -111,7 +111,7 @@ const MAX_INTERVALS: [u8; 2] = [6, 8];
 /// inside.
 fn axes(chart: &Chart, cell: f64) -> Axes {
     let width = cell * 0.75;
-    let [few, more] = MAX_INTERVALS.map(|most| Axes::of(chart, width, most));
+    let [few, more] = MAX_INTERVALS.map(|most| Axes::new(chart, width, most));
     // About where the frame will be.
     let frame = Rect::at([0.0, 0.0], width, width * FRAME_ASPECT);
     let leaves = |axes: &Axes| draw_chart::draw(&mut Page::default(), chart, axes, frame) > 0.0;

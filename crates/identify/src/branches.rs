@@ -1,5 +1,7 @@
 //! Which readings of a record belong to which test, and which are of a plate or shear box that goes back.
 
+use grouser_real::median;
+
 /// Multiples of a quantity's noise that chance does not reach.
 const NOISE_MULTIPLE: f64 = 6.0;
 /// A way back that is shorter than this many of the least steps is the rounding of the record.
@@ -71,8 +73,7 @@ fn noise(values: &[f64]) -> f64 {
     const MEDIAN_SECOND_DIFFERENCE: f64 = 1.652_155_8;
     let bends = values.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs());
     let mut bends: Vec<f64> = bends.collect();
-    bends.sort_by(f64::total_cmp);
-    bends.get(bends.len() / 2).copied().unwrap_or(0.0) / MEDIAN_SECOND_DIFFERENCE
+    median(&mut bends).unwrap_or(0.0) / MEDIAN_SECOND_DIFFERENCE
 }
 
 fn least_step(values: &[f64]) -> f64 {

@@ -226,7 +226,7 @@ fn wheel_stage(
             .into_iter()
             .map(Vec::into_iter),
     );
-    let mut uncertainty = Uncertainty::of(&best, job.loss).of_alike(&best, redundancy);
+    let mut uncertainty = Uncertainty::from_fit(&best, job.loss).of_alike(&best, redundancy);
     let plates = (out.plates.as_ref()).map(|stage| (&stage.fit, stage.tests.as_slice()));
     let shear = out.shear.as_ref().map(|stage| &stage.fit);
     let changes = inherited::changes(plates, shear, job, (&fixed, tests), &best);

@@ -262,7 +262,7 @@ struct Strain {
 }
 
 impl Strain {
-    fn of(found: &Identification, readings: &Readings) -> Self {
+    fn new(found: &Identification, readings: &Readings) -> Self {
         let numbers = found.plausibilities(readings);
         let mut strain = Self {
             decades: numbers.iter().map(Plausibility::decades_outside).sum(),
@@ -301,7 +301,7 @@ const MAX_STARTS: usize = 2;
 
 /// The likely mistakes behind `found`, the likeliest first, at most two.
 pub(crate) fn likely(job: &Job, readings: &Readings, found: &Identification) -> Vec<String> {
-    let strain = Strain::of(found, readings).decades;
+    let strain = Strain::new(found, readings).decades;
     if found.implausible.is_empty() && !(strain > MIN_DECADES) {
         return Vec::new();
     }
@@ -327,10 +327,10 @@ pub(crate) fn explaining(job: &Job, readings: &Readings, decades: f64) -> Vec<St
             },
         )
         .ok()?;
-        if Strain::of(&soil, &undone).decades > decades {
+        if Strain::new(&soil, &undone).decades > decades {
             return None;
         }
-        let strain = Strain::of(&fitted(job, &undone).ok()?, &undone);
+        let strain = Strain::new(&fitted(job, &undone).ok()?, &undone);
         let rarity = if exchange.is_rare { RARE } else { 0.0 };
         (strain.decades <= decades).then_some((
             strain.decades + strain.from_middle + rarity,

@@ -106,7 +106,7 @@ proptest! {
         let slope = sum(&|w, x, y| w * (x - x_mean) * (y - y_mean)) / s_xx;
         prop_assert!(close(fit.cost, points.iter().map(|p| rho(residual(p))).sum(), 1e-12));
 
-        let uncertainty = Uncertainty::of(&fit, loss);
+        let uncertainty = Uncertainty::from_fit(&fit, loss);
         let freedom = points.len() - 2;
         let squares: f64 = points.iter().map(|p| weight(residual(p)) * residual(p).powi(2)).sum();
         let s = (squares / freedom as f64).sqrt();
@@ -227,7 +227,7 @@ fn every_verdict_has_its_reason() {
     let column = |row: Vec<f64>, y: f64| Linear::new(vec![row; 6], noise.map(|n| y + n).to_vec());
     let verdicts = |model: &Linear, start: &[Bounded]| {
         let found = model.fit(start, Loss::Squares);
-        (Uncertainty::of(&found, Loss::Squares), found)
+        (Uncertainty::from_fit(&found, Loss::Squares), found)
     };
     let error = |freedom: f64| 0.1 * (6.0 / freedom).sqrt() / 6_f64.sqrt();
 
@@ -293,7 +293,7 @@ fn every_verdict_has_its_reason() {
         ..Settings::default()
     };
     let fit = fit(&line, 2, &[Bounded::free(0.0); 2], &unfinished).unwrap();
-    let all = Uncertainty::of(&fit, Loss::Squares);
+    let all = Uncertainty::from_fit(&fit, Loss::Squares);
     assert!(fit.cost > 0.0 && all.freedom == 0 && all.residual_deviation.is_nan());
 }
 

@@ -71,7 +71,7 @@ fn check(
             "{}",
             sum_of_squares(&found)
         );
-        let uncertainty = Uncertainty::of(&found, Loss::Squares);
+        let uncertainty = Uncertainty::from_fit(&found, Loss::Squares);
         for (k, (value, error)) in certified.iter().enumerate() {
             assert!(
                 (found.x[k] / value - 1.0).abs() < 2e-7,
@@ -161,7 +161,7 @@ fn box_bod_from_many_starts() {
         let evaluations = counted.1.into_inner();
         assert!(evaluations <= most, "{evaluations}");
     }
-    let errors = Uncertainty::of(&found, Loss::Squares).standard_errors;
+    let errors = Uncertainty::from_fit(&found, Loss::Squares).standard_errors;
     for (k, (value, error)) in [
         (2.138_094_088_9e2, 1.235_451_517_6e1),
         (5.472_374_854_2e-1, 1.045_599_323_7e-1),

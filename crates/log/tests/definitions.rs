@@ -307,7 +307,7 @@ fn numbers_of_json_are_the_nearest() {
 
 #[test]
 fn trust_ends_at_its_limits() {
-    assert_eq!(Trust::of(1e300), Trust::Variance(1e300));
+    assert_eq!(Trust::from_variance(1e300), Trust::Variance(1e300));
     let usable = [
         Trust::Unknown,
         Trust::Variance(1.0),

@@ -22,6 +22,7 @@ pub const DETERMINISTIC: bool = cfg!(feature = "deterministic");
 mod dual;
 mod float;
 mod interval;
+mod median;
 mod out_of_range;
 mod real;
 mod signal_pair;
@@ -30,6 +31,7 @@ mod wrap;
 
 pub use dual::Dual;
 pub use interval::Interval;
+pub use median::median;
 pub use out_of_range::OutOfRange;
 pub use real::{Real, Scalar};
 pub use signal_pair::{SignalLine, SignalPair, Squares};

@@ -77,7 +77,7 @@ impl<R: Scalar> SideDisc<R> {
     /// p = 2 c √K_p (1 + 2 h e) + K_p γ h (1 + h e), with the wedges beyond the ends of the chord w (the diameter, once the
     /// hub is buried) e = cot X_c/w, and the friction p tan δ acts along the sliding u, K_p with its share that rises:
     /// t = tan δ · (rise)/√(u² + (V/4)²). All of it times |sin β| sin²⁴β.
-    pub(crate) fn of(
+    pub(crate) fn new(
         size: &WheelSize<R>,
         soil: &SoilLaws<R>,
         motion: &Motion<R>,
@@ -274,7 +274,7 @@ mod tests {
             let motion = Kinematics::from_speeds(forward, beta.to_radians().sin(), rim).unwrap();
             let theta_1 = (1.0 - z / r).acos();
             let size = WheelSize::smooth(r, 0.05);
-            let found = SideDisc::of(&size, &soil.laws(), &motion.motion(), theta_1).unwrap();
+            let found = SideDisc::new(&size, &soil.laws(), &motion.motion(), theta_1).unwrap();
             let got = [found.lift, found.pull, found.torque, found.side];
             for (got, expected) in got.into_iter().zip(expected) {
                 let off = (got - expected).abs() / found.side;
@@ -348,7 +348,7 @@ mod tests {
         let size = WheelSize::smooth(0.1, 0.05);
         let of = |v_y, theta_1| {
             let motion = Kinematics::from_speeds(0.5, v_y, 1.0).unwrap();
-            SideDisc::of(&size, &soil.laws(), &motion.motion(), theta_1).is_some()
+            SideDisc::new(&size, &soil.laws(), &motion.motion(), theta_1).is_some()
         };
         assert!(of(0.5, 0.4) && !of(0.0, 0.4) && !of(0.5, 0.0));
     }

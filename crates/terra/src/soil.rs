@@ -221,7 +221,7 @@ impl Soil {
         let constant = p.n_1 == 0.0 && p.n_2 == 0.0;
         Ok(Self {
             params,
-            tables: constant.then(|| ExponentTables::of(p.n)),
+            tables: constant.then(|| ExponentTables::with_exponent(p.n)),
         })
     }
 

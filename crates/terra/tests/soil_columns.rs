@@ -240,7 +240,7 @@ fn cautions_are_those_of_the_point_s_soil() {
     let c_1 = [0.2, 1.5, 0.2];
     let soils = SoilColumns {
         c_1: (&c_1).into(),
-        ..SoilColumns::of(&sand)
+        ..SoilColumns::from_soil(&sand)
     };
     let [
         mut sinkage,
@@ -281,7 +281,7 @@ fn soil_columns_of_unequal_length_are_refused() {
     let columns = Columns::new(&[(0.1, 0.05, 0.0, 0.3, 0.1); 3]);
     let soils = SoilColumns {
         c_2: (&[0.3, 0.3]).into(),
-        ..SoilColumns::of(&sand)
+        ..SoilColumns::from_soil(&sand)
     };
     let [mut a, mut b, mut c, mut d] = [[0.0; 3]; 4];
     let error = BatchKernel::new(sand).under_load_on(

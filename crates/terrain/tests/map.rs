@@ -77,7 +77,7 @@ fn made(dem: &Dem, headings: u8) -> Made {
     let solver = DemandSolver::new(rocker(), soil()).unwrap();
     let envelope = Envelope::within(solver.model(), 0.45, 0.35).unwrap();
     let table = SlipTable::new(&solver, envelope).unwrap();
-    let layout = MapLayout::of(dem, solver.model(), headings, 0, JOB);
+    let layout = MapLayout::new(dem, solver.model(), headings, 0, JOB);
     let maker = MapMaker::new(
         MapSettings::new(headings, envelope),
         (solver.clone(), table),
@@ -397,7 +397,7 @@ fn mars_keeps_its_place_and_its_relief() {
                         < 0.35 * (at(0, 1) - 2.0 * at(0, 0) + at(0, -1)).abs() + 0.05
                 );
             }
-            if State::of(
+            if State::from_code(
                 cell[Band {
                     quantity: Quantity::State,
                     heading,

@@ -134,7 +134,7 @@ fn a_million_cells_with_64_soils() {
         let headings = Headings::new(HEADINGS).unwrap();
         let mut dem = Dem::open(&path, None, 0.001).unwrap();
         let job = "0".repeat(64);
-        let layout = MapLayout::of(&dem, &model, headings, draw_count, &job);
+        let layout = MapLayout::new(&dem, &model, headings, draw_count, &job);
         let own = tables.remove(0);
         let maker = MapMaker::new(MapSettings::new(headings, envelope), own, draws, dem.cell());
         let mut journal = Journal::open(&folder.join("strips"), &job).unwrap();

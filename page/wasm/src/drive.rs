@@ -12,12 +12,13 @@ use crate::request::{Problem, Request};
 /// of the command.
 pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
     let document = |name: &str, field: &str| {
-        Document::from_text(name, request.text(field)?.to_owned()).map_err(Problem::of)
+        Document::from_text(name, request.text(field)?.to_owned()).map_err(Problem::from_error)
     };
-    let robot = RobotModel::parse(&document("robot.toml", "robot")?).map_err(Problem::of)?;
+    let robot =
+        RobotModel::parse(&document("robot.toml", "robot")?).map_err(Problem::from_error)?;
     let name = request.optional_text("name")?.unwrap_or("scenario");
     let scenario = parse_scenario(&document("scenario.toml", "scenario")?, name, robot)
-        .map_err(Problem::of)?;
+        .map_err(Problem::from_error)?;
     if scenario.plan.is_some() {
         // its one leg straight to the goal is not the way that the command drives
         return Err(Problem::new(
@@ -39,17 +40,19 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
         Some(_) => u64::from(request.count("seed", u32::MAX)?),
         None => scenario.seed,
     };
-    let optimum = scenario.slip_setpoint().map_err(Problem::of)?;
+    let optimum = scenario.slip_setpoint().map_err(Problem::from_error)?;
     let drive = |scenario, pilot| Simulation::new(scenario, pilot, optimum, seed);
     let scenario = match pilot {
         // the fair baseline, as of the command
         Pilot::OpenLoop => {
-            let controlled = drive(&scenario, Pilot::Controller).map_err(Problem::of)?.run(|_| true);
+            let controlled = drive(&scenario, Pilot::Controller)
+                .map_err(Problem::from_error)?
+                .run(|_| true);
             scenario.at_pace(controlled.pace())
         }
         _ => scenario,
     };
-    let mut simulation = drive(&scenario, pilot).map_err(Problem::of)?;
+    let mut simulation = drive(&scenario, pilot).map_err(Problem::from_error)?;
     let mut seen = DriveRecorder::default();
     let result = simulation.run(|frame| {
         seen.add(frame);

@@ -21,22 +21,24 @@ pub(crate) fn solve(
     file: Vec<u8>,
     take: &mut dyn FnMut(Vec<u8>),
 ) -> Result<Value, Problem> {
-    let document =
-        |name: &str, text: &str| Document::from_text(name, text.to_owned()).map_err(Problem::of);
-    let robot =
-        robot::parse(&document("robot.toml", request.text("robot")?)?).map_err(Problem::of)?;
+    let document = |name: &str, text: &str| {
+        Document::from_text(name, text.to_owned()).map_err(Problem::from_error)
+    };
+    let robot = robot::parse(&document("robot.toml", request.text("robot")?)?)
+        .map_err(Problem::from_error)?;
     let map = request
         .optional_text("columns")?
-        .map(|text| columns::parse(&document("columns.toml", text)?).map_err(Problem::of))
+        .map(|text| columns::parse(&document("columns.toml", text)?).map_err(Problem::from_error))
         .transpose()?
         .or_else(|| robot.columns.clone());
     let name = request.optional_text("log_name")?.unwrap_or("log");
     let files = files(request, name, file)?;
-    let log = Log::over_all(files, map, &robot.topics).map_err(Problem::of)?;
-    let glance = overview(&log, &robot).map_err(Problem::of)?;
+    let log = Log::over_all(files, map, &robot.topics).map_err(Problem::from_error)?;
+    let glance = overview(&log, &robot).map_err(Problem::from_error)?;
     let mut run = LogParts::new(name, &robot, &mut *take);
     run.add(glance);
-    let summary = run_into(&log, &robot, &Options::default(), &mut run).map_err(Problem::of)?;
+    let summary =
+        run_into(&log, &robot, &Options::default(), &mut run).map_err(Problem::from_error)?;
     Ok(run.end(&summary))
 }
 

@@ -15,8 +15,8 @@ pub(crate) fn solve(
     take: &mut dyn FnMut(Vec<u8>),
 ) -> Result<Value, Problem> {
     let document = Document::from_text("problem.toml", request.text("problem")?.to_owned())
-        .map_err(Problem::of)?;
-    let design = parse(&document).map_err(Problem::of)?;
+        .map_err(Problem::from_error)?;
+    let design = parse(&document).map_err(Problem::from_error)?;
     let mut reported = None;
     let callback = &mut |progress: &grouser_opt::Progress<'_>| {
         let now = match progress.stage {
@@ -33,7 +33,7 @@ pub(crate) fn solve(
         }
         ControlFlow::Continue(())
     };
-    let answer = design.solve_with(callback).map_err(Problem::of)?;
+    let answer = design.solve_with(callback).map_err(Problem::from_error)?;
     grouser_page::answer::object(&design, &answer)
-        .ok_or_else(|| Problem::of("the answer is of a kind that the page does not know"))
+        .ok_or_else(|| Problem::from_error("the answer is of a kind that the page does not know"))
 }

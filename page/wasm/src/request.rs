@@ -45,7 +45,7 @@ impl From<grouser_files::Error> for Problem {
 #[cfg(any(feature = "drive", feature = "log", feature = "optimize"))]
 impl Problem {
     /// Whatever another crate refuses, in its own words.
-    pub(crate) fn of(error: impl std::fmt::Display) -> Self {
+    pub(crate) fn from_error(error: impl std::fmt::Display) -> Self {
         Self {
             field: None,
             message: error.to_string(),

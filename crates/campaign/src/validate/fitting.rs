@@ -61,7 +61,7 @@ impl Job<'_> {
         };
         let starts = StartSettings { starts: 6, seed: 1 };
         let (best, _) = multi_start(&model, model.count(), &start, &settings, &starts)?;
-        let uncertainty = Uncertainty::of(&best, Loss::Squares);
+        let uncertainty = Uncertainty::from_fit(&best, Loss::Squares);
         let found = self
             .parameters
             .iter()

@@ -132,7 +132,7 @@ fn row(
         .collect();
     let smooth = wheel == "smooth";
     let published = CHRONO.iter().find(|(q, _)| smooth && *q == quantity);
-    Ok(Score::of(&errors).map(|score| Row {
+    Ok(Score::from_errors(&errors).map(|score| Row {
         data_set: DING,
         wheel,
         slip_angle_deg: 0.0,

@@ -158,7 +158,7 @@ impl Validation {
         let of = |angles: &[f64]| -> Vec<WheelTest> {
             let chosen = trials
                 .iter()
-                .filter(|trial| SlipGroup::of(trial.stated_slip) == SlipGroup::Steady)
+                .filter(|trial| SlipGroup::from_slip(trial.stated_slip) == SlipGroup::Steady)
                 .filter(|trial| angles.iter().any(|a| is_at(trial, *a)));
             chosen.map(|trial| trial.test).collect()
         };
@@ -213,7 +213,7 @@ fn add_groups(
         for slips in SlipGroup::ALL {
             let here: Vec<Trial> = trials
                 .iter()
-                .filter(|t| is_at(t, angle) && SlipGroup::of(t.stated_slip) == slips)
+                .filter(|t| is_at(t, angle) && SlipGroup::from_slip(t.stated_slip) == slips)
                 .copied()
                 .collect();
             let group = Group {
@@ -284,7 +284,7 @@ impl Group<'_> {
                             .find(|(a, q, _)| *a == angle && *q == quantity)
                     })
                     .flatten();
-                if let Some(score) = Score::of(&errors) {
+                if let Some(score) = Score::from_errors(&errors) {
                     out.rows.push(Row {
                         data_set,
                         wheel,

@@ -89,7 +89,7 @@ impl SlipGroup {
 
     /// The group of a stated slip.
     #[must_use]
-    pub fn of(slip: f64) -> Self {
+    pub fn from_slip(slip: f64) -> Self {
         if slip > super::MAX_SLIP + 0.01 {
             Self::Spinning
         } else if slip < -super::MAX_SLIP - 0.01 {

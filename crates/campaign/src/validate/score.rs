@@ -5,9 +5,9 @@
 /// ```
 /// use grouser_campaign::validate::Score;
 ///
-/// let score = Score::of(&[0.1, -0.1, 0.3]).expect("three errors");
+/// let score = Score::from_errors(&[0.1, -0.1, 0.3]).expect("three errors");
 /// assert!((score.bias - 0.1).abs() < 1e-12 && score.max == 0.3);
-/// assert_eq!(Score::of(&[]), None);
+/// assert_eq!(Score::from_errors(&[]), None);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -32,10 +32,10 @@ impl Score {
     /// ```
     /// use grouser_campaign::validate::Score;
     ///
-    /// assert_eq!(Score::of(&[2.0]).map(|score| score.rmse), Some(2.0));
+    /// assert_eq!(Score::from_errors(&[2.0]).map(|score| score.rmse), Some(2.0));
     /// ```
     #[must_use]
-    pub fn of(errors: &[f64]) -> Option<Self> {
+    pub fn from_errors(errors: &[f64]) -> Option<Self> {
         if errors.is_empty() {
             return None;
         }
@@ -57,7 +57,7 @@ impl Score {
     /// ```
     /// use grouser_campaign::validate::Score;
     ///
-    /// let metres = Score::of(&[0.001, -0.002]).expect("two errors");
+    /// let metres = Score::from_errors(&[0.001, -0.002]).expect("two errors");
     /// assert!((metres.in_unit(1e-3).max - 2.0).abs() < 1e-12); // mm
     /// ```
     #[must_use]
@@ -115,13 +115,13 @@ mod tests {
 
     #[test]
     fn a_score_by_hand() {
-        let score = Score::of(&[1.0, -3.0, 2.0, 0.0, -5.0]).unwrap();
+        let score = Score::from_errors(&[1.0, -3.0, 2.0, 0.0, -5.0]).unwrap();
         assert_eq!((score.n, score.bias, score.max), (5, -1.0, 5.0));
         assert!((score.rmse - (39.0_f64 / 5.0).sqrt()).abs() < 1e-15);
         // magnitudes 0 1 2 3 5: q75 at place 3
         assert_eq!(score.q75, 3.0);
         assert!((score.q99 - (3.0 + 0.96 * 2.0)).abs() < 1e-12);
-        assert_eq!(Score::of(&[]), None);
+        assert_eq!(Score::from_errors(&[]), None);
     }
 
     #[test]

@@ -33,7 +33,7 @@ impl State {
     /// A wheel that carries a load, N.
     #[must_use]
     pub const fn under_load(load_n: f64) -> Self {
-        Self::of(Parameter::Load, load_n)
+        Self::new(Parameter::Load, load_n)
     }
 
     /// A wheel at a sinkage, m.
@@ -45,10 +45,10 @@ impl State {
     /// ```
     #[must_use]
     pub const fn at_sinkage(sinkage_m: f64) -> Self {
-        Self::of(Parameter::Sinkage, sinkage_m)
+        Self::new(Parameter::Sinkage, sinkage_m)
     }
 
-    const fn of(parameter: Parameter, value: f64) -> Self {
+    const fn new(parameter: Parameter, value: f64) -> Self {
         Self {
             given: (parameter, value),
             slip: None,

@@ -54,7 +54,7 @@ pub struct WheelDesign {
 impl WheelDesign {
     /// The sizes of a wheel; `None` for lugs that are a solid drum or a share of the surface, which have no number.
     #[must_use]
-    pub fn of(wheel: &RigidWheel) -> Option<Self> {
+    pub fn from_wheel(wheel: &RigidWheel) -> Option<Self> {
         let smooth = Self {
             radius: wheel.radius(),
             width: wheel.width(),

@@ -8,7 +8,7 @@
 //! A wheel pulls by its slip: a robot that speeds up by u̇ slips by c |u| u̇ / u more, on the ground's own c, which delays the
 //! robot against its rims by c |u|. A delay is the same at every speed. c is unknown and the same in the whole log.
 
-use grouser_real::Real;
+use grouser_real::{Real, median};
 
 use super::steps::HALF_SPEED_S;
 use super::track::Track;
@@ -185,16 +185,16 @@ pub(super) fn fit<'a>(
     }
     let everywhere = range(delays.min_s, delays.max_s, delays.step_s);
     set_variances(&mut blocks, stated_s);
-    let first = Costs::of(&blocks, &everywhere, stated_s).least(|_| true);
+    let first = Costs::new(&blocks, &everywhere, stated_s).least(|_| true);
     set_variances(&mut blocks, stated_s + first.delay_s);
-    let mut costs = Costs::of(&blocks, &everywhere, stated_s);
+    let mut costs = Costs::new(&blocks, &everywhere, stated_s);
     let coarse = costs.least(|_| true).delay_s;
     let near = range(
         (coarse - FINE_RANGE_S).max(delays.min_s),
         (coarse + FINE_RANGE_S).min(delays.max_s),
         FINE_STEP_S,
     );
-    costs.add(Costs::of(&blocks, &near, stated_s));
+    costs.add(Costs::new(&blocks, &near, stated_s));
     let least = costs.least(|_| true);
     let dispersion = dispersion(&blocks, stated_s + least.delay_s, least.lag);
     let within = |limit: f64| {
@@ -206,8 +206,7 @@ pub(super) fn fit<'a>(
         })
     };
     let mut begun: Vec<f64> = blocks.iter().map(|block| block.passed[0].from_s).collect();
-    begun.sort_by(f64::total_cmp);
-    let middle = begun[begun.len() / 2];
+    let middle = median(&mut begun).unwrap_or(f64::NAN);
     let parts: [&dyn Fn(&Block<'_>) -> bool; 4] = [
         &|block| block.passed[0].from_s < middle,
         &|block| block.passed[0].from_s >= middle,
@@ -285,10 +284,9 @@ fn set_variances(blocks: &mut [Block<'_>], delay_s: f64) {
         };
         let same = blocks.iter().filter(|block| block.kind == kind);
         let mut all: Vec<f64> = same.map(of).collect();
-        all.sort_by(f64::total_cmp);
-        let median = all.get(all.len() / 2).copied().unwrap_or(0.0);
+        let variance = median(&mut all).unwrap_or(0.0).max(MIN_VARIANCE);
         for block in blocks.iter_mut().filter(|block| block.kind == kind) {
-            block.variance = median.max(MIN_VARIANCE);
+            block.variance = variance;
         }
     }
 }
@@ -309,7 +307,7 @@ struct Trial {
 }
 
 impl Costs {
-    fn of(blocks: &[Block<'_>], delays_s: &[f64], stated_s: f64) -> Self {
+    fn new(blocks: &[Block<'_>], delays_s: &[f64], stated_s: f64) -> Self {
         let one = |block: &Block<'_>| {
             let at = |delay_s: &f64| {
                 let sums = block.sums(stated_s + delay_s);

@@ -67,7 +67,7 @@ pub struct Converted {
 /// ```
 pub fn robot_file(urdf: &str) -> Result<Converted, UrdfError> {
     let tree = tree::Tree::parse(urdf)?;
-    let parts = parts::Parts::of(&tree)?;
+    let parts = parts::Parts::from_tree(&tree)?;
     Ok(Converted {
         text: text::text(&tree, &parts),
         wheels: parts.wheels.len(),

@@ -71,7 +71,7 @@ enum Owner {
 }
 
 impl Parts {
-    pub(super) fn of(tree: &Tree) -> Result<Self, UrdfError> {
+    pub(super) fn from_tree(tree: &Tree) -> Result<Self, UrdfError> {
         let (shapes, casters) = wheels(tree)?;
         let carries = carriers(tree, |joint| shapes.contains_key(&joint));
         let mut parts = Self {

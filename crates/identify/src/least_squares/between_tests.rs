@@ -59,7 +59,7 @@ impl LeaveOneOut {
     /// are Satterthwaite's for residuals that are independent and alike.
     ///
     /// Source: Bell & McCaffrey, Survey Methodology 28 (2002), the jackknife and its degrees of freedom.
-    fn of(fit: &Fit, loss: Loss, lengths: &[usize]) -> Self {
+    fn from_fit(fit: &Fit, loss: Loss, lengths: &[usize]) -> Self {
         let n = fit.x.len();
         let weights: Vec<f64> = fit.residuals.iter().map(|r| loss.weight(*r)).collect();
         let norm = |k: &usize| {
@@ -170,7 +170,7 @@ impl Uncertainty {
         }
         let together = lengths.chunks(lengths.len().div_ceil(MAX_TESTS));
         let lengths: Vec<usize> = together.map(|lengths| lengths.iter().sum()).collect();
-        let without = LeaveOneOut::of(fit, loss, &lengths);
+        let without = LeaveOneOut::from_fit(fit, loss, &lengths);
         let own = self.standard_errors.clone();
         let correlation = |i: &usize| known.iter().map(|j| self.correlation[*i][*j]).collect();
         let modes = symmetric(known.iter().map(correlation).collect());

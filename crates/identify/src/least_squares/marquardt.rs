@@ -63,7 +63,7 @@ struct Point {
 /// let start = [Bounded::free(0.0), Bounded::free(0.0)];
 /// let found = fit(&line, 4, &start, &Settings::default())?;
 /// assert!((found.x[0] - 1.0).abs() < 1e-6 && (found.x[1] - 2.0).abs() < 1e-6);
-/// assert_eq!(Uncertainty::of(&found, Loss::Squares).freedom, 2);
+/// assert_eq!(Uncertainty::from_fit(&found, Loss::Squares).freedom, 2);
 /// # Ok::<(), grouser_identify::Error>(())
 /// ```
 pub fn fit(

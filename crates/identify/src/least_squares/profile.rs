@@ -91,7 +91,7 @@ pub fn profile(
     confidence: f64,
     settings: &Settings,
 ) -> Result<Interval> {
-    let uncertainty = Uncertainty::of(best, settings.loss);
+    let uncertainty = Uncertainty::from_fit(best, settings.loss);
     let t = student_quantile(0.5 + 0.5 * confidence, uncertainty.freedom);
     let limit = best.cost + 0.5 * Real::powi(t * uncertainty.residual_deviation, 2);
     let guess = t * uncertainty.standard_errors[index];

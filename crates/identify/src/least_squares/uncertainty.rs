@@ -92,7 +92,7 @@ impl Uncertainty {
     /// A parameter on a bound is not known exactly: the errors of the others include how they move when it leaves the
     /// bound, by as much as the data let it and at most by the width of its bounds.
     #[must_use]
-    pub fn of(fit: &Fit, loss: Loss) -> Self {
+    pub fn from_fit(fit: &Fit, loss: Loss) -> Self {
         let n = fit.x.len();
         let free: Vec<usize> = (0..n).filter(|k| !fit.on_bound(*k)).collect();
         let weights: Vec<f64> = fit.residuals.iter().map(|r| loss.weight(*r)).collect();

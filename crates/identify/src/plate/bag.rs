@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use grouser_log::container::{Container, Event};
 use grouser_log::csv::Lines;
 use grouser_log::message::{Decoder, Value};
-use grouser_real::Real;
+use grouser_real::{Real, median};
 
 use super::align::{at, straightened, time_zone};
 use super::test::{Plate, PlateTest};
@@ -105,9 +105,9 @@ pub fn read_bag(
         .take_while(|(t, _)| **t - start <= QUIET_TIME_S)
         .map(|(_, f)| *f)
         .collect();
-    let zero = median(&mut quiet);
+    let zero = median(&mut quiet).unwrap_or(f64::NAN);
     let mut apart: Vec<f64> = quiet.iter().map(|f| (f - zero).abs()).collect();
-    let noise = 1.4826 * median(&mut apart);
+    let noise = 1.4826 * median(&mut apart).unwrap_or(f64::NAN);
     for f in &mut force {
         *f = source.sign * (*f - zero);
     }
@@ -231,11 +231,6 @@ fn roughness(
         })
         .sum();
     squares / points.len() as f64
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// Times (s) and raw force of a bag.

@@ -1,8 +1,7 @@
 //! Bekker's exponent and moduli from plate tests.
 
 use grouser_opt::{Exact, Functions};
-use grouser_real::Real;
-use grouser_real::Scalar;
+use grouser_real::{Real, Scalar, median};
 
 use super::left_out::{LeftOut, MIN_READINGS, Use};
 use super::test::PlateTest;
@@ -137,7 +136,7 @@ impl PlateFit {
         width: f64,
         free: bool,
     ) -> Option<Vec<[f64; 3]>> {
-        let shape = Shape::of(tests);
+        let shape = Shape::from_tests(tests);
         let fitted: Vec<usize> = (usize::from(!free)..=shape.moduli()).collect();
         let mixtures = self.uncertainty.scatter(&fitted)?;
         let moved = |mixture: &Vec<f64>| {
@@ -168,7 +167,7 @@ enum Shape {
 }
 
 impl Shape {
-    fn of(tests: &[PlateTest]) -> Self {
+    fn from_tests(tests: &[PlateTest]) -> Self {
         let widths = tests.iter().map(|test| test.plate.width);
         let least = widths.clone().fold(f64::INFINITY, f64::min);
         let greatest = widths.fold(0.0, f64::max);
@@ -273,7 +272,7 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
         .map(<[usize]>::len)
         .collect();
     let count: usize = used.iter().map(Vec::len).sum();
-    let shape = Shape::of(tests);
+    let shape = Shape::from_tests(tests);
     if count < MIN_READINGS || used.iter().any(Vec::is_empty) {
         return Err(Error::TooFew {
             residuals: count,
@@ -317,7 +316,7 @@ pub fn fit_plates(tests: &[PlateTest], settings: &PlateSettings) -> Result<Plate
     let residuals = split(&found.residuals, &used);
     let series = residuals.iter().map(|test| test.iter().map(|(_, r)| *r));
     let redundancy = redundancy(series);
-    let readings = Uncertainty::of(&found, search.loss).of_alike(&found, redundancy);
+    let readings = Uncertainty::from_fit(&found, search.loss).of_alike(&found, redundancy);
     let mut uncertainty = readings.clone();
     let single = uncertainty.add_tests(&found, search.loss, &lengths);
     let intervals = (0..found.x.len())
@@ -383,8 +382,7 @@ fn is_same_scale(scale: f64, last: f64) -> bool {
 /// The standard deviation of normal residuals whose sizes have this median: outliers do not count in it.
 fn robust_deviation(residuals: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) / NORMAL_MEDIAN_SIZE
+    median(&mut sizes).unwrap_or(0.0) / NORMAL_MEDIAN_SIZE
 }
 
 fn assemble(
@@ -550,7 +548,7 @@ mod tests {
 
     /// The half width of ln k's interval where only the residuals' likeness widens it.
     fn redundancy_alone(found: &PlateFit) -> f64 {
-        let own = Uncertainty::of(&found.fit, Loss::Squares);
+        let own = Uncertainty::from_fit(&found.fit, Loss::Squares);
         own.of_alike(&found.fit, found.redundancy)
             .half_width(1, 0.95)
     }

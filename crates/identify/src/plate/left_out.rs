@@ -20,11 +20,11 @@ impl Use {
     /// Of each reading of a test whose readings lie on these branches; depths below `least_depth` (m) are left out.
     pub(super) fn of_test(test: &PlateTest, branches: &[Branch], least_depth: f64) -> Vec<Self> {
         let branches = branches.iter().enumerate();
-        let of = |(index, branch)| Self::of(test, index, branch, least_depth);
+        let of = |(index, branch)| Self::new(test, index, branch, least_depth);
         branches.map(of).collect()
     }
 
-    fn of(test: &PlateTest, index: usize, branch: &Branch, least_depth: f64) -> Self {
+    fn new(test: &PlateTest, index: usize, branch: &Branch, least_depth: f64) -> Self {
         if !(test.depth[index] >= least_depth) {
             Self::Shallow
         } else if branch.is_unloading {
@@ -50,7 +50,7 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
-    fn of(tests: &[PlateTest], least_depth: f64) -> Self {
+    fn from_tests(tests: &[PlateTest], least_depth: f64) -> Self {
         let of_test = |test: &PlateTest| {
             let branches = branches(&test.depth, &test.force, false);
             Use::of_test(test, &branches, least_depth)
@@ -83,13 +83,14 @@ impl FromIterator<Use> for LeftOut {
 /// Why a fit finds too few readings in `tests`: counts, and the least number.
 pub(crate) fn too_few(tests: &[PlateTest], settings: &PlateSettings) -> String {
     let readings = |tests: &[PlateTest]| tests.iter().map(|test| test.depth.len()).sum::<usize>();
-    let used =
-        |tests: &[PlateTest]| readings(tests) - LeftOut::of(tests, settings.least_depth).count();
+    let used = |tests: &[PlateTest]| {
+        readings(tests) - LeftOut::from_tests(tests, settings.least_depth).count()
+    };
     let LeftOut {
         shallow,
         unloading,
         unloaded,
-    } = LeftOut::of(tests, settings.least_depth);
+    } = LeftOut::from_tests(tests, settings.least_depth);
     let least_mm = 1e3 * settings.least_depth;
     let empty = tests
         .iter()
@@ -139,7 +140,7 @@ mod tests {
         let first = test("a", &readings);
         let second = test("b", &[(3.0, 0.0), (5.0, 0.0)]);
         let tests = [first, second];
-        let left_out = LeftOut::of(&tests, 2e-3);
+        let left_out = LeftOut::from_tests(&tests, 2e-3);
         let wanted = LeftOut {
             shallow: 3,
             unloading: 4,

@@ -211,7 +211,7 @@ pub fn fit_shear(readings: &[ShearReading], loss: Loss) -> Result<ShearFit> {
         .iter()
         .map(|length| rest.by_ref().take(*length).collect::<Vec<_>>());
     let redundancy = redundancy(series.map(Vec::into_iter));
-    let alone = Uncertainty::of(&found, loss).of_alike(&found, redundancy);
+    let alone = Uncertainty::from_fit(&found, loss).of_alike(&found, redundancy);
     let mut uncertainty = alone.clone();
     let single_test = uncertainty.add_tests(&found, loss, &lengths);
     let mut intervals = [Interval {
@@ -314,7 +314,7 @@ mod tests {
             reading.shear += wave + 40.0 * (i / 20 % 4) as f64;
         }
         let found = fit_shear(&all, Loss::Squares).unwrap();
-        let own = Uncertainty::of(&found.fit, Loss::Squares);
+        let own = Uncertainty::from_fit(&found.fit, Loss::Squares);
         let alone = own.of_alike(&found.fit, found.redundancy);
         assert!(found.redundancy > 2.0);
         assert!(found.uncertainty.widening(&alone, 0) > 1.2);

@@ -3,7 +3,7 @@
 use super::model::Prediction;
 use super::test::{Quantity, Scatter, WheelTest};
 use crate::least_squares::{Loss, NORMAL_MEDIAN_SIZE};
-use grouser_real::Real;
+use grouser_real::{Real, median};
 
 /// The normal quantile of a probability of 0.999: of a thousand sound jobs one is called a misfit.
 const SIGNIFICANT_SIGMA: f64 = 3.090_232;
@@ -61,9 +61,8 @@ fn ratio_of_misfit(mut squares: Vec<f64>, loss: Loss, freedom: f64) -> Option<f6
     let (variance, free) = match loss {
         Loss::Squares => (squares.iter().sum::<f64>() / free, free),
         Loss::Huber { .. } => {
-            squares.sort_by(f64::total_cmp);
-            let median = squares.get(readings / 2)?;
-            let variance = median / (NORMAL_MEDIAN_SIZE * NORMAL_MEDIAN_SIZE * freedom);
+            let variance =
+                median(&mut squares)? / (NORMAL_MEDIAN_SIZE * NORMAL_MEDIAN_SIZE * freedom);
             (variance, MEDIAN_EFFICIENCY * free)
         }
     };

@@ -159,7 +159,7 @@ impl Container {
     /// # Errors
     /// [`Error::Version`] for another version of the format, [`Error::NotALog`] for another kind of file.
     pub fn open(path: &Path) -> Result<Self> {
-        Self::of(&Source::file(path.to_owned()))
+        Self::from_source(&Source::file(path.to_owned()))
     }
 
     /// Reads from anything that can be read from any place, such as bytes in memory; `name` is what errors
@@ -189,10 +189,10 @@ impl Container {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn over(name: &Path, source: impl Read + Seek + Send + 'static) -> Result<Self> {
-        Self::of(&Source::over(name, source))
+        Self::from_source(&Source::over(name, source))
     }
 
-    pub(crate) fn of(source: &Source) -> Result<Self> {
+    pub(crate) fn from_source(source: &Source) -> Result<Self> {
         let file = || source.name();
         let failed = |error| unreadable(source.path(), error);
         let mut scan = Scan::over(source.open()?).map_err(failed)?;

@@ -38,11 +38,11 @@ impl Lines {
     /// # Errors
     /// What the system refuses.
     pub fn open(path: &Path) -> Result<Self> {
-        Self::of(&Source::file(path.to_owned()), &Arc::default())
+        Self::from_source(&Source::file(path.to_owned()), &Arc::default())
     }
 
     /// Bytes that are read of the file are added to `count`.
-    pub(crate) fn of(source: &Source, count: &Arc<AtomicU64>) -> Result<Self> {
+    pub(crate) fn from_source(source: &Source, count: &Arc<AtomicU64>) -> Result<Self> {
         Ok(Self::over(source.text(count)?, &source.name()))
     }
 }

@@ -94,7 +94,7 @@ impl CsvReader {
         table: &Table,
         (wheels, look_ahead, counts): (&[String], usize, &Counts),
     ) -> Result<Self> {
-        let mut lines = Lines::of(source, &counts.read)?;
+        let mut lines = Lines::from_source(source, &counts.read)?;
         let mut names: Vec<String> = Vec::new();
         let mut header = lines.cell();
         let mut fields = Vec::new();
@@ -293,7 +293,7 @@ impl Iterator for CsvReader {
 
 /// The names of columns without a header: their numbers from 1, as far as the first row goes.
 fn numbers(source: &Source, separator: u8) -> Result<Vec<String>> {
-    let mut lines = Lines::of(&source.as_it_is(), &Arc::default())?;
+    let mut lines = Lines::from_source(&source.as_it_is(), &Arc::default())?;
     let mut fields = Vec::new();
     if !lines.advance()? {
         return Err(Error::Empty {

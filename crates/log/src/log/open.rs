@@ -86,7 +86,7 @@ impl Log {
             tables.extend(others);
         }
         let log: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
-        Self::of(&log.join(", "), (tables, recordings), map, topics)
+        Self::from_files(&log.join(", "), (tables, recordings), map, topics)
     }
 
     /// A log of one input that can be read from any place, such as bytes in memory: an MCAP file, a bag, or a table
@@ -215,10 +215,10 @@ impl Log {
         let names: Vec<String> = sources.iter().map(Source::name).collect();
         let names = names.join(", ");
         let files = sort(&names, sources, &map)?;
-        Self::of(&names, files, map, topics)
+        Self::from_files(&names, files, map, topics)
     }
 
-    fn of(
+    fn from_files(
         log: &str,
         (tables, recordings): (Vec<Source>, Vec<Source>),
         map: ColumnMap,

@@ -5,8 +5,8 @@
 /// ```
 /// use grouser_log::message::Trust;
 ///
-/// assert_eq!(Trust::of(0.01), Trust::Variance(0.01));
-/// assert!(!Trust::of(-1.0).is_usable());
+/// assert_eq!(Trust::from_variance(0.01), Trust::Variance(0.01));
+/// assert!(!Trust::from_variance(-1.0).is_usable());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Trust {
@@ -26,10 +26,10 @@ impl Trust {
     /// ```
     /// use grouser_log::message::Trust;
     ///
-    /// assert_eq!(Trust::of(f64::MAX), Trust::DoNotUse); // as Kobuki's driver writes it
+    /// assert_eq!(Trust::from_variance(f64::MAX), Trust::DoNotUse); // as Kobuki's driver writes it
     /// ```
     #[must_use]
-    pub fn of(variance: f64) -> Self {
+    pub fn from_variance(variance: f64) -> Self {
         if variance == -1.0 {
             Self::Absent
         } else if variance > 1e300 {
@@ -54,15 +54,18 @@ mod tests {
 
     #[test]
     fn variances_mean_what_drivers_mean_by_them() {
-        assert_eq!(Trust::of(0.0), Trust::Unknown);
-        assert_eq!(Trust::of(-0.0), Trust::Unknown);
-        assert_eq!(Trust::of(-1.0), Trust::Absent);
-        assert_eq!(Trust::of(1.797_693_134_862_315_7e308), Trust::DoNotUse);
-        assert_eq!(Trust::of(f64::INFINITY), Trust::DoNotUse);
-        assert_eq!(Trust::of(2.5e-5), Trust::Variance(2.5e-5));
-        assert_eq!(Trust::of(1e6), Trust::Variance(1e6));
+        assert_eq!(Trust::from_variance(0.0), Trust::Unknown);
+        assert_eq!(Trust::from_variance(-0.0), Trust::Unknown);
+        assert_eq!(Trust::from_variance(-1.0), Trust::Absent);
+        assert_eq!(
+            Trust::from_variance(1.797_693_134_862_315_7e308),
+            Trust::DoNotUse
+        );
+        assert_eq!(Trust::from_variance(f64::INFINITY), Trust::DoNotUse);
+        assert_eq!(Trust::from_variance(2.5e-5), Trust::Variance(2.5e-5));
+        assert_eq!(Trust::from_variance(1e6), Trust::Variance(1e6));
         for nonsense in [f64::NAN, -2.0, f64::NEG_INFINITY] {
-            assert_eq!(Trust::of(nonsense), Trust::Unknown);
+            assert_eq!(Trust::from_variance(nonsense), Trust::Unknown);
         }
     }
 }

@@ -75,7 +75,7 @@ struct Names {
 }
 
 impl Names {
-    fn of(drafts: &[Draft<'_>]) -> Self {
+    fn from_drafts(drafts: &[Draft<'_>]) -> Self {
         let mut places = BTreeMap::new();
         for (place, draft) in drafts.iter().enumerate() {
             places.entry(draft.name.clone()).or_insert(place);
@@ -156,7 +156,7 @@ impl Definition {
         if drafts.len() > COUNT_LIMIT {
             return Err(wrong(format!("more than {COUNT_LIMIT} types")));
         }
-        let mut names = Names::of(&drafts);
+        let mut names = Names::from_drafts(&drafts);
         let mut types = Vec::new();
         let mut all = 0;
         for draft in &drafts {

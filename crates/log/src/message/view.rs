@@ -169,7 +169,7 @@ fn trust(value: &Value, path: &str, places: [usize; 3]) -> [Trust; 3] {
     let covariance = value.at(path).and_then(Value::elements).unwrap_or_default();
     places.map(|place| {
         let variance = covariance.get(place).and_then(Value::number);
-        Trust::of(variance.unwrap_or(0.0))
+        Trust::from_variance(variance.unwrap_or(0.0))
     })
 }
 

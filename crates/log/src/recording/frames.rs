@@ -63,7 +63,7 @@ impl Tree {
 }
 
 impl Link {
-    fn of(transform: &Transform, is_static: bool) -> Self {
+    fn new(transform: &Transform, is_static: bool) -> Self {
         let parent = plain(transform.frame);
         Self {
             is_on_odometry: is_of_wheels(parent),
@@ -91,7 +91,7 @@ impl FirstTransforms {
             self.by_topic.resize_with(topic + 1, Tree::default);
         }
         if self.count < MAX_FRAMES {
-            let make = || Link::of(transform, is_static);
+            let make = || Link::new(transform, is_static);
             let known = self.by_topic[topic].entry(plain(transform.child_frame), &make);
             self.count += usize::from(known.is_none());
         }
@@ -235,7 +235,7 @@ impl FramePose {
     /// Enters a transform; is it new, or another than before?
     fn put(&mut self, transform: &Transform, is_static: bool) -> bool {
         let child = plain(transform.child_frame);
-        let make = || Link::of(transform, is_static);
+        let make = || Link::new(transform, is_static);
         let Some(link) = self.tree.entry(child, &make) else {
             return true;
         };

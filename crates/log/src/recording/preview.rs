@@ -101,7 +101,7 @@ impl Preview {
     }
 
     pub(super) fn read_source(&mut self, source: &Source) -> Result<()> {
-        let mut container = Container::of(source)?;
+        let mut container = Container::from_source(source)?;
         self.files.push(source.name());
         let mut channels = BTreeMap::new();
         let mut looked = LOOK_BYTES;

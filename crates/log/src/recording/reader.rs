@@ -42,7 +42,7 @@ impl RecordingReader {
             intake = intake.with_hold(GROWING_HOLD);
         }
         Ok(Self {
-            container: Container::of(file)?,
+            container: Container::from_source(file)?,
             intake,
             channels: BTreeMap::new(),
             recording: recording.clone(),

@@ -24,7 +24,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub(super) fn of(path: &Path) -> Result<Self> {
+    pub(super) fn read(path: &Path) -> Result<Self> {
         let file = path.display().to_string();
         let mut lines = Lines::open(path)?;
         let mut first = Vec::new();

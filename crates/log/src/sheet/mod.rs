@@ -13,7 +13,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use grouser_files::columns::{Meaning, TimeUnit};
-use grouser_real::Real;
+use grouser_real::{Real, median};
 
 use crate::csv::{Lines, finite, split, time_ns};
 use crate::error::Result;
@@ -130,9 +130,9 @@ impl Sheet {
     /// # Errors
     /// What does not let it be read as text in lines.
     pub fn read(path: &Path, mut progress: impl FnMut(u64)) -> Result<Self> {
-        let layout = Layout::of(path)?;
+        let layout = Layout::read(path)?;
         let count = Arc::default();
-        let mut lines = Lines::of(&Source::file(path.to_owned()), &count)?;
+        let mut lines = Lines::from_source(&Source::file(path.to_owned()), &count)?;
         let mut sheet = Self {
             separator: layout.separator,
             decimal: layout.decimal,
@@ -459,11 +459,7 @@ impl Clock {
 
     fn median(&self) -> Option<f64> {
         let mut sorted = self.intervals.clone();
-        sorted.sort_unstable_by(f64::total_cmp);
-        sorted
-            .get(sorted.len() / 2)
-            .copied()
-            .filter(|median| *median > 0.0)
+        median(&mut sorted).filter(|median| *median > 0.0)
     }
 
     fn finish(self, column: usize, unit: &'static str) -> SheetTime {

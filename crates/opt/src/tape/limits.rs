@@ -53,7 +53,7 @@ impl Quotient {
     }
 
     /// `None` where there are too many factors.
-    fn of(tape: &Tape, node: Node) -> Option<Self> {
+    fn from_node(tape: &Tape, node: Node) -> Option<Self> {
         let mut quotient = Self::default();
         quotient.multiply(tape, node, false);
         let count = quotient.dividends.len() + quotient.divisors.len();
@@ -77,7 +77,7 @@ impl Quotient {
                 let Op::Unary(Unary::Sin, angle) = tape.ops[dividend as usize] else {
                     continue;
                 };
-                let Some(mut rest) = Self::of(tape, angle) else {
+                let Some(mut rest) = Self::from_node(tape, angle) else {
                     continue;
                 };
                 let Some(own) = rest.dividends.iter().position(|d| *d == divisor) else {
@@ -159,7 +159,7 @@ impl TapedFunctions {
                 Op::Binary(Binary::Mul | Binary::Div, ..)
             );
             if is_product
-                && let Some(mut quotient) = Quotient::of(&tape, new)
+                && let Some(mut quotient) = Quotient::from_node(&tape, new)
                 && quotient.reduce(&mut tape)
             {
                 while quotient.reduce(&mut tape) {}

@@ -101,7 +101,7 @@ pub fn stance(model: &RobotModel, footing: &Footing<'_>) -> Result<Stance> {
     let mut pose = linkage.pose(&state);
     let mut settled = false;
     for _ in 0..MAX_STEPS {
-        let mut system = Balance::of(model, footing, &state, &pose);
+        let mut system = Balance::new(model, footing, &state, &pose);
         let off = system.right[..size]
             .iter()
             .fold(0.0, |most: f64, r| most.max(r.abs()));
@@ -134,7 +134,7 @@ struct Balance {
 }
 
 impl Balance {
-    fn of(model: &RobotModel, footing: &Footing<'_>, state: &BodyState, pose: &Pose) -> Self {
+    fn new(model: &RobotModel, footing: &Footing<'_>, state: &BodyState, pose: &Pose) -> Self {
         let linkage = &model.linkage;
         let up = state.attitude.to_robot(Vector::AXES[2]);
         let rows = |speeds: &Speeds, heave: f64| {

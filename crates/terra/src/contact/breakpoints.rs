@@ -43,7 +43,7 @@ pub(crate) struct Breakpoints {
 
 impl Breakpoints {
     /// Every cut of `contact`.
-    pub(crate) fn of<R: Scalar>(contact: &Contact<R>, detail: Detail) -> Self {
+    pub(crate) fn new<R: Scalar>(contact: &Contact<R>, detail: Detail) -> Self {
         let shear = contact.shear.values();
         let arc: f64 = Scalar::value(contact.arc());
         let mut cuts = Self {

@@ -148,7 +148,7 @@ impl<R: Real> LaneRules<R> {
 impl ExponentTables {
     /// Those of an exponent. Each thread keeps the last ones, since draws of a soil and designs on it mostly share the
     /// exponent, and the tables cost as much as two solves.
-    pub(crate) fn of(n: f64) -> Self {
+    pub(crate) fn with_exponent(n: f64) -> Self {
         #[cfg(feature = "std")]
         {
             std::thread_local! {
@@ -313,7 +313,7 @@ mod tests {
     /// Nodes of the friction's and of the cohesion's rule.
     #[test]
     fn coarse_rules_are_a_step_behind() {
-        let tables = ExponentTables::of(0.8);
+        let tables = ExponentTables::with_exponent(0.8);
         let of = |closeness: Closeness| {
             let rules = tables.at(closeness);
             (rules.friction.nodes.len(), rules.cohesion.nodes.len())

@@ -283,7 +283,7 @@ impl<R: Scalar> Contact<R> {
             p,
             pq,
             disc: match soil.choice.bulldozing {
-                Some(Bulldozing::Disc) => SideDisc::of(size, soil, motion, theta_1),
+                Some(Bulldozing::Disc) => SideDisc::new(size, soil, motion, theta_1),
                 _ => None,
             },
         }

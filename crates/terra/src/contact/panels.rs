@@ -68,7 +68,7 @@ impl<R: Scalar> Contact<R> {
             Order::Reference => (LEGENDRE_32.view(), Detail::Fine),
             Order::Beyond => (LEGENDRE_32.view(), Detail::Finer),
         };
-        let breaks = Breakpoints::of(self, detail);
+        let breaks = Breakpoints::new(self, detail);
         let swings = self.shear.swings(self.arc());
         let tolerance = swings.then(|| {
             let relative = match detail {

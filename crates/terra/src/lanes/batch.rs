@@ -463,7 +463,7 @@ impl BatchKernel {
 fn shared_tables(n: BatchInput<'_>) -> Option<ExponentTables> {
     match n {
         BatchInput::Constant(n) if (EXPONENT.0..=EXPONENT.1).contains(&n) => {
-            Some(ExponentTables::of(n))
+            Some(ExponentTables::with_exponent(n))
         }
         _ => None,
     }

@@ -74,7 +74,7 @@ pub struct BatchPoints<'a> {
 /// let soils = SoilColumns {
 ///     n: (&[1.0, 1.1, 1.2]).into(),
 ///     phi: (&phi).into(),
-///     ..SoilColumns::of(&sand)
+///     ..SoilColumns::from_soil(&sand)
 /// };
 /// let points = BatchPoints {
 ///     radius: 0.125.into(),
@@ -122,7 +122,7 @@ pub(super) const SOIL_NUMBERS: usize = 8;
 impl<'a> SoilColumns<'a> {
     /// One soil for all points.
     #[must_use]
-    pub fn of(soil: &Soil) -> Self {
+    pub fn from_soil(soil: &Soil) -> Self {
         let params = soil.params();
         let (k_c, k_phi) = match params.pressure {
             Pressure::Bekker(law) => (law.k_c, law.k_phi),

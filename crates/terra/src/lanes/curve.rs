@@ -150,7 +150,7 @@ struct Range {
 
 impl Range {
     /// Of the slips that the lanes serve; `None` for a range that is none.
-    fn of(slips: &[f64]) -> Option<Self> {
+    fn from_slips(slips: &[f64]) -> Option<Self> {
         let (mut low, mut high) = (1.0_f64, 0.0_f64);
         for &slip in slips {
             if (0.0..=1.0).contains(&slip) {
@@ -300,7 +300,8 @@ pub(super) fn write<V: Vector>(
 
 /// Solves the points of a curve that the lanes serve.
 pub(super) fn run(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, level: Level) {
-    let range = Range::of(chunk.inputs.slip).filter(|_| chunk.inputs.len() >= MIN_CURVE_POINTS);
+    let range =
+        Range::from_slips(chunk.inputs.slip).filter(|_| chunk.inputs.len() >= MIN_CURVE_POINTS);
     let first = range.and_then(|range| {
         let slip = FIRST.map(|place| range.slip(place));
         let first = Solved::new(chunk, &slip, sheet, (level, None))?;
@@ -464,7 +465,7 @@ mod tests {
 
     #[test]
     fn a_range_is_that_of_the_slips_that_lanes_serve() {
-        let of = |slips: &[f64]| Range::of(slips).map(|range| (range.low, range.high));
+        let of = |slips: &[f64]| Range::from_slips(slips).map(|range| (range.low, range.high));
         assert_eq!(of(&[0.3, 0.1, 0.7]), Some((0.1, 0.7)));
         assert_eq!(of(&[0.0, 1.0]), Some((0.0, 1.0)));
         assert_eq!(of(&[0.3, -0.1, 1.1, f64::NAN, 0.2]), Some((0.2, 0.3)));
@@ -558,7 +559,7 @@ mod tests {
                 out: out.part(0..n),
             };
             let level = Level::best();
-            let range = Range::of(chunk.inputs.slip).unwrap();
+            let range = Range::from_slips(chunk.inputs.slip).unwrap();
             let first = FIRST.map(|place| range.slip(place));
             let first = Solved::new(&mut chunk, &first, &mut sheet, (level, None)).unwrap();
             let values = sheet.kept.each_ref().map(|column| &column.0[..]);

@@ -152,11 +152,11 @@ impl State {
     /// ```
     /// use grouser_terrain::State;
     ///
-    /// assert_eq!(State::of(2.0), Some(State::Immobilised));
-    /// assert_eq!(State::of(f32::NAN), None);
+    /// assert_eq!(State::from_code(2.0), Some(State::Immobilised));
+    /// assert_eq!(State::from_code(f32::NAN), None);
     /// ```
     #[must_use]
-    pub fn of(code: f32) -> Option<Self> {
+    pub fn from_code(code: f32) -> Option<Self> {
         Self::ALL.into_iter().find(|state| state.code() == code)
     }
 }

@@ -92,7 +92,7 @@ pub struct MapLayout {
 impl MapLayout {
     /// The map of an elevation model.
     #[must_use]
-    pub fn of(dem: &Dem, model: &RobotModel, headings: Headings, draws: usize, job: &str) -> Self {
+    pub fn new(dem: &Dem, model: &RobotModel, headings: Headings, draws: usize, job: &str) -> Self {
         let (columns, rows) = dem.size();
         Self {
             georeference: dem.georeference().clone(),

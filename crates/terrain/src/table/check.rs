@@ -72,7 +72,7 @@ pub(super) fn check(
             for cell in (0..cells).filter(|cell| *cell < 2 || cell % 4 == 0 || *cell == cells - 1) {
                 let t = (cell as f64 + 0.5) / cells as f64;
                 let pitch = limit - (limit - rolling) * t * t;
-                let along = Stencil::of(t, table.steps);
+                let along = Stencil::new(t, table.steps);
                 let spot = Spot {
                     slip: at(&side.slip, table.steps, &across, &along),
                     is_climbing: which == 0,

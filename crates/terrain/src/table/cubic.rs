@@ -9,7 +9,7 @@ pub(crate) struct Stencil {
 
 impl Stencil {
     /// The place `share` of [0, 1] on `nodes` nodes, at least 4; at the ends the outermost four nodes serve.
-    pub(crate) fn of(share: f64, nodes: usize) -> Self {
+    pub(crate) fn new(share: f64, nodes: usize) -> Self {
         let place = share * (nodes - 1) as f64;
         #[allow(
             clippy::cast_possible_truncation,
@@ -69,7 +69,7 @@ mod tests {
         let row: Vec<f64> = (0..nodes).map(|i| f(f64::from(i) / 6.0)).collect();
         for i in 0..=60 {
             let x = f64::from(i) / 60.0;
-            assert!((Stencil::of(x, 7).along(&row) - f(x)).abs() < 1e-13);
+            assert!((Stencil::new(x, 7).along(&row) - f(x)).abs() < 1e-13);
         }
     }
 
@@ -78,7 +78,7 @@ mod tests {
         let grid: Vec<f64> = (0..35)
             .map(|i| f64::from(i / 5).powi(2) * (1.0 + f64::from(i % 5)))
             .collect();
-        let value = at(&grid, 5, &Stencil::of(0.5, 7), &Stencil::of(0.3, 5));
+        let value = at(&grid, 5, &Stencil::new(0.5, 7), &Stencil::new(0.3, 5));
         assert!((value - 9.0 * 2.2).abs() < 1e-12);
     }
 }

@@ -223,7 +223,7 @@ impl SlipTable {
     /// The roll's place, the same for every table of one robot and grid.
     pub(crate) fn across(&self, roll: f64) -> Stencil {
         let share = (roll + self.envelope.max_roll) / (2.0 * self.envelope.max_roll);
-        Stencil::of(share, self.rolls)
+        Stencil::new(share, self.rolls)
     }
 
     /// The demand at a pose within the envelope, marginal ones by the exact solver.
@@ -268,7 +268,7 @@ impl SlipTable {
         if t < side.marginal {
             return Lookup::Marginal;
         }
-        let along = Stencil::of(t, self.steps);
+        let along = Stencil::new(t, self.steps);
         Lookup::Drives(Spot {
             slip: at(&side.slip, self.steps, &across, &along),
             is_climbing,

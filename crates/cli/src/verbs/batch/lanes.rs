@@ -26,7 +26,7 @@ struct Points {
 impl Points {
     /// The numbers of the soils of some points on one soil; `None` where the table has no column of them.
     fn soils(&self, soil: &Soil, range: &Range<usize>) -> Option<SoilColumns<'_>> {
-        let mut soils = SoilColumns::of(soil);
+        let mut soils = SoilColumns::from_soil(soil);
         let mut is_own = false;
         for (number, values) in SOIL_NUMBERS.into_iter().zip(&self.soil) {
             if let (Some(column), Some(values)) = (number.column(&mut soils), values) {

@@ -113,7 +113,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     }
     let input = Input::open_table(&arguments.input, session.is_json())?;
     let progress = Progress::of_bytes(input.length());
-    let mut blocks = Blocks::of(input);
+    let mut blocks = Blocks::new(input);
     let header = blocks.header()?;
     let columns = Columns::read(header.lines().next(), &arguments.input)?;
     let mut output = TableSink::create(&arguments.output)?;
@@ -126,7 +126,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         let mut fields = Vec::new();
         let mut rows: Vec<Row<'_>> = Vec::with_capacity(chunk.max_lines());
         rows.extend(chunk.rows().map(|line| columns.row(line, &mut fields)));
-        let soils = Soils::of(&rows, &met);
+        let soils = Soils::new(&rows, &met);
         let found = lanes::solve(&rows, &soils, columns.has_soil_numbers());
         let mut cache = Cache::default();
         let mut solved = Chunk {

@@ -25,7 +25,7 @@ pub(super) struct Known {
 
 impl Known {
     fn new(soil: &Soil) -> Self {
-        let mut columns = SoilColumns::of(soil);
+        let mut columns = SoilColumns::from_soil(soil);
         Self {
             soil: *soil,
             kernel: BatchKernel::new(*soil),
@@ -107,7 +107,7 @@ pub(super) struct Soils<'a> {
 }
 
 impl<'a> Soils<'a> {
-    pub(super) fn of(rows: &'a [Row<'_>], met: &Met<'_>) -> Self {
+    pub(super) fn new(rows: &'a [Row<'_>], met: &Met<'_>) -> Self {
         let mut soils = Self::default();
         soils.of_rows.reserve(rows.len());
         for row in rows {

@@ -95,7 +95,7 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
-    pub(super) fn of(input: Input) -> Self {
+    pub(super) fn new(input: Input) -> Self {
         Self {
             input,
             rest: Vec::new(),

@@ -43,7 +43,7 @@ impl Carrier {
                 shown(path)
             )));
         };
-        let Some(present) = WheelDesign::of(&first.wheel) else {
+        let Some(present) = WheelDesign::from_wheel(&first.wheel) else {
             return Err(Error::usage(
                 format!(
                     "{}: the lugs of wheel \"{}\" have no number",

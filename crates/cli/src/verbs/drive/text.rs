@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use grouser_real::median;
 use grouser_rover::drive::{Outcome, Pilot, Scenario, SlipScore};
 
 use super::optimum::meaning;
@@ -146,8 +147,7 @@ pub(super) fn summary(runs: &[Run], pilot: Pilot) -> String {
         .iter()
         .filter_map(|run| run.result.energy_per_metre())
         .collect();
-    energies.sort_by(f64::total_cmp);
-    let median = energies.get(energies.len() / 2);
+    let median = median(&mut energies);
     format!(
         "{}: {} of {} arrived, {} immobilised; median energy {} J/m",
         pilot.name(),

@@ -46,7 +46,7 @@ impl Outputs {
                 .map_err(|error| Error::file("write", path, &error))?;
                 outputs.tables.push(table);
             } else if is_figure(path) {
-                outputs.figures.push(Target::of(path)?);
+                outputs.figures.push(Target::create(path)?);
             } else if figure_file::ending(path).as_deref() == Some("mcap") {
                 outputs.recordings.push(Recording::begin(path, wheels)?);
             } else {

@@ -126,7 +126,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     );
     let draws = others.iter().map(Vec::len).fold(drawn.len(), usize::max);
     let mut layout =
-        MapLayout::of(&dem, &model, headings, draws, &job).of_soil(&chosen.name, &chosen.soil);
+        MapLayout::new(&dem, &model, headings, draws, &job).of_soil(&chosen.name, &chosen.soil);
     let names = legend.iter().map(|entry| entry.name.clone());
     layout.soils.extend(names);
     layout.cvar_level = arguments.cvar;

@@ -155,7 +155,7 @@ impl Summary {
         let worst = self.shades.add(index, pairs);
         for heading in 0..headings.count() {
             let value = |quantity| value(quantity, heading);
-            let Some(state) = State::of(value(Quantity::State)) else {
+            let Some(state) = State::from_code(value(Quantity::State)) else {
                 continue;
             };
             self.states[state as usize] += 1;

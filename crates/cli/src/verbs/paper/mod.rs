@@ -70,7 +70,7 @@ fn write(folder: &Path, file: &PaperFile) -> Result<()> {
     match &file.content {
         Content::Figure(figure) => {
             for name in file.names() {
-                figure_file::Target::of(&folder.join(name))?.write(figure)?;
+                figure_file::Target::create(&folder.join(name))?.write(figure)?;
             }
         }
         Content::Text(text) => {

@@ -33,7 +33,7 @@ pub(super) fn run(
     let target = arguments
         .figure
         .as_deref()
-        .map(figure_file::Target::of)
+        .map(figure_file::Target::create)
         .transpose()?;
     let (pair, chosen) = arguments
         .wheel

@@ -60,7 +60,7 @@ proptest! {
         let bounds = [free, (0.0, width), free, (2.0 - other, 2.0)];
         let jacobian: Matrix = rows.iter().map(|row| row.to_vec()).collect();
         let fit = fit_at(&PLACES, &bounds, &residuals, jacobian);
-        let uncertainty = Uncertainty::of(&fit, loss);
+        let uncertainty = Uncertainty::from_fit(&fit, loss);
         // two numbers are free
         let squares: f64 = residuals.iter().map(|r| weight(*r) * r * r).sum();
         let s = (squares / 7.0).sqrt();
@@ -101,7 +101,7 @@ fn what_is_exchanged_for_a_free_number_goes_to_its_other_bound() {
     for (upper, moved) in [(6.0, 6.0), (f64::INFINITY, 1e6 * s / 2.0)] {
         let bounds = [(-9.0, 9.0), (-1.0, upper - 1.0)];
         let fit = fit_at(&[1.0, -1.0], &bounds, &residuals, jacobian.clone());
-        let uncertainty = Uncertainty::of(&fit, Loss::Squares);
+        let uncertainty = Uncertainty::from_fit(&fit, Loss::Squares);
         let covariance = covariance(&uncertainty.scatter(&[0, 1]).expect("determined"));
         let close = |found: f64, wanted: f64| (found / wanted - 1.0).abs() < 1e-9;
         assert!(close(covariance[1][1], moved * moved), "{covariance:?}");
@@ -121,7 +121,7 @@ fn a_number_without_effect_on_a_bound_stays() {
         &[0.5, -0.5, 0.5, -0.5],
         jacobian,
     );
-    let uncertainty = Uncertainty::of(&fit, Loss::Squares);
+    let uncertainty = Uncertainty::from_fit(&fit, Loss::Squares);
     assert_eq!(
         uncertainty.verdicts,
         [Verdict::Identified, Verdict::OnBound]
@@ -144,7 +144,7 @@ fn a_number_that_is_stopped_by_its_bound_makes_others_loose() {
             &[0.5, -0.5, 0.5, -0.5],
             jacobian.to_vec(),
         );
-        let uncertainty = Uncertainty::of(&fit, Loss::Squares);
+        let uncertainty = Uncertainty::from_fit(&fit, Loss::Squares);
         assert_eq!(uncertainty.verdicts[1], Verdict::OnBound);
         uncertainty.verdicts[0]
     };
@@ -161,12 +161,12 @@ fn without_scatter_of_residuals_nothing_moves_on_a_bound() {
     let bounds = [(-9.0, 9.0), (0.0, 2.0)];
     let jacobian = vec![vec![1.0, 0.5], vec![1.0, 0.25]];
     let fit = fit_at(&[3.0, 2.0], &bounds, &[0.0; 2], jacobian.clone());
-    let exact = Uncertainty::of(&fit, Loss::Squares);
+    let exact = Uncertainty::from_fit(&fit, Loss::Squares);
     assert_eq!(exact.standard_errors[0], 0.0);
     let none: [Vec<f64>; 0] = [];
     assert_eq!(exact.bound_mixtures, none);
     let fit = fit_at(&[3.0, 2.0], &bounds, &[0.5], jacobian[..1].to_vec());
-    let unknown = Uncertainty::of(&fit, Loss::Squares);
+    let unknown = Uncertainty::from_fit(&fit, Loss::Squares);
     assert_eq!(unknown.freedom, 0);
     assert!(unknown.standard_errors[0].is_nan());
     assert_eq!(unknown.bound_mixtures, none);
@@ -182,7 +182,7 @@ fn precise(bounds: [(f64, f64); 2]) -> (Fit, Uncertainty) {
         &[0.1, -0.1, 0.1, -0.1, 0.1, -0.1, 0.1, -0.1, 0.0],
         jacobian,
     );
-    let uncertainty = Uncertainty::of(&fit, Loss::Squares);
+    let uncertainty = Uncertainty::from_fit(&fit, Loss::Squares);
     assert_eq!(
         uncertainty.verdicts,
         [Verdict::Identified, Verdict::OnBound]

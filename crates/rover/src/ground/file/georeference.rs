@@ -66,7 +66,7 @@ impl Georeference {
         }
     }
 
-    pub(super) fn of<R: BufRead + Seek>(decoder: &mut Decoder<R>) -> Self {
+    pub(super) fn from_decoder<R: BufRead + Seek>(decoder: &mut Decoder<R>) -> Self {
         let mut doubles = |tag| decoder.get_tag_f64_vec(tag).unwrap_or_default();
         Self {
             scale: doubles(Tag::ModelPixelScaleTag),

@@ -102,7 +102,7 @@ impl<R: BufRead + Seek> GeoTiff<R> {
             .with_limits(limits);
         let size = decoder.dimensions().map_err(TerrainFault::damaged)?;
         let bands = check_samples(&mut decoder)?;
-        let georeference = Georeference::of(&mut decoder);
+        let georeference = Georeference::from_decoder(&mut decoder);
         let nothing = no_data(&mut decoder)?;
         let cut = cut(&mut decoder, size)?;
         check_places(&mut decoder, &cut, (size.1, bands), length)?;

@@ -211,7 +211,7 @@ fn a_finer_rule_cuts_the_arc_into_equal_parts() {
     let size = crate::WheelSize::smooth(0.1, 0.05);
     let contact = Contact::new(&size, &soil.laws(), ShearLaw::Coupled, &motion, 0.8);
     for (detail, parts) in [(Detail::Standard, 1), (Detail::Fine, 2), (Detail::Finer, 4)] {
-        let cuts = Breakpoints::of(&contact, detail);
+        let cuts = Breakpoints::new(&contact, detail);
         let expected = (1..parts).map(|i| 0.8 * f64::from(i) / f64::from(parts));
         assert!(cuts.as_slice().iter().copied().eq(expected), "{detail:?}");
     }

@@ -87,8 +87,8 @@ fn all_instructions_solve_the_same() {
 #[test]
 fn which_exponents_share_their_tables() {
     let shared = |n: f64| shared_tables(BatchInput::Constant(n));
-    assert_eq!(shared(0.1), Some(ExponentTables::of(0.1)));
-    assert_eq!(shared(3.0), Some(ExponentTables::of(3.0)));
+    assert_eq!(shared(0.1), Some(ExponentTables::with_exponent(0.1)));
+    assert_eq!(shared(3.0), Some(ExponentTables::with_exponent(3.0)));
     for n in [0.099, 3.001, f64::NAN] {
         assert_eq!(shared(n), None);
     }
