@@ -21,13 +21,4 @@ pub enum Error {
     /// The run on sand.
     #[error(transparent)]
     Rover(#[from] grouser_rover::Error),
-    /// A wheel on a soil, for the figures of its stress.
-    #[error(transparent)]
-    Terra(#[from] grouser_terra::Error),
-    /// The robot of the run on sand has no powered wheel.
-    #[error("the robot has no powered wheel")]
-    NoPoweredWheel,
-    /// The soil of the run on sand does not carry its wheel at the slip to run at.
-    #[error("the soil of the scenario carries no wheel of the robot at the slip to run at")]
-    NoOperatingPoint,
 }

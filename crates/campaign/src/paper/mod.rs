@@ -1,7 +1,5 @@
 //! Ani et al. (2012), J. Cent. South Univ. 19: what can be reproduced of it.
 
-mod decision_chart;
-mod drawing;
 mod figures;
 mod file;
 mod page;
@@ -10,7 +8,6 @@ mod robot_drawings;
 mod sand_run;
 mod solved;
 mod statements;
-mod stress_model;
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
@@ -42,7 +39,6 @@ impl Paper {
         let run = SandRun::drive(scenario, robot)?;
         let solved = solved::solve()?;
         let mut files = robot_drawings::files(&run.robot);
-        files.extend(stress_model::files(&run.pair, &run.at_optimum, &run.soil));
         for figure in figures::all() {
             let (number, about) = (figure.number, figure.about);
             let name = format!("figure-{number}");
@@ -54,24 +50,7 @@ impl Paper {
             let about = format!("figure {number}: {about}");
             files.push(PaperFile::figure(name, figure.draw(), about));
         }
-        let names: Vec<String> = run
-            .robot
-            .wheels
-            .iter()
-            .map(|wheel| wheel.name.clone())
-            .collect();
-        let result = &run.digging;
         files.extend([
-            PaperFile::figure(
-                "figure-11",
-                decision_chart::draw(&result.decisions, run.optimum, result.outcome.name()),
-                "figure 11: from slip to decision, with how often a simulated drive went each way",
-            ),
-            PaperFile::text(
-                "figure-11.csv",
-                decision_chart::csv(&result.decisions, &names),
-                "the decisions of that drive",
-            ),
             PaperFile::figure(
                 "figure-13",
                 run.draw(),
@@ -225,17 +204,14 @@ fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
                 })
                 .collect(),
         ),
-        Block::Heading(2, "Figures 1 to 3 and 5 to 7".to_owned()),
+        Block::Heading(2, "Figures 1 to 3".to_owned()),
         Block::Text(
-            "The paper's photographs and diagrams print no numbers. These are drawn from the shipped robot file and from \
-             the wheel that it puts on the sand of the simulated run, at the slip to run at."
+            "The paper's photographs print no numbers. These are drawn from the shipped robot file."
                 .to_owned(),
         ),
         picture("figure-1", "Figure 1: the robot from its left side"),
         picture("figure-2", "Figure 2: the chassis from above"),
         picture("figure-3", "Figure 3: the fifth wheel, a powered and a free wheel on one arm"),
-        picture("figure-5", "Figure 5: three classes of parameters and the stress model that joins them"),
-        picture("figure-6-7", "Figures 6 and 7: the stress under the wheel (a) and along its rim (b)"),
         Block::Heading(2, "Figures 8 to 10".to_owned()),
         Block::Text(
             "S_0 is the slip at which the shear displacement returns to zero at the angle θ. It equals 1 − sec ξ with \
@@ -252,12 +228,6 @@ fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
         ));
     }
     blocks.extend([
-        Block::Heading(2, "Figure 11, with the decisions of a drive".to_owned()),
-        picture(
-            "figure-11",
-            "Figure 11: from slip to decision; the numbers say how often a drive went each way, that of figure 13 on other \
-             ground (seed 2026), where it digs in",
-        ),
         Block::Heading(2, "Figure 13, simulated".to_owned()),
         Block::Text(run.about()),
         picture(

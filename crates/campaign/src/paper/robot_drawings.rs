@@ -2,11 +2,10 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_figure::{Colour, Figure, Scene, Shape, Style, plain};
+use grouser_figure::{Colour, Dash, Figure, Scene, Shape, Style, plain};
 use grouser_report::number::{exact, rounded};
 use grouser_rover::robot::{RobotModel, WheelMount};
 
-use super::drawing::{corners, stroke};
 use super::file::PaperFile;
 
 /// Room around a drawing, as a share of its width.
@@ -182,4 +181,20 @@ fn csv(robot: &RobotModel) -> String {
         );
     }
     text
+}
+
+/// A solid line of `width`.
+fn stroke(colour: Colour, width: f64) -> Style {
+    Style {
+        width,
+        ..Style::thin(colour, Dash::Solid)
+    }
+}
+
+/// The closed outline of a box about its centre; `half` is half its size.
+fn corners([x, y]: [f64; 2], half: [f64; 2]) -> Vec<[f64; 2]> {
+    let [a, b] = half;
+    [[-a, -b], [a, -b], [a, b], [-a, b], [-a, -b]]
+        .map(|[i, j]| [x + i, y + j])
+        .into()
 }

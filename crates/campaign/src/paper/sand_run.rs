@@ -4,13 +4,12 @@ use std::collections::VecDeque;
 use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_files::Document;
-use grouser_rover::drive::{DriveResult, Frame, Pilot, Scenario, Simulation, parse_scenario};
+use grouser_rover::drive::{Frame, Pilot, Scenario, Simulation, parse_scenario};
 use grouser_rover::robot::RobotModel;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Measurement, Reference, Slip};
-use grouser_terra::{Kinematics, OperatingPoint, Settings, WheelOnSoil};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use grouser_figure::{Axis, Chart, Colour, Curve, Dash, Figure, Rule, Style};
 use grouser_report::number::{exact, rounded};
 use grouser_report::{Fields, fields};
@@ -23,9 +22,6 @@ const MIN_SLIP_SPEED_M_PER_S: f64 = 0.05;
 const BRAKING_SLIP: f64 = -0.02;
 /// Shown before and after the braking, s.
 const SHOWN_AROUND_BRAKING_S: f64 = 2.5;
-
-/// The seed of the ground on which the robot of figure 11 digs in.
-pub(super) const DIGGING_SEED: u64 = 2026;
 
 /// A moment.
 #[derive(Clone, Copy, Debug)]
@@ -55,12 +51,6 @@ pub(super) struct SandRun {
     pub(super) optimum: f64,
     seed: u64,
     pub(super) robot: RobotModel,
-    /// The typical wheel on the soil at the optimum slip, and the soil's name.
-    pub(super) pair: WheelOnSoil,
-    pub(super) at_optimum: OperatingPoint,
-    pub(super) soil: String,
-    /// The same drive on other ground, where it digs in.
-    pub(super) digging: DriveResult,
 }
 
 /// Means of rim and centre over the estimator's window.
@@ -96,15 +86,7 @@ impl SandRun {
     /// does: speed by the free wheel alone, v = r ω (P23), and from it the slip (P24).
     pub(super) fn drive(text: &str, robot: &str) -> Result<Self> {
         let scenario = scenario(text, robot)?;
-        let (wheel, load) = scenario.typical_wheel().ok_or(Error::NoPoweredWheel)?;
         let optimum = scenario.slip_setpoint()?;
-        let ground = &scenario.ground.soils[0];
-        let rigid = scenario.robot.wheels[wheel].wheel;
-        let pair = WheelOnSoil::new(rigid, ground.soil, Settings::default())?;
-        let kinematics = Kinematics::straight(Slip::new(optimum)?);
-        let at_optimum =
-            (pair.under_load(load, &kinematics)?.point()).ok_or(Error::NoOperatingPoint)?;
-        let soil = ground.name.clone();
         let robot = &scenario.robot.robot;
         let settings = WindowSettings {
             reference: Reference::FreeWheel,
@@ -143,16 +125,10 @@ impl SandRun {
             });
             true
         });
-        let digging =
-            Simulation::new(&scenario, Pilot::Controller, optimum, DIGGING_SEED)?.run(|_| true);
         Ok(Self {
             points,
             optimum,
             seed: scenario.seed,
-            pair,
-            at_optimum,
-            soil,
-            digging,
             robot: scenario.robot,
         })
     }

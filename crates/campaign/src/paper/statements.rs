@@ -171,7 +171,7 @@ pub const STATEMENTS: &[Statement] = &[
         "Figures 5–7",
         "classes of parameters, stress model",
         Verdict::InPart,
-        "diagrams without numbers; drawn here with those of one wheel of the simulated run",
+        "diagrams without numbers; `grouser wheel --figure` draws the stress under a wheel with its numbers",
     ),
     statement(
         "Figure 8",
@@ -195,7 +195,7 @@ pub const STATEMENTS: &[Statement] = &[
         "Figure 11",
         "decisions from slip",
         Verdict::Reproduced,
-        "the controller of `grouser drive`; drawn below with how often a simulated drive went each way",
+        "the controller of `grouser drive`, which lists each decision with its reason, value and limit",
     ),
     statement(
         "Figures 12, 13",

@@ -1,7 +1,6 @@
 //! The model held against measured data.
 
 pub mod cmu;
-mod csv;
 pub mod ding;
 mod figure;
 mod fitting;

@@ -20,8 +20,8 @@ const ROBOT: &str = include_str!("../../../templates/robot.toml");
 #[derive(clap::Args, Debug)]
 #[command(
     about = "Write what can be reproduced of Ani et al. (2012), and what cannot",
-    long_about = "Write a folder with the figures of Ani et al. (2012) as SVG and PNG and their numbers as CSV: 1 to 3 and 5 \
-        to 7 from the robot file and the model, 8 to 10 from the slip model, 11 and 13 from a simulated run on sand; the \
+    long_about = "Write a folder with the figures of Ani et al. (2012) as SVG and PNG and their numbers as CSV: 1 to 3 \
+        from the robot file, 8 to 10 from the slip model, 13 from a simulated run on sand; the \
         paper's optimisation problem under several readings, and a page that says \
         of each equation, table and figure whether it is reproduced, reproduced in part, or not possible and why. The \
         printed optimum slip of 0.1146 is not claimed.",

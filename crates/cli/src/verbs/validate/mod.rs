@@ -50,7 +50,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let mut text = validation.text();
     text.push_str(&Output::write_all(
         tables,
-        || validation.csv(),
+        || object::row().csv(&validation.rows),
         || Ok(validation.draw()),
     )?);
     for target in figures {

@@ -14,7 +14,7 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Validation> {
     }
 }
 
-fn row<'a>() -> Fields<'a, &'a Row> {
+pub(super) fn row<'a>() -> Fields<'a, &'a Row> {
     fields! { |row: &'a Row|
         "data_set" "data set" = row.data_set;
         "wheel" "wheel" = row.wheel;

@@ -36,7 +36,6 @@ const MAX_SIDE_DIFFERENCE: f64 = 1e-9;
 /// // cells of 2 m, the outer corner of the upper left one at (100, 50)
 /// let here = Georeference::of_grid(2.0, [100.0, 50.0]);
 /// assert_eq!(here.centre(0, 0), Some([101.0, 49.0]));
-/// assert!(!here.has_system());
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -101,12 +100,6 @@ impl Georeference {
         let [held, index] = self.entry(wanted)?;
         let found = self.key_doubles.get(usize::from(index)).copied();
         found.filter(|_| held == KEY_DOUBLES_TAG)
-    }
-
-    /// Does the file name a coordinate system?
-    #[must_use]
-    pub fn has_system(&self) -> bool {
-        matches!(self.key(MODEL_TYPE_KEY), Some(PROJECTED | GEOGRAPHIC))
     }
 
     /// Refuses heights that are not metres upwards.
