@@ -9,6 +9,7 @@
 mod repository;
 mod reservations;
 
+mod code_lines;
 mod command;
 mod dependencies;
 mod docs;
