@@ -16,7 +16,6 @@ use crate::reckoning::Reckoning;
 use crate::record::Record;
 use crate::sink::Sink;
 use crate::slips::Slips;
-use crate::smooth::latency_ns;
 use crate::steering::WheelSteering;
 use crate::summary::Summary;
 
@@ -93,14 +92,15 @@ impl Engine {
         let goes_by_places = method == Method::Filter
             && inputs.reference == Reference::Displacement
             && (robot.wheels().iter()).all(|wheel| wheel.role == WheelRole::Powered);
-        let by_places = goes_by_places.then(|| PlaceWay::new(&settings, latency_ns(&file.filter)));
+        let by_places =
+            goes_by_places.then(|| PlaceWay::new(&settings, file.filter.reference_latency));
         let of_ways = WindowSettings {
             dropout: settings.dropout.max(WAYS_DROPOUT_S),
             ..settings
         };
         let reckoning = Reckoning::new(settings.window, by_places);
         Ok(Self {
-            slips: Slips::new(file, settings, options, method)?,
+            slips: Slips::new(file, (settings, &inputs), options, method)?,
             ways_means: Box::new(WindowMeans::new(&robot, of_ways)?),
             doctor: Doctor::new(file, &settings),
             record: Record::new(file, inputs, (settings, options), reckoning),
@@ -178,7 +178,7 @@ impl Engine {
     /// As [`Engine::push`].
     pub fn finish(mut self, sink: &mut impl Sink) -> Result<Summary> {
         self.close_group(sink)?;
-        for mut moment in self.slips.finish()? {
+        for mut moment in self.slips.finish() {
             self.deliver(&mut moment, sink)?;
         }
         let estimated = self.slips.estimated(self.record.way_check());
@@ -227,7 +227,7 @@ impl Engine {
             sink.event(change)?;
         }
         if let Some(smoother) = self.slips.smoother() {
-            for mut done in smoother.push(moment)? {
+            for mut done in smoother.push(moment, entered.unwrap_or(0)) {
                 self.deliver(&mut done, sink)?;
             }
             return Ok(());

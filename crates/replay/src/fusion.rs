@@ -8,13 +8,14 @@ use grouser_slip::window::{WindowBody, WindowSettings};
 use grouser_slip::{Degraded, Health, Measurement, Reference, Robot, Sample, Slip, WheelRole};
 
 use crate::checks::{Doubt, ReferenceUse, WayCheck, doubts};
+use crate::choice::Inputs;
 use crate::consistency::{Kind, Residuals};
 use crate::error::Result;
 use crate::gather::Gather;
 use crate::method::reaches_filter;
 use crate::moment::Moment;
+use crate::offline::Offline;
 use crate::options::Options;
-use crate::smooth::Smoother;
 use crate::soil_learning::SoilLearning;
 use crate::summary::{EventAt, FusedSummary};
 
@@ -37,7 +38,7 @@ pub(crate) struct Fusion {
     more_events: u64,
     /// Events of the time that was closed last.
     new_events: Vec<Change>,
-    smoother: Option<Smoother>,
+    smoother: Option<Offline>,
     is_smoothed: bool,
     learning: Option<Box<SoilLearning>>,
 }
@@ -46,6 +47,7 @@ impl Fusion {
     pub(crate) fn new(
         file: &RobotFile,
         settings: &WindowSettings,
+        inputs: &Inputs,
         options: &Options,
     ) -> Result<Self> {
         let robot = &file.robot;
@@ -83,7 +85,7 @@ impl Fusion {
             events: Vec::new(),
             more_events: 0,
             new_events: Vec::new(),
-            smoother: smooth.then(|| Smoother::new(robot, own)),
+            smoother: smooth.then(|| Offline::new(file, inputs)),
             is_smoothed: smooth,
             learning,
         })
@@ -93,6 +95,9 @@ impl Fusion {
     pub(crate) fn update(&mut self, sample: Sample) {
         if let Some(learning) = &mut self.learning {
             learning.take(&sample.measurement);
+        }
+        if let Some(smoother) = &mut self.smoother {
+            smoother.take(&sample);
         }
         if reaches_filter(&sample.measurement, self.reference, &self.robot) {
             self.waiting.extend(self.gather.take(sample));
@@ -110,9 +115,6 @@ impl Fusion {
         };
         if let Some(kind) = kind_of(&sample.measurement) {
             self.residuals.add(kind, known.body.nis);
-        }
-        if let Some(smoother) = &mut self.smoother {
-            smoother.add(sample);
         }
     }
 
@@ -160,7 +162,7 @@ impl Fusion {
     }
 
     /// What looks back, where smoothing is wanted.
-    pub(crate) const fn smoother(&mut self) -> Option<&mut Smoother> {
+    pub(crate) const fn smoother(&mut self) -> Option<&mut Offline> {
         self.smoother.as_mut()
     }
 
@@ -183,9 +185,9 @@ impl Fusion {
     }
 
     /// The log is over: gives the moments that waited.
-    pub(crate) fn finish(&mut self) -> Result<Vec<Moment>> {
-        let left = self.smoother.take().map(Smoother::finish).transpose()?;
-        Ok(left.unwrap_or_default())
+    pub(crate) fn finish(&mut self) -> Vec<Moment> {
+        let left = self.smoother.take().map(Offline::finish);
+        left.unwrap_or_default()
     }
 
     /// The acceleration to the left of a robot that moves along its heading, v Ω, m/s².

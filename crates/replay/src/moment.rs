@@ -3,7 +3,7 @@
 use grouser_real::Real;
 use grouser_slip::filter::{BodyEstimate, RimPath};
 use grouser_slip::window::WindowBody;
-use grouser_slip::{BodyMotion, Measured, Wheel, WheelEstimate};
+use grouser_slip::{BodyMotion, Wheel, WheelEstimate};
 
 use crate::odometry::Odometry;
 
@@ -50,8 +50,7 @@ pub(crate) struct Moment {
     pub(crate) until_ns: Option<i64>,
     /// The filter's own odometry.
     pub(crate) odometry: Option<Odometry>,
-    /// The powered wheels' common slip and the way of their rims, by the filter.
-    pub(crate) common_slip: Option<Measured>,
+    /// The way of the powered wheels, by the filter.
     pub(crate) rim_path: Option<RimPath>,
 }
 
@@ -72,7 +71,6 @@ impl Moment {
             travel: None,
             until_ns: body.until_ns,
             odometry: None,
-            common_slip: None,
             rim_path: None,
         };
     }
@@ -98,7 +96,6 @@ impl Moment {
             travel: None,
             until_ns: Some(time_ns),
             odometry: Some(Odometry::of_filter(fused)),
-            common_slip: Some(fused.common_slip),
             rim_path: fused.rim_path,
         };
     }

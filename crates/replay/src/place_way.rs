@@ -95,14 +95,18 @@ struct Span {
 }
 
 impl PlaceWay {
-    /// Of places whose stamps are late by `latency_ns`.
-    pub(crate) fn new(settings: &WindowSettings, latency_ns: i64) -> Self {
+    /// Of places whose stamps are late by `latency_s`.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "a latency is at most a second"
+    )]
+    pub(crate) fn new(settings: &WindowSettings, latency_s: f64) -> Self {
         let sigma = settings.position_sigma;
         Self {
             min_span: MIN_SPAN_M.max(SPAN_SIGMAS * sigma),
             variance: sigma * sigma,
             low_speed: settings.low_speed,
-            latency_ns,
+            latency_ns: (latency_s * 1e9).round() as i64,
             has_places: false,
             places: VecDeque::new(),
             moved: None,
@@ -244,7 +248,7 @@ mod tests {
             position_sigma: SIGMA_M,
             ..WindowSettings::default()
         };
-        let mut by_places = PlaceWay::new(&settings, 0);
+        let mut by_places = PlaceWay::new(&settings, 0.0);
         let (mut path, mut place) = (RimPath::default(), [0.0, 0.0]);
         for row in 0..5000_i64 {
             let (time_ns, time_s) = (row * 20_000_000, row as f64 * 0.02);
@@ -311,7 +315,7 @@ mod tests {
                 position_sigma: sigma,
                 ..WindowSettings::default()
             };
-            let mut by_places = PlaceWay::new(&settings, 0);
+            let mut by_places = PlaceWay::new(&settings, 0.0);
             assert_eq!(by_places.ways(), None);
             for second in 0..60_i64 {
                 let way = second as f64 * 0.5;

@@ -270,7 +270,6 @@ mod tests {
             travel: None,
             until_ns: Some(until_s * 1_000_000_000),
             odometry: None,
-            common_slip: None,
             rim_path: None,
         }
     }

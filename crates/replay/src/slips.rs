@@ -8,14 +8,15 @@ use grouser_slip::window::{WindowBody, WindowEstimator, WindowMeans, WindowSetti
 use grouser_slip::{Robot, Sample, Slip};
 
 use crate::checks::WayCheck;
+use crate::choice::Inputs;
 use crate::error::{Error, Result};
 use crate::fusion::Fusion;
 use crate::method::Method;
 use crate::moment::Moment;
+use crate::offline::Offline;
 use crate::options::Options;
 use crate::reckoning::inconsistent;
 use crate::record::Estimated;
-use crate::smooth::Smoother;
 
 /// What finds the slips. Beside the filter, ways and turns are counted over windows.
 pub(crate) enum Slips {
@@ -27,13 +28,13 @@ impl Slips {
     /// For means over windows by `settings`.
     pub(crate) fn new(
         file: &RobotFile,
-        settings: WindowSettings,
+        (settings, inputs): (WindowSettings, &Inputs),
         options: &Options,
         method: Method,
     ) -> Result<Self> {
         match method {
             Method::Filter => Ok(Self::Filter(
-                Box::new(Fusion::new(file, &settings, options)?),
+                Box::new(Fusion::new(file, &settings, inputs, options)?),
                 Box::new(WindowMeans::new(&file.robot, settings)?),
             )),
             Method::Window if options.learn_soil.is_some() => Err(Error::NothingToLearnFrom),
@@ -139,7 +140,7 @@ impl Slips {
     }
 
     /// What looks back, where smoothing is wanted.
-    pub(crate) const fn smoother(&mut self) -> Option<&mut Smoother> {
+    pub(crate) const fn smoother(&mut self) -> Option<&mut Offline> {
         match self {
             Self::Filter(fusion, _) => fusion.smoother(),
             Self::Window(_) => None,
@@ -161,10 +162,10 @@ impl Slips {
     }
 
     /// The log is over: gives the moments that waited.
-    pub(crate) fn finish(&mut self) -> Result<Vec<Moment>> {
+    pub(crate) fn finish(&mut self) -> Vec<Moment> {
         match self {
             Self::Filter(fusion, _) => fusion.finish(),
-            Self::Window(_) => Ok(Vec::new()),
+            Self::Window(_) => Vec::new(),
         }
     }
 

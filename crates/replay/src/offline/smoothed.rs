@@ -1,0 +1,105 @@
+//! The smoothed steps, as what is known at any time between them.
+
+use grouser_slip::motion::{DRIFT, Row, SPEED, Step, TURN_BIAS};
+use grouser_slip::smooth::{Fit, wheel_slips};
+use grouser_slip::{BodyMotion, Health, Invalid, Slip};
+
+use crate::moment::Moment;
+
+/// What the steps of a block say; each holds in its middle.
+pub(super) struct Smoothed {
+    dt: f64,
+    /// Middle of the step, s; the robot's motion over it.
+    motions: Vec<(f64, BodyMotion)>,
+    /// For each wheel middle of the step, s, slip and its variance.
+    slips: Vec<Vec<(f64, [f64; 2])>>,
+}
+
+impl Smoothed {
+    pub(super) fn new(found: &Fit, steps: &[Step]) -> Self {
+        let middle = |step: &Step| step.time - 0.5 * step.dt;
+        let motions = steps.iter().zip(&found.back.smoothed).zip(&found.common);
+        let motions = motions.map(|((step, belief), common)| {
+            let mean = &belief.mean;
+            let (sin, cos) = common.direction.sin_cos();
+            let (speed, drift) = (mean[SPEED], mean[DRIFT]);
+            let along = [cos - drift * sin, sin + drift * cos];
+            let mut rows = [Row::default(); 3];
+            (rows[0][SPEED], rows[0][DRIFT]) = (along[0], -speed * sin);
+            (rows[1][SPEED], rows[1][DRIFT]) = (along[1], speed * cos);
+            rows[2][TURN_BIAS] = -1.0;
+            let covariance = rows.map(|a| {
+                let spread = belief.spread(&a);
+                rows.map(|b| grouser_slip::motion::dot(&b, &spread))
+            });
+            let turn = common.turned / step.dt - mean[TURN_BIAS];
+            let velocity = [speed * along[0], speed * along[1], turn];
+            (
+                middle(step),
+                BodyMotion {
+                    velocity,
+                    covariance,
+                },
+            )
+        });
+        let wheels = steps.first().map_or(0, |step| step.wheels.len());
+        let slips = (0..wheels).map(|wheel| {
+            let slips = wheel_slips(found, steps, wheel).into_iter();
+            slips
+                .map(|of| (middle(&steps[of.step]), [of.slip, of.variance]))
+                .collect()
+        });
+        Self {
+            dt: steps.first().map_or(0.0, |step| step.dt),
+            motions: motions.collect(),
+            slips: slips.collect(),
+        }
+    }
+
+    /// Enters what is known at a time.
+    pub(super) fn enter(&self, time: f64, moment: &mut Moment) {
+        for (wheel, slips) in moment.wheels.iter_mut().zip(&self.slips) {
+            if matches!(
+                wheel.health,
+                Health::Invalid(Invalid::Dropout | Invalid::Inconsistent)
+            ) {
+                continue;
+            }
+            if let Some((a, b, share)) = between(slips, time, self.dt) {
+                let [slip, variance] = [0, 1].map(|i| a[i] + share * (b[i] - a[i]));
+                if let Ok(slip) = Slip::new(slip.clamp(-1.0, 1.0)) {
+                    (wheel.slip, wheel.sigma) = (Some(slip), Some(variance.max(0.0).sqrt()));
+                }
+            }
+        }
+        if let Some((a, b, share)) = between(&self.motions, time, self.dt) {
+            let blend = |a: f64, b: f64| a + share * (b - a);
+            let velocity = std::array::from_fn(|i| blend(a.velocity[i], b.velocity[i]));
+            let covariance = std::array::from_fn(|i| {
+                std::array::from_fn(|j| blend(a.covariance[i][j], b.covariance[i][j]))
+            });
+            moment.motion = Some(BodyMotion {
+                velocity,
+                covariance,
+            });
+        }
+        // the path is that of the smoothed motion
+        moment.odometry = None;
+    }
+}
+
+/// What lies before and after a time, and how far it lies between them; the nearest one where the other is more than a step away.
+fn between<T: Copy>(series: &[(f64, T)], time: f64, dt: f64) -> Option<(T, T, f64)> {
+    let next = series.partition_point(|of| of.0 < time);
+    let before = next
+        .checked_sub(1)
+        .map(|i| series[i])
+        .filter(|of| time - of.0 <= dt);
+    let after = series.get(next).copied().filter(|of| of.0 - time <= dt);
+    match (before, after) {
+        (Some(a), Some(b)) if b.0 > a.0 => Some((a.1, b.1, (time - a.0) / (b.0 - a.0))),
+        (Some(a), _) => Some((a.1, a.1, 0.0)),
+        (None, Some(b)) => Some((b.1, b.1, 0.0)),
+        (None, None) => None,
+    }
+}
