@@ -47,9 +47,9 @@ with tempfile.TemporaryDirectory() as folder:
     rows = write_log(folder / "log.csv")
     log = [folder / "log.csv", "--robot", EXAMPLE / "robot.toml", "--map", EXAMPLE / "columns.toml"]
     for what, extra in [
-        ("slips summed up", []),
+        ("by the whole log", []),
         ("slips written as a table", ["-o", folder / "out.csv"]),
-        ("smoothed", ["--smooth"]),
+        ("online", ["--online"]),
         ("by windows", ["--method", "window"]),
     ]:
         median = statistics.median(processor_s(*log, *extra) for _ in range(runs))

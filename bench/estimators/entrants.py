@@ -13,10 +13,10 @@ GROUSER = ROOT / "target" / "release" / "grouser"
 SLIP_PATH = ROOT / "target" / "release" / "examples" / "slip_path"
 COMMON = ["FILES", "--robot", "ROBOT", "--map", "MAP", "-o", "OUT"]
 COMMANDS = {
-    "main": [GROUSER, "estimate", *COMMON, "--json"],
-    "main-smooth": [GROUSER, "estimate", *COMMON, "--json", "--smooth"],
+    "main": [GROUSER, "estimate", *COMMON, "--json", "--online"],
+    "main-smooth": [GROUSER, "estimate", *COMMON, "--json"],
+    "est": [ROOT / "target" / "release" / "examples" / "est", *COMMON],
     "online": [SLIP_PATH, *COMMON, "--online"],
-    "offline": [SLIP_PATH, *COMMON],
 }
 LIMIT_S = 300  # of one log: a program that hangs is stopped
 

@@ -50,7 +50,7 @@ pub(crate) struct Choices {
     window_s: Option<f64>,
     from_s: Option<f64>,
     to_s: Option<f64>,
-    smooth: bool,
+    offline: bool,
 }
 
 fn references() -> [(&'static str, Reference); 5] {
@@ -61,7 +61,7 @@ impl Choices {
     fn options(&self) -> PyResult<Options> {
         Ok(Options {
             method: choice("method", self.method.as_deref(), &Method::NAMES)?,
-            smooth: self.smooth,
+            offline: self.offline,
             reference: choice("reference", self.reference.as_deref(), &references())?,
             wheel_sensor: choice(
                 "wheel_sensor",

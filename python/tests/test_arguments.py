@@ -78,13 +78,12 @@ WRONG_TYPES: list[tuple[str, Callable[[Any], object]]] = [
     ("reference", lambda x: logs.Engine(ROBOT, reference=x)),
     ("wheel_sensor", lambda x: logs.Engine(ROBOT, reference="grip", wheel_sensor=x)),
     ("method", lambda x: logs.Engine(ROBOT, reference="grip", method=x or 3)),
-    ("smooth", lambda x: logs.Engine(ROBOT, reference="grip", smooth=x)),
     ("paths", lambda x: logs.estimate(x, ROBOT)),
     ("paths", lambda x: logs.read([x], ROBOT)),
     ("columns", lambda x: logs.read("log.csv", ROBOT, columns=x or 3)),
     ("reference", lambda x: logs.estimate("log.csv", ROBOT, reference=x or 3)),
     ("from_s", lambda x: logs.estimate("log.csv", ROBOT, from_s=x or "0.1")),
-    ("smooth", lambda x: logs.estimate("log.csv", ROBOT, smooth=x)),
+    ("online", lambda x: logs.estimate("log.csv", ROBOT, online=x)),
     ("path", lambda x: Robot.read(x)),
     ("path", lambda x: soils.read(x)),
     ("path", lambda x: terrain.read(x)),
@@ -192,8 +191,8 @@ def test_flags_of_numpy_are_flags(yes: Any) -> None:
     exact = wheel.WheelOnSoil(RIM, SAND, reference_accuracy=True).under_load(load_n=80.0, slip=0.2)
     same = wheel.WheelOnSoil(RIM, SAND, reference_accuracy=yes).under_load(load_n=80.0, slip=0.2)
     assert repr(same) == repr(exact) != repr(CONTACT.under_load(load_n=80.0, slip=0.2))
-    smooth = logs.estimate(EXAMPLES / "five-wheel" / "log.csv", ROBOT, to_s=2.0, smooth=yes).rows.slip
-    assert not np.array_equal(smooth, logs.estimate(EXAMPLES / "five-wheel" / "log.csv", ROBOT, to_s=2.0).rows.slip)
+    online = logs.estimate(EXAMPLES / "five-wheel" / "log.csv", ROBOT, to_s=2.0, online=yes).rows.slip
+    assert not np.array_equal(online, logs.estimate(EXAMPLES / "five-wheel" / "log.csv", ROBOT, to_s=2.0).rows.slip)
 
 
 def test_a_measure_is_known_by_its_name_in_problem_files() -> None:

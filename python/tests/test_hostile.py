@@ -241,7 +241,7 @@ def _long_calls() -> dict[str, Callable[[], object]]:
         "slip_map": lambda: terrain.slip_map(MAPPER, np.zeros((1500, 1500))),
         "plan": lambda: terrain.plan(MAP, start_m=(2.5, 2.5), goal_m=(6.5, 5.5)),
         "estimate": lambda: logs.estimate(
-            rig / "log.csv", logs.Robot.read(rig / "robot.toml"), columns=rig / "columns.toml", smooth=True
+            rig / "log.csv", logs.Robot.read(rig / "robot.toml"), columns=rig / "columns.toml"
         ),
         "environments reset": environments_reset,
         "environments step": environments_step,

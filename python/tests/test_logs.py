@@ -158,12 +158,6 @@ def test_columns_beside_the_robot_file_are_used_as_the_command_does(tmp_path: Pa
         Robot.read(alone)
 
 
-def test_messages_have_no_flags_of_the_command() -> None:
-    with pytest.raises(InputError, match="smoothing") as caught:
-        logs.Engine(ROBOT, reference="grip", method="window", smooth=True)
-    assert "--" not in str(caught.value)
-
-
 def test_files_that_are_missing_or_damaged(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         logs.Robot.read("/no/such/robot.toml")

@@ -79,8 +79,7 @@ impl Engine {
     /// An engine for a robot; [`Inputs`] says by what it is measured.
     ///
     /// # Errors
-    /// [`Error::Settings`](crate::Error::Settings) for settings outside their limits;
-    /// [`Error::NothingToSmooth`](crate::Error::NothingToSmooth) for smoothing without the filter.
+    /// [`Error::Settings`](crate::Error::Settings) for settings outside their limits.
     pub fn new(file: &RobotFile, inputs: Inputs, options: &Options) -> Result<Self> {
         let robot = file.robot.clone();
         let mut settings = file.settings;
@@ -119,7 +118,7 @@ impl Engine {
     /// before go to `sink`.
     ///
     /// # Errors
-    /// [`Error::Sink`](crate::Error::Sink), and [`Error::Settings`](crate::Error::Settings) where smoothing cannot go on.
+    /// [`Error::Sink`](crate::Error::Sink).
     pub fn push(&mut self, mut sample: Sample, sink: &mut impl Sink) -> Result<()> {
         if self.group_ns.is_some_and(|group| group != sample.time_ns) {
             self.close_group(sink)?;

@@ -55,9 +55,6 @@ pub enum Error {
         /// What it needs.
         needs: &'static str,
     },
-    /// Means over windows are not smoothed.
-    #[error("smoothing joins two runs of the filter; means over windows have none")]
-    NothingToSmooth,
     /// Means over windows have no slip at every moment.
     #[error("`--learn-soil` needs the slips of the filter, but here means over windows find them")]
     NothingToLearnFrom,

@@ -39,7 +39,7 @@ pub(crate) struct Fusion {
     /// Events of the time that was closed last.
     new_events: Vec<Change>,
     smoother: Option<Offline>,
-    is_smoothed: bool,
+    is_offline: bool,
     learning: Option<Box<SoilLearning>>,
 }
 
@@ -51,7 +51,6 @@ impl Fusion {
         options: &Options,
     ) -> Result<Self> {
         let robot = &file.robot;
-        let smooth = options.smooth;
         let learning = (options.learn_soil.as_ref())
             .map(|soil| SoilLearning::new(file, soil).map(Box::new))
             .transpose()?;
@@ -85,8 +84,8 @@ impl Fusion {
             events: Vec::new(),
             more_events: 0,
             new_events: Vec::new(),
-            smoother: smooth.then(|| Offline::new(file, inputs)),
-            is_smoothed: smooth,
+            smoother: options.offline.then(|| Offline::new(file, inputs)),
+            is_offline: options.offline,
             learning,
         })
     }
@@ -228,7 +227,7 @@ impl Fusion {
             reference,
             ways,
             doubts: unused.into_iter().chain(doubts(reference, &ways)).collect(),
-            is_smoothed: self.is_smoothed,
+            is_offline: self.is_offline,
             consistency: self.residuals.summary(),
             dropped: known.dropped,
             clock_steps: known.clock_steps,

@@ -157,7 +157,7 @@ fn errors_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<SlipE
     run_into(log, file, options, &mut estimates)?;
     let by_windows = Options {
         method: Some(Method::Window),
-        smooth: false,
+        offline: false,
         window_s: Some(TRUTH_WINDOW_S),
         ..*options
     };

@@ -18,8 +18,8 @@ use crate::method::Method;
 pub struct Options {
     /// Which engine finds the slips; `None`: the filter where the robot's speed is measured.
     pub method: Option<Method>,
-    /// Runs the filter forward and backward: every slip then uses the whole log.
-    pub smooth: bool,
+    /// Every slip uses the whole log, and not what the robot would have known at its time.
+    pub offline: bool,
     /// What measures how fast the robot travels; `None`: the robot file's, else the best in the log.
     pub reference: Option<Reference>,
     /// By which sensor the wheels are measured; `None`: the robot file's, else the first in the log.

@@ -74,7 +74,7 @@ pub fn run_into(
     {
         let by_windows = Options {
             method: Some(Method::Window),
-            smooth: false,
+            offline: false,
             learn_soil: None,
             ..*options
         };

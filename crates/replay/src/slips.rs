@@ -38,7 +38,6 @@ impl Slips {
                 Box::new(WindowMeans::new(&file.robot, settings)?),
             )),
             Method::Window if options.learn_soil.is_some() => Err(Error::NothingToLearnFrom),
-            Method::Window if options.smooth => Err(Error::NothingToSmooth),
             Method::Window => {
                 let estimator = WindowEstimator::new(&file.robot, settings)?;
                 Ok(Self::Window(Box::new(estimator)))

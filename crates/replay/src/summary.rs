@@ -112,8 +112,8 @@ impl Status {
 /// What the filter says of itself after a log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FusedSummary {
-    /// Were both directions of time used?
-    pub is_smoothed: bool,
+    /// Does every slip use the whole log?
+    pub is_offline: bool,
     /// Residuals by kind of sensor: `wheels`, `yaw_rate`, `reference`.
     pub consistency: Vec<(&'static str, Consistency)>,
     /// How much of the reference was used, where a sensor measures the robot's motion.

@@ -147,7 +147,7 @@ fn file(steering: &str) -> grouser_files::Result<robot::RobotFile> {
 /// Root mean square error of each wheel's slip after 5 s, with the run's summary.
 fn errors(steering: &str, smooth: bool) -> ([f64; 4], Summary) {
     let options = Options {
-        smooth,
+        offline: smooth,
         ..Options::default()
     };
     errors_with(steering, &options)

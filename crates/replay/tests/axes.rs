@@ -70,7 +70,7 @@ const INPUTS: Inputs = Inputs {
 /// The drive with poses that are no numbers up to a time, s.
 fn run_to(until_s: f64, smooth: bool, sink: &mut Trusted) -> Summary {
     let options = Options {
-        smooth,
+        offline: smooth,
         ..Options::default()
     };
     let mut engine = Engine::new(&file(""), INPUTS, &options).unwrap();

@@ -16,7 +16,7 @@ fn log() -> PathBuf {
 /// Means over windows.
 const BY_WINDOW: Options = Options {
     method: Some(Method::Window),
-    smooth: false,
+    offline: false,
     reference: None,
     wheel_sensor: None,
     window_s: None,
@@ -264,7 +264,7 @@ fn the_filter_follows_closer_than_windows_and_looking_back_closer_still() {
         let (mut squares, mut count, mut normalised) = (0.0, 0.0, 0.0);
         let options = Options {
             method: Some(method),
-            smooth,
+            offline: smooth,
             ..Options::default()
         };
         run(&five.log(log()), &five.robot, &options, |row| {

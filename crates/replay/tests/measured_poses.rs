@@ -161,7 +161,7 @@ fn wheel_runs(run_of: &Degraded, robot: &RobotFile) -> Vec<Squares> {
     for (smooth, slips) in [true, false].into_iter().zip(&mut slips) {
         let options = Options {
             method: Some(Method::Filter),
-            smooth,
+            offline: smooth,
             ..Options::default()
         };
         run(&run_of.log, robot, &options, |row: &Row<'_>| {

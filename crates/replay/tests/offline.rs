@@ -98,7 +98,7 @@ fn score<Logged: IntoIterator<Item = Sample>>(
         is_acceleration_forward_only: false,
     };
     let options = Options {
-        smooth: true,
+        offline: true,
         ..Options::default()
     };
     let mut engine = Engine::new(&file(position_sigma), inputs, &options).unwrap();

@@ -37,8 +37,11 @@ pub(crate) fn solve(
     let glance = overview(&log, &robot).map_err(Problem::from_error)?;
     let mut run = LogParts::new(name, &robot, &mut *take);
     run.add(glance);
-    let summary =
-        run_into(&log, &robot, &Options::default(), &mut run).map_err(Problem::from_error)?;
+    let options = Options {
+        offline: true,
+        ..Options::default()
+    };
+    let summary = run_into(&log, &robot, &options, &mut run).map_err(Problem::from_error)?;
     Ok(run.end(&summary))
 }
 

@@ -101,14 +101,14 @@ def _choices(
     window_s: float | None,
     from_s: float | None,
     to_s: float | None,
-    smooth: bool,
+    offline: bool,
 ) -> dict[str, Any]:
     words = {"method": method, "reference": reference, "wheel_sensor": wheel_sensor}
     for field, word in words.items():
         check_kind(field, word, (str, type(None)), "text")
     numbers = {"window_s": window_s, "from_s": from_s, "to_s": to_s}
     given = {field: None if value is None else number(field, value) for field, value in numbers.items()}
-    return {**words, **given, "smooth": flag("smooth", smooth)}
+    return {**words, **given, "offline": offline}
 
 
 def estimate(
@@ -122,7 +122,7 @@ def estimate(
     window_s: float | None = None,
     from_s: float | None = None,
     to_s: float | None = None,
-    smooth: bool = False,
+    online: bool = False,
 ) -> Result:
     """The slip of every wheel over a log.
 
@@ -141,8 +141,8 @@ def estimate(
         `count`, `angle` or `rate`.
     window_s, from_s, to_s : float, optional
         The window of means; the span of the log, s from its start.
-    smooth : bool
-        Runs forward and backward: every slip then uses the whole log.
+    online : bool
+        Slips as the robot would have known them at their time; otherwise each slip uses the whole log.
 
     Returns
     -------
@@ -156,7 +156,7 @@ def estimate(
     InputError
         A file that is damaged or does not fit the robot; a choice that does not exist.
     """
-    choices = _choices(method, reference, wheel_sensor, window_s, from_s, to_s, smooth)
+    choices = _choices(method, reference, wheel_sensor, window_s, from_s, to_s, not flag("online", online))
     rows, summary = _core.estimate(_paths(paths), robot, _map_path(columns), choices)
     return Result(Rows(**rows), summary)
 
@@ -188,7 +188,7 @@ class Engine:
         What measures how fast the robot travels: `displacement`, `pose`, `speed`, `free-wheel` or `grip`.
     wheel_sensor : str
         `count`, `angle` or `rate`.
-    method, window_s, smooth
+    method, window_s
         As in `estimate`.
 
     Examples
@@ -212,9 +212,8 @@ class Engine:
         wheel_sensor: str = "count",
         method: str | None = None,
         window_s: float | None = None,
-        smooth: bool = False,
     ) -> None:
-        choices = _choices(method, None, None, window_s, None, None, smooth)
+        choices = _choices(method, None, None, window_s, None, None, False)
         self._core = _core.Engine(robot, reference, wheel_sensor, choices)
 
     def push(self, sample: Sample) -> None:

@@ -18,6 +18,13 @@ pub(super) struct Smoothed {
 impl Smoothed {
     pub(super) fn new(found: &Fit, steps: &[Step]) -> Self {
         let middle = |step: &Step| step.time - 0.5 * step.dt;
+        if std::env::var("DBG").is_ok() {
+            eprintln!("levels {:?} jumps {} evidence {}", found.levels.0.map(f64::sqrt), found.jumps.len(), found.evidence);
+            for k in (0..steps.len()).step_by(100) {
+                let b = &found.back.smoothed[k];
+                eprintln!("{:.2} mean {:.3?} sd {:.3?} {:?}", steps[k].time, b.mean, std::array::from_fn::<f64, 9, _>(|i| b.covariance[i][i].sqrt()), found.common[k]);
+            }
+        }
         let motions = steps.iter().zip(&found.back.smoothed).zip(&found.common);
         let motions = motions.map(|((step, belief), common)| {
             let mean = &belief.mean;

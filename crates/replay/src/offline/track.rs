@@ -42,8 +42,9 @@ impl Track {
 
     /// How much it changes between two times; `None` where a gap between its points is longer than `max_gap`.
     pub(super) fn change(&self, from: f64, to: f64, max_gap: f64) -> Option<f64> {
-        let before = |time: f64| self.points.partition_point(|point| point.0 < time);
-        let (first, last) = (before(from).checked_sub(1)?, before(to));
+        let first = self.points.partition_point(|point| point.0 <= from);
+        let first = first.checked_sub(1)?;
+        let last = self.points.partition_point(|point| point.0 < to);
         let used = self.points.get(first..=last)?;
         let has_gap = used.windows(2).any(|pair| pair[1].0 - pair[0].0 > max_gap);
         let at = |time: f64, (a, b): ((f64, f64), (f64, f64))| {

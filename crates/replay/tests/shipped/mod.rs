@@ -36,7 +36,7 @@ pub(crate) const TWO_SURFACES: [&str; 6] = [
 /// Robotino's runs without their first 60 rows, as its data page has them.
 pub(crate) const CUT: Options = Options {
     method: None,
-    smooth: false,
+    offline: false,
     reference: None,
     wheel_sensor: None,
     window_s: None,

@@ -29,7 +29,7 @@ const MAX_RATIO: f64 = 3.0;
 
 /// Sigma of each number before the first step: place (m), heading (rad), speed (m/s), logarithmic slip, drift, turn bias (rad/s),
 /// accelerometer's bias (m/s²), skid. A gyro's bias is that of a cheap one; turns by wheels are wrong by tenths of a rad/s.
-const START_SIGMA: [f64; SIZE] = [5.0, 5.0, 3.0, 0.3, 0.4, 0.1, 0.02, 0.2, 0.02];
+const START_SIGMA: [f64; SIZE] = [5.0, 5.0, 3.0, 0.3, 0.4, 0.1, 0.02, 1.0, 0.02];
 const TURN_SIGMA_BY_WHEELS: f64 = 0.1;
 /// The logarithmic slip before the first step: wheels on soft ground slip by a tenth.
 const START_SLIP: f64 = 0.1;

@@ -81,9 +81,11 @@ pub(crate) struct Arguments {
     /// What estimates the slips: `filter`, or means over windows [default: the filter, up to 8 wheels]
     #[arg(long, value_name = "filter|window", value_parser = method)]
     method: Option<Method>,
-    /// Run the filter forward and backward: every slip is then what the whole log says of it
+    /// Slips as the robot would have known them at their time; else each slip uses the whole log
     #[arg(long)]
-    smooth: bool,
+    online: bool,
+    #[arg(long, hide = true, value_parser = smooth, num_args = 0, default_missing_value = "")]
+    smooth: Option<()>,
     /// What measures the wheels [default: the robot file's]
     #[arg(long, value_name = "count|angle|rate", value_parser = sensor)]
     wheel_sensor: Option<WheelSensor>,
@@ -122,6 +124,11 @@ fn reference(name: &str) -> std::result::Result<Reference, String> {
 
 fn method(name: &str) -> std::result::Result<Method, String> {
     one_of(name, &Method::NAMES)
+}
+
+/// A flag of the past.
+fn smooth(_: &str) -> std::result::Result<(), String> {
+    Err("slips use the whole log without it; `--online` gives those that the robot would have known".into())
 }
 
 fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
@@ -324,7 +331,7 @@ fn request(arguments: &Arguments, session: &mut Session) -> Result<Request> {
         map,
         options: Options {
             method: arguments.method,
-            smooth: arguments.smooth,
+            offline: !arguments.online,
             reference: arguments.reference,
             wheel_sensor: arguments.wheel_sensor,
             window_s: arguments.window_s,

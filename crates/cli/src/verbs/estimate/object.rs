@@ -257,7 +257,7 @@ fn filter<'a>() -> Fields<'a, Part<'a, FusedSummary>> {
         "share_in_95_band" "share within the filter's 95 %" = nis.in_band;
     };
     fields! { |filter: Part<'a, FusedSummary>|
-        "smoothed" "whether the log was filtered both ways" = filter.part.is_smoothed;
+        "offline" "whether every slip uses the whole log, and not what the robot would have known" = filter.part.is_offline;
         "nis" "consistency of each kind of measurement" named(nis) =
             filter.part.consistency.iter().map(|(kind, nis)| (*kind, nis));
         "reference_readings" "readings of the reference" = filter.part.reference.map(|of| of.readings);

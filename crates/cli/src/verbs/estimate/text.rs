@@ -28,8 +28,8 @@ pub(super) fn text(
         summary.wheel_sensor,
         summary.reference.name(),
         match &summary.fused {
-            Some(fused) if fused.is_smoothed => "filtered both ways".to_owned(),
-            Some(_) => "filtered".to_owned(),
+            Some(fused) if fused.is_offline => "by the whole log".to_owned(),
+            Some(_) => "online".to_owned(),
             None => format!("windows of {} s", summary.window_s),
         },
     );
