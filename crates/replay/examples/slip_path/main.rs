@@ -93,7 +93,6 @@ fn prior(file: &RobotFile, inputs: &Inputs, has_gyro: bool) -> (Levels, [bool; K
         turn,
         turn_bias,
         3e-3,
-        1e-3,
         wander,
         place,
         settings.yaw_sigma,
@@ -101,7 +100,6 @@ fn prior(file: &RobotFile, inputs: &Inputs, has_gyro: bool) -> (Levels, [bool; K
         1.0,
     ];
     let mut learn = [true; KINDS];
-    learn[Noise::Skid as usize] = false;
     learn[Noise::Wheel as usize] = false;
     learn[Noise::Wander as usize] = by_displacement;
     (Levels(sigmas.map(|sigma| sigma * sigma)), learn)

@@ -18,6 +18,9 @@ const RATE_SIGMA: f64 = 0.01;
 const ANGLE_STEP_M: f64 = 1e-4;
 /// Headings of wheels that differ by more than this make an omnidirectional robot: the sine.
 const PARALLEL_SINE: f64 = 0.02;
+/// Sigma of a free wheel's skid on ground that nobody knows, besides that of the robot file: published laws of soft soil differ by a
+/// few hundredths in it.
+const SKID_SIGMA: f64 = 0.03;
 /// What no ground robot reaches: speed (m/s), turn rate (rad/s), acceleration (m/s²), place (m). Beyond, a reading is none.
 const MAX_SPEED: f64 = 100.0;
 const MAX_TURN_RATE: f64 = 100.0;
@@ -31,6 +34,8 @@ pub(super) struct Gathered {
     sensor: WheelSensor,
     reference: Reference,
     latency: f64,
+    /// Mean and sigma of a free wheel's skid 1 − v/u.
+    skid: [f64; 2],
     dropout: f64,
     is_omni: bool,
     begin_ns: Option<i64>,
@@ -49,12 +54,14 @@ pub(super) struct Gathered {
 impl Gathered {
     pub(super) fn new(file: &RobotFile, inputs: &Inputs) -> Self {
         let wheels = file.robot.wheels().to_vec();
+        let free = file.filter.free_slip.by_wheel();
         let first = wheels[0].heading.rad();
         let differs = |of: &Wheel| (of.heading.rad() - first).sin().abs() > PARALLEL_SINE;
         Self {
             sensor: inputs.wheel_sensor,
             reference: inputs.reference,
             latency: file.filter.reference_latency,
+            skid: [free.mean, free.sigma.hypot(SKID_SIGMA)],
             dropout: file.filter.dropout,
             is_omni: wheels.iter().any(differs),
             begin_ns: None,
@@ -67,6 +74,15 @@ impl Gathered {
             summed: Some([0.0; 3]),
             contradicting: Vec::new(),
             wheels,
+        }
+    }
+
+    /// Sigma of the scale of all speeds: where a free wheel alone shows the speed over ground, that of its skid.
+    pub(super) fn scale_sigma(&self) -> f64 {
+        if self.reference == Reference::FreeWheel {
+            self.skid[1]
+        } else {
+            0.0
         }
     }
 
@@ -243,12 +259,15 @@ impl Gathered {
             // two whole ticks, each uniform
             wheel.travel_per_tick().unwrap_or(ANGLE_STEP_M).powi(2) / 6.0
         };
+        let is_free = wheel.role == WheelRole::Free;
+        let [skid, sigma] = if is_free { self.skid } else { [0.0; 2] };
+        let of_skid = sigma * distance.unwrap_or(0.0);
         WheelStep {
-            distance,
-            variance,
+            distance: distance.map(|distance| distance * (1.0 - skid)),
+            variance: variance + of_skid * of_skid,
             row: [cos, sin, lever],
             across: [-sin, cos, cos * wheel.x + sin * wheel.y],
-            is_free: wheel.role == WheelRole::Free,
+            is_free,
             is_omni: self.is_omni,
         }
     }

@@ -78,7 +78,7 @@ impl Offline {
         let begin = self.prior.start(&steps);
         let (levels, learn) = self.prior.levels(&steps);
         let found = fit(&mut steps, begin, levels, learn);
-        let smoothed = Smoothed::new(&found, &steps);
+        let smoothed = Smoothed::new(&found, &steps, self.gathered.scale_sigma());
         let mut done = Vec::new();
         while let Some(mut moment) = self.moments.pop_front() {
             let time = self.gathered.seconds(moment.time_ns);

@@ -2,7 +2,7 @@
 
 use grouser_files::robot::RobotFile;
 use grouser_slip::Reference;
-use grouser_slip::motion::{Belief, KINDS, Levels, Noise, SKID, Step, Value, start};
+use grouser_slip::motion::{Belief, KINDS, Levels, Noise, Step, Value, start};
 
 use crate::choice::Inputs;
 
@@ -37,27 +37,17 @@ impl Prior {
             Value::Heading(heading) => Some(heading),
             Value::Place(_) | Value::Speed(_) => None,
         });
-        let mut belief = start(
+        start(
             place.unwrap_or_default(),
             heading.unwrap_or_default(),
             has_gyro(steps),
-        );
-        // nothing else than the free wheels themselves shows their speed over ground
-        if values().next().is_none() {
-            belief.covariance[SKID][SKID] = 0.0;
-        }
-        belief
+        )
     }
 
     /// Variances of the kinds of noise before the log, and which of them the log teaches.
     pub(super) fn levels(&self, steps: &[Step]) -> (Levels, [bool; KINDS]) {
         let by_displacement = self.reference == Reference::Displacement;
         // a cheap gyro's, or what differential wheels make of a turn
-        let walk = if self.reference == Reference::FreeWheel {
-            0.0
-        } else {
-            1e-3
-        };
         let (turn, turn_bias) = if has_gyro(steps) {
             (2e-3, 2e-4)
         } else {
@@ -76,7 +66,6 @@ impl Prior {
             turn,
             turn_bias,
             3e-3, // the accelerometer's bias, m/s²/√s
-            walk, // the skid's, 1/√s
             wander,
             place,
             self.yaw_sigma,
@@ -84,7 +73,6 @@ impl Prior {
             1.0,
         ];
         let mut learn = [true; KINDS];
-        learn[Noise::Skid as usize] = false;
         learn[Noise::Wheel as usize] = false;
         learn[Noise::Wander as usize] = by_displacement;
         (Levels(sigmas.map(|sigma| sigma * sigma)), learn)

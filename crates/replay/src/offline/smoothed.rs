@@ -16,15 +16,9 @@ pub(super) struct Smoothed {
 }
 
 impl Smoothed {
-    pub(super) fn new(found: &Fit, steps: &[Step]) -> Self {
+    /// `scale_sigma` is that of the scale which all speeds over ground share.
+    pub(super) fn new(found: &Fit, steps: &[Step], scale_sigma: f64) -> Self {
         let middle = |step: &Step| step.time - 0.5 * step.dt;
-        if std::env::var("DBG").is_ok() {
-            eprintln!("levels {:?} jumps {} evidence {}", found.levels.0.map(f64::sqrt), found.jumps.len(), found.evidence);
-            for k in (0..steps.len()).step_by(100) {
-                let b = &found.back.smoothed[k];
-                eprintln!("{:.2} mean {:.3?} sd {:.3?} {:?}", steps[k].time, b.mean, std::array::from_fn::<f64, 9, _>(|i| b.covariance[i][i].sqrt()), found.common[k]);
-            }
-        }
         let motions = steps.iter().zip(&found.back.smoothed).zip(&found.common);
         let motions = motions.map(|((step, belief), common)| {
             let mean = &belief.mean;
@@ -53,7 +47,11 @@ impl Smoothed {
         let slips = (0..wheels).map(|wheel| {
             let slips = wheel_slips(found, steps, wheel).into_iter();
             slips
-                .map(|of| (middle(&steps[of.step]), [of.slip, of.variance]))
+                .map(|of| {
+                    let of_scale = scale_sigma * (1.0 - of.slip.abs());
+                    let variance = of.variance + of_scale * of_scale;
+                    (middle(&steps[of.step]), [of.slip, variance])
+                })
                 .collect()
         });
         Self {

@@ -36,7 +36,7 @@ impl Core {
             .is_some_and(|then| seconds_between(then, to_ns) <= LEARN_AFTER_JUMP_S);
         self.state.set_considered(own_slip(index), alone && !jumped);
         if !jumped && rolling.jumped_ns.take().is_some() {
-            let off = self.state.mean(own_slip(index)) - self.settings.free_slip.by_rim().mean;
+            let off = self.state.mean(own_slip(index)) - self.settings.free_slip.by_wheel().mean;
             let doubt = SKID_AFTER_JUMP_SHARE * off;
             self.state.raise_variance(own_slip(index), doubt * doubt);
         }

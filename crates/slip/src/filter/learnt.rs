@@ -98,7 +98,7 @@ impl Core {
             .take(self.wheels.channels.len())
         {
             if let Some(skid) = wheel.free_slip.filter(|_| self.wheels.channels[index].free) {
-                let skid = skid.by_rim();
+                let skid = skid.by_wheel();
                 let variance = (skid.sigma * skid.sigma).max(MIN_VARIANCE);
                 self.state.reset(own_slip(index), skid.mean, variance);
             }

@@ -152,7 +152,7 @@ pub(super) fn predict(
 
 /// Is a free wheel's skid less certain than its prior?
 pub(super) fn is_doubted(state: &Kalman, settings: &FilterSettings, wheel: usize) -> bool {
-    let SlipPrior { sigma, .. } = settings.free_slip.by_rim();
+    let SlipPrior { sigma, .. } = settings.free_slip.by_wheel();
     state.covariance(own_slip(wheel), own_slip(wheel)) > 2.0 * sigma * sigma
 }
 

@@ -15,7 +15,7 @@ pub struct SlipPrior {
 impl SlipPrior {
     /// The same prior of x = 1 − v/u, the form in which the filter holds a free wheel's skid: v = u (1 − x) is linear in v
     /// and x, since the rim speed u is measured. The skid s = u/v − 1 would be a product of two unknowns and drift.
-    pub(crate) fn by_rim(self) -> Self {
+    pub fn by_wheel(self) -> Self {
         if self.mean >= 0.0 {
             return self;
         }
@@ -26,7 +26,7 @@ impl SlipPrior {
         }
     }
 
-    /// The inverse of [`SlipPrior::by_rim`].
+    /// The inverse of [`SlipPrior::by_wheel`].
     pub(crate) fn by_faster(self) -> Self {
         if self.mean >= 0.0 {
             return self;
@@ -170,7 +170,7 @@ impl FilterSettings {
     /// The prior of a wheel's own slip: of a powered one beside the common slip, of a free one its skid by the rim.
     pub(super) fn own_slip_prior(&self, free: bool) -> SlipPrior {
         if free {
-            self.free_slip.by_rim()
+            self.free_slip.by_wheel()
         } else {
             SlipPrior {
                 mean: 0.0,
@@ -272,11 +272,11 @@ mod tests {
                 sigma: SKID_SIGMA,
             };
             // x = 1 − v/u: of a slip s = 1 − v/u driving, s = u/v − 1 braking
-            let by_rim = |s: f64| if s < 0.0 { 1.0 - 1.0 / (1.0 + s) } else { s };
-            let found = prior.by_rim();
+            let by_wheel = |s: f64| if s < 0.0 { 1.0 - 1.0 / (1.0 + s) } else { s };
+            let found = prior.by_wheel();
             let by = 1e-6;
-            let slope = (by_rim(mean + by) - by_rim(mean - by)) / (2.0 * by);
-            assert!((found.mean - by_rim(mean)).abs() < 1e-12);
+            let slope = (by_wheel(mean + by) - by_wheel(mean - by)) / (2.0 * by);
+            assert!((found.mean - by_wheel(mean)).abs() < 1e-12);
             assert!((found.sigma - SKID_SIGMA * slope).abs() < 1e-6, "{mean}");
             let back = found.by_faster();
             assert!((back.mean - mean).abs() < 1e-12 && (back.sigma - SKID_SIGMA).abs() < 1e-12);
@@ -286,7 +286,7 @@ mod tests {
             mean: -1.0,
             sigma: SKID_SIGMA,
         };
-        assert!((prior.by_rim().mean + 19.0).abs() < 1e-9);
+        assert!((prior.by_wheel().mean + 19.0).abs() < 1e-9);
     }
 
     #[test]
@@ -305,7 +305,7 @@ mod tests {
             sigma: 0.05,
         };
         let settings = FilterSettings { free_slip, ..any };
-        assert_eq!(settings.own_slip_prior(true), free_slip.by_rim());
+        assert_eq!(settings.own_slip_prior(true), free_slip.by_wheel());
         let own = settings.own_slip_prior(false);
         assert_eq!((own.mean, own.sigma), (0.0, any.wheel_slip_sigma));
     }

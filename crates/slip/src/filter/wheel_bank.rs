@@ -141,11 +141,11 @@ impl WheelBank {
     /// The yaw rate that the powered wheels would give without slip, where all point one way. A wheel that turns against the
     /// robot's travel has a wrong encoder.
     pub(super) fn yaw_rate(&self) -> Option<f64> {
-        self.turn_by_rims(|wheel| wheel.against_since_ns.is_none())
+        self.turn_by_wheels(|wheel| wheel.against_since_ns.is_none())
     }
 
     /// Least squares over the rims of the powered wheels for which `is_used` holds.
-    fn turn_by_rims(&self, is_used: impl Fn(&WheelChannel) -> bool) -> Option<f64> {
+    fn turn_by_wheels(&self, is_used: impl Fn(&WheelChannel) -> bool) -> Option<f64> {
         self.lateral?;
         let used = || self.powered().filter(|wheel| is_used(wheel));
         let count = used().count() as f64;
@@ -167,8 +167,8 @@ impl WheelBank {
     /// much, if the robot travelled at `speed` (m/s) and turned at `turn` (rad/s), many times what their rims turn it? Nothing on the
     /// robot turns it so: where one side slips, the other rolls. Rims slower than `low_speed` (m/s) show nothing.
     pub(super) fn are_forced(&self, (speed, turn): (f64, f64), low_speed: f64) -> bool {
-        let by_rims = self.turn_by_rims(|_| true);
-        if by_rims.is_none_or(|by_rims| turn.abs() <= UNIT_FACTOR * by_rims.abs()) {
+        let by_wheels = self.turn_by_wheels(|_| true);
+        if by_wheels.is_none_or(|by_wheels| turn.abs() <= UNIT_FACTOR * by_wheels.abs()) {
             return false;
         }
         let (mut dragged, mut held_back) = (false, false);

@@ -295,7 +295,7 @@ impl Core {
         }
         let (lowest, highest) = if free {
             // No motor drives it, so that it hardly runs ahead of the robot.
-            let prior = self.settings.free_slip.by_rim();
+            let prior = self.settings.free_slip.by_wheel();
             let reach = 3.0 * prior.sigma;
             ((prior.mean - reach).min(-MAX_OWN_SLIP), prior.mean + reach)
         } else {

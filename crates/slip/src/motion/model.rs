@@ -6,9 +6,7 @@ use grouser_real::{Real, wrap_angle};
 
 use super::belief::{Belief, Row};
 use super::noise::{Levels, Noise};
-use super::state::{
-    DRIFT, FORCE_BIAS, HEADING, MAX_LOG_SLIP, SIZE, SKID, SLIP, SPEED, TURN_BIAS, X, Y,
-};
+use super::state::{DRIFT, FORCE_BIAS, HEADING, MAX_LOG_SLIP, SIZE, SLIP, SPEED, TURN_BIAS, X, Y};
 use super::step::{Reading, Step, Value, WheelStep};
 use super::tape::{Entry, Tape};
 use super::wheels::{CommonMotion, common_motion};
@@ -28,8 +26,8 @@ const STATIONARY_SIGMAS: f64 = 2.0;
 const MAX_RATIO: f64 = 3.0;
 
 /// Sigma of each number before the first step: place (m), heading (rad), speed (m/s), logarithmic slip, drift, turn bias (rad/s),
-/// accelerometer's bias (m/s²), skid. A gyro's bias is that of a cheap one; turns by wheels are wrong by tenths of a rad/s.
-const START_SIGMA: [f64; SIZE] = [5.0, 5.0, 3.0, 0.3, 0.4, 0.1, 0.02, 1.0, 0.02];
+/// accelerometer's bias (m/s², a slope of 6°). A gyro's bias is that of a cheap one; turns by wheels are wrong by tenths of a rad/s.
+const START_SIGMA: [f64; SIZE] = [5.0, 5.0, 3.0, 0.3, 0.4, 0.1, 0.02, 1.0];
 const TURN_SIGMA_BY_WHEELS: f64 = 0.1;
 /// The logarithmic slip before the first step: wheels on soft ground slip by a tenth.
 const START_SLIP: f64 = 0.1;
@@ -141,7 +139,6 @@ impl Motion {
         let moves = (common.distance.abs() / SLOW).min(dt);
         pass.noise(Noise::Slip, SLIP, moves, extra);
         pass.noise(Noise::Drift, DRIFT, moves, 0.0);
-        pass.noise(Noise::Skid, SKID, moves, 0.0);
         pass.noise(Noise::TurnBias, TURN_BIAS, dt, 0.0);
         if let Some([forward, _]) = step.force {
             pass.noise(Noise::ForceBias, FORCE_BIAS, dt, 0.0);
@@ -250,18 +247,16 @@ impl Pass<'_> {
         );
     }
 
-    /// A free wheel: u = (1 − skid) v.
+    /// A free wheel reads the speed. Its skid is no state: nothing else shows it where a free wheel is needed, and a product of two
+    /// unknowns, 1 − skid and v, has a scale that drifts.
     fn free_wheel(&mut self, wheel: &WheelStep, turned: f64, dt: f64) {
         let Some(distance) = wheel.distance else {
             return;
         };
-        let mean = &self.belief.mean;
-        let along = wheel.row[0] * (1.0 - mean[SKID]);
         let mut row = [0.0; SIZE];
-        row[SPEED] = along;
-        row[SKID] = -wheel.row[0] * mean[SPEED];
+        row[SPEED] = wheel.row[0];
         let variance = wheel.variance / (dt * dt) + CREEP * CREEP;
-        let innovation = (distance - wheel.row[2] * turned) / dt - along * mean[SPEED];
+        let innovation = (distance - wheel.row[2] * turned) / dt - self.belief.mean_of(&row);
         self.correct(Noise::Wheel, &row, innovation, variance, None);
     }
 

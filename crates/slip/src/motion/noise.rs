@@ -16,8 +16,6 @@ pub enum Noise {
     TurnBias,
     /// Random walk of the accelerometer's bias, (m/s²)²/s.
     ForceBias,
-    /// Random walk of the free wheels' skid in motion, 1/s.
-    Skid,
     /// Random walk of the reference's own place, m²/s.
     Wander,
     /// Readings of a place, m².
@@ -35,14 +33,13 @@ pub const KINDS: usize = Noise::ALL.len();
 
 impl Noise {
     /// All kinds, in the order of their numbers.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 11] = [
         Self::Slip,
         Self::Drift,
         Self::Speed,
         Self::Turn,
         Self::TurnBias,
         Self::ForceBias,
-        Self::Skid,
         Self::Wander,
         Self::Place,
         Self::Heading,
@@ -60,7 +57,6 @@ impl Noise {
             | Self::Turn
             | Self::TurnBias
             | Self::ForceBias
-            | Self::Skid
             | Self::Wander => true,
             Self::Place | Self::Heading | Self::SpeedReading | Self::Wheel => false,
         }

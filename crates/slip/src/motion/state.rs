@@ -3,7 +3,7 @@
 use grouser_real::Real;
 
 /// How many numbers the state has.
-pub const SIZE: usize = 9;
+pub const SIZE: usize = 8;
 /// Place in the reference's frame, m.
 pub const X: usize = 0;
 /// See [`X`].
@@ -21,8 +21,6 @@ pub const DRIFT: usize = 5;
 pub const TURN_BIAS: usize = 6;
 /// Error of the accelerometer along the direction of travel, a slope's share included, m/s².
 pub const FORCE_BIAS: usize = 7;
-/// Skid of the free wheels: (speed over ground − wheel speed)/speed over ground.
-pub const SKID: usize = 8;
 
 /// A wheel that spins on the spot has this logarithmic slip at most (a slip of 0.98), and a locked one this at least.
 pub const MAX_LOG_SLIP: f64 = 4.0;

@@ -449,13 +449,13 @@ fn a_median_is_the_middle_or_the_mean_of_both() {
 fn a_turn_that_drags_one_side_and_holds_the_other_back_is_forced() {
     const RIM_M_PER_S: f64 = 0.3;
     let row = |core: &Core, wheel: usize| core.wheels.channels[wheel].row[2];
-    let turning = |by_rims: f64| {
+    let turning = |by_wheels: f64| {
         let still = four([RIM_M_PER_S; 4]);
         four(core::array::from_fn(|wheel| {
-            RIM_M_PER_S + row(&still, wheel) * by_rims
+            RIM_M_PER_S + row(&still, wheel) * by_wheels
         }))
     };
-    for (by_rims, speed, turn, forced) in [
+    for (by_wheels, speed, turn, forced) in [
         (0.0, 0.3, 0.26, true),
         (0.0, 0.3, -0.26, true),
         (0.0, 0.3, 0.24, false),
@@ -470,9 +470,9 @@ fn a_turn_that_drags_one_side_and_holds_the_other_back_is_forced() {
         (0.081, 0.3, 0.4, false),
         (-0.081, 0.3, 0.4, false),
     ] {
-        let core = turning(by_rims);
+        let core = turning(by_wheels);
         let found = core.wheels.are_forced((speed, turn), 0.05);
-        assert_eq!(found, forced, "{by_rims} {speed} {turn}");
+        assert_eq!(found, forced, "{by_wheels} {speed} {turn}");
     }
     let mut core = turning(0.0);
     let rim = |wheel: usize| core.wheels.channels[wheel].rim.unwrap().0.value;

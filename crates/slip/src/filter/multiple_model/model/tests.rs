@@ -371,7 +371,7 @@ fn headings_and_speeds_may_be_outliers() {
 }
 
 #[test]
-fn a_speed_by_rim_and_slip_has_their_covariance() {
+fn a_speed_by_wheel_and_slip_has_their_covariance() {
     for (slip, share, slope) in SLIP_SHARE_SLOPES {
         let mut model = correlated(0.1, 0.1);
         model.mean[SLIP] = slip;
