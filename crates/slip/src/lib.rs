@@ -59,3 +59,5 @@ pub use sample::{Measurement, Sample};
 pub use speed::{Measured, MixedSpeed, PeriodSpeed};
 pub use state::{Degraded, Health, Invalid, Motion};
 pub use wheel_estimate::WheelEstimate;
+#[doc(hidden)]
+pub use wheel_steering::Steering;

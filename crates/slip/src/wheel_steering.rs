@@ -6,7 +6,7 @@ use crate::robot::Wheel;
 
 /// The steering of one wheel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Steering {
+pub struct Steering {
     /// Heading at no angle, rad.
     pub(crate) heading: f64,
     /// The place of its centre, m.
@@ -24,7 +24,9 @@ pub(crate) struct Steering {
 }
 
 impl Steering {
-    pub(crate) fn new(wheel: &Wheel) -> Self {
+    /// Of a wheel, at no angle.
+    #[must_use]
+    pub fn new(wheel: &Wheel) -> Self {
         let pivot = wheel.steers_about.unwrap_or([wheel.x, wheel.y]);
         Self {
             heading: wheel.heading.rad(),
@@ -40,17 +42,15 @@ impl Steering {
     }
 
     /// Turns to `angle` (rad); false where it has stood there already.
-    pub(crate) fn turn(&mut self, angle: f64) -> bool {
+    pub fn turn(&mut self, angle: f64) -> bool {
         if self.angle == Some(angle) {
             return false;
         }
         let [ahead, left] = self.arm;
-        // Both the arm and the heading turn by the angle: d/dγ of the centre along the heading does not depend on it.
-        let (sin, cos) = Real::sin_cos(self.heading);
         let last = self.angle.replace(angle);
         self.has_turned |= last.is_some();
         let turned = last.map_or(0.0, |last| angle - last);
-        self.swung += turned * (ahead * sin - left * cos);
+        self.swung += turned * self.swing();
         let (sin, cos) = Real::sin_cos(angle);
         self.place = [
             self.pivot[0] + cos * ahead - sin * left,
@@ -61,13 +61,24 @@ impl Steering {
         true
     }
 
+    /// Way of its centre along its heading for a radian of steering, m. Both the arm and the heading turn by the angle, so that it
+    /// does not depend on it.
+    #[must_use]
+    pub fn swing(&self) -> f64 {
+        let [ahead, left] = self.arm;
+        let (sin, cos) = Real::sin_cos(self.heading);
+        ahead * sin - left * cos
+    }
+
     /// The row of its centre's speed along its heading, e · (v + Ω × p).
-    pub(crate) const fn along(&self) -> [f64; 3] {
+    #[must_use]
+    pub const fn along(&self) -> [f64; 3] {
         self.row
     }
 
     /// The row of its centre's speed to the left of its heading, n · (v + Ω × p).
-    pub(crate) fn across(&self) -> [f64; 3] {
+    #[must_use]
+    pub fn across(&self) -> [f64; 3] {
         let [cos, sin, _] = self.row;
         [-sin, cos, cos * self.place[0] + sin * self.place[1]]
     }

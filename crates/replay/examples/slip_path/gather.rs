@@ -253,6 +253,7 @@ impl<'a> Gathered<'a> {
             variance,
             row: [cos, sin, lever],
             across: [-sin, cos, cos * wheel.x + sin * wheel.y],
+            swing: 0.0,
             is_free: wheel.role == WheelRole::Free,
             is_omni,
         }

@@ -2,8 +2,7 @@
 
 use grouser_files::robot::{RobotFile, WheelSensor};
 use grouser_slip::motion::{Reading, Step, Value, WheelStep};
-use grouser_slip::{Measurement, Reference, Sample, Wheel, WheelRole};
-use grouser_terra::Angle;
+use grouser_slip::{Measurement, Reference, Sample, Steering, Wheel, WheelRole};
 
 use super::track::Track;
 use crate::choice::Inputs;
@@ -41,7 +40,7 @@ pub(super) struct Gathered {
     begin_ns: Option<i64>,
     tracks: Vec<Track>,
     counts: Vec<Option<u64>>,
-    steered: Vec<Vec<(f64, f64)>>,
+    steered: Vec<Track>,
     turn: Track,
     force: [Track; 2],
     readings: Vec<(f64, Value)>,
@@ -67,7 +66,7 @@ impl Gathered {
             begin_ns: None,
             tracks: wheels.iter().map(|_| Track::default()).collect(),
             counts: vec![None; wheels.len()],
-            steered: vec![Vec::new(); wheels.len()],
+            steered: wheels.iter().map(|_| Track::default()).collect(),
             turn: Track::default(),
             force: [Track::default(), Track::default()],
             readings: Vec::new(),
@@ -128,7 +127,7 @@ impl Gathered {
                 }
             }
             Measurement::SteeringAngle { wheel, angle } if angle.is_finite() => {
-                self.steered[wheel].push((time, angle));
+                self.steered[wheel].push(time, angle);
             }
             Measurement::Pose { x, y, yaw } if self.reference == Reference::Pose => {
                 self.place(read, [x, y]);
@@ -245,12 +244,10 @@ impl Gathered {
         distance: Option<f64>,
     ) -> WheelStep {
         let wheel = &self.wheels[index];
-        let steered = &self.steered[index];
-        let angle = steered[..steered.partition_point(|of| of.0 <= time)]
-            .last()
-            .map_or(0.0, |of| of.1);
-        let turned = (wheel.clone()).heading(Angle::from_rad(wheel.heading.rad() + angle));
-        let [cos, sin, lever] = turned.speed_row();
+        let angle_at = |time: f64| self.steered[index].at(time).unwrap_or(0.0);
+        let mut steering = Steering::new(wheel);
+        steering.turn(angle_at(time - 0.5 * dt));
+        let swing = steering.swing() * (angle_at(time) - angle_at(time - dt));
         let variance = if self.sensor == WheelSensor::Rate {
             let step = wheel.travel_per_radian();
             let sigma = wheel.encoder.rate_step.powi(2) / 12.0 + RATE_SIGMA * RATE_SIGMA;
@@ -265,8 +262,9 @@ impl Gathered {
         WheelStep {
             distance: distance.map(|distance| distance * (1.0 - skid)),
             variance: variance + of_skid * of_skid,
-            row: [cos, sin, lever],
-            across: [-sin, cos, cos * wheel.x + sin * wheel.y],
+            row: steering.along(),
+            across: steering.across(),
+            swing,
             is_free,
             is_omni: self.is_omni,
         }
@@ -274,14 +272,12 @@ impl Gathered {
 
     /// What lies before a time is no longer needed.
     pub(super) fn forget(&mut self, time: f64) {
-        let own = self.tracks.iter_mut().chain(&mut self.force);
+        let own = (self.tracks.iter_mut())
+            .chain(&mut self.force)
+            .chain(&mut self.steered);
         own.chain([&mut self.turn])
             .for_each(|track| track.forget(time));
         self.readings.retain(|of| of.0 > time);
-        for steered in &mut self.steered {
-            let first = steered.partition_point(|of| of.0 < time);
-            steered.drain(..first.saturating_sub(1));
-        }
         let first = self.contradicting.partition_point(|of| of.0 < time);
         self.contradicting.drain(..first.saturating_sub(1));
     }

@@ -30,6 +30,17 @@ impl Track {
         self.rate = rate;
     }
 
+    /// Its value at a time, that of the nearest point before the first and after the last one; `None` without points.
+    pub(super) fn at(&self, time: f64) -> Option<f64> {
+        let next = self.points.partition_point(|point| point.0 < time);
+        let after = self.points.get(next);
+        let before = next.checked_sub(1).map(|last| &self.points[last]);
+        match (before, after) {
+            (Some(a), Some(b)) => Some(a.1 + (b.1 - a.1) * (time - a.0) / (b.0 - a.0)),
+            (one, other) => one.or(other).map(|point| point.1),
+        }
+    }
+
     /// Number of points from a time on, and the time that they span.
     pub(super) fn spans(&self, from: f64) -> (usize, f64) {
         let first = self.points.partition_point(|point| point.0 < from);

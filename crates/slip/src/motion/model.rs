@@ -256,7 +256,8 @@ impl Pass<'_> {
         let mut row = [0.0; SIZE];
         row[SPEED] = wheel.row[0];
         let variance = wheel.variance / (dt * dt) + CREEP * CREEP;
-        let innovation = (distance - wheel.row[2] * turned) / dt - self.belief.mean_of(&row);
+        let innovation =
+            (distance - wheel.swing - wheel.row[2] * turned) / dt - self.belief.mean_of(&row);
         self.correct(Noise::Wheel, &row, innovation, variance, None);
     }
 

@@ -15,6 +15,8 @@ pub struct WheelStep {
     pub row: [f64; 3],
     /// The same to the left of its heading.
     pub across: [f64; 3],
+    /// Way of its centre along its heading by its steering alone, m: of a wheel that a joint swings about.
+    pub swing: f64,
     /// Does it roll freely, without a motor?
     pub is_free: bool,
     /// Does it roll sideways as well (an omnidirectional wheel)?

@@ -59,7 +59,7 @@ pub fn common_motion(
         let mut n = 0;
         let mut variance = 0.0;
         for wheel in used() {
-            let level = wheel.distance.unwrap_or(0.0) - turned * wheel.row[2];
+            let level = wheel.distance.unwrap_or(0.0) - turned * wheel.row[2] - wheel.swing / share;
             scratch[n] = level;
             variance += wheel.variance;
             n += 1;
@@ -84,7 +84,8 @@ pub fn common_motion(
     let mut variance = 0.0;
     for wheel in used() {
         let row = wheel.row;
-        add(&mut a, &mut b, row, wheel.distance.unwrap_or(0.0), 1.0);
+        let level = wheel.distance.unwrap_or(0.0) - wheel.swing / share;
+        add(&mut a, &mut b, row, level, 1.0);
         variance += wheel.variance;
         if !wheel.is_omni {
             let across = wheel.across;
@@ -129,12 +130,12 @@ fn turn_by_wheels<'a>(wheels: impl Iterator<Item = &'a WheelStep> + Clone) -> Op
     let n = wheels.clone().count() as f64;
     let mean = |f: &dyn Fn(&WheelStep) -> f64| wheels.clone().map(f).sum::<f64>() / n;
     let lever = mean(&|w| w.row[2]);
-    let level = mean(&|w| w.distance.unwrap_or(0.0));
+    let level = mean(&|w| w.distance.unwrap_or(0.0) - w.swing);
     let (mut below, mut above) = (0.0, 0.0);
     for wheel in wheels {
         let off = wheel.row[2] - lever;
         below += off * off;
-        above += off * (wheel.distance.unwrap_or(0.0) - level);
+        above += off * (wheel.distance.unwrap_or(0.0) - wheel.swing - level);
     }
     (below > MIN_LEVER_SCATTER).then(|| above / below)
 }

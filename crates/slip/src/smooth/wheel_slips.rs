@@ -47,7 +47,7 @@ pub fn wheel_slips(fit: &Fit, steps: &[Step], wheel: usize) -> Vec<WheelSlip> {
         row[DRIFT] = speed * (along_y * cos - along_x * sin);
         row[TURN_BIAS] = -lever;
         let turn = common.turned / step.dt - belief.mean[TURN_BIAS];
-        let ground = row[SPEED] * speed + lever * turn;
+        let ground = row[SPEED] * speed + lever * turn + this.swing / step.dt;
         let noise = this.variance + CREEP * CREEP * step.dt * step.dt;
         readings.push(LevelReading {
             value: log_slip(distance, ground * step.dt) - belief.mean[SLIP],
