@@ -1,7 +1,7 @@
-//! A reference that a logger repeats in the rows between its updates.
+//! Sensors that a logger repeats in the rows between their updates.
 //!
-//! Many loggers write one row per cycle, and in it the last known pose or speed. Each repetition taken for a reading would
-//! mean that the robot stands from one update to the next, and then jumps.
+//! Many loggers write one row per cycle, and in it the last known value of each sensor. Each repetition taken for a reading would
+//! mean that the robot moves evenly or not at all from one update to the next, and then jumps.
 
 use std::fmt;
 
@@ -50,23 +50,37 @@ impl fmt::Display for HeldReference {
     }
 }
 
-/// The bits that a reading of `reference` repeats; `None` of other samples. Of a pose, its place: the yaw may be another
-/// sensor's.
-fn bits(measurement: &Measurement, reference: Reference) -> Option<[u64; 2]> {
-    let of = |a: f64, b: f64| Some([a.to_bits(), b.to_bits()]);
+/// Who is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sensor {
+    Reference,
+    /// The rate of a wheel; counts and angles that repeat add nothing.
+    Wheel(usize),
+    Gyro,
+    Accelerometer,
+}
+
+/// Who is read, and the bits that repeat; `None` of other samples. Of a pose, its place: the yaw may be another sensor's.
+fn bits(measurement: &Measurement, reference: Reference) -> Option<(Sensor, [u64; 2])> {
+    let of = |sensor, a: f64, b: f64| Some((sensor, [a.to_bits(), b.to_bits()]));
     match (*measurement, reference) {
-        (Measurement::Pose { x, y, .. }, Reference::Pose) => of(x, y),
+        (Measurement::WheelRate { wheel, rate }, _) => of(Sensor::Wheel(wheel), rate, 0.0),
+        (Measurement::YawRate { rate }, _) => of(Sensor::Gyro, rate, 0.0),
+        (Measurement::Acceleration { forward, left }, _) => {
+            of(Sensor::Accelerometer, forward, left)
+        }
+        (Measurement::Pose { x, y, .. }, Reference::Pose) => of(Sensor::Reference, x, y),
         (Measurement::Displacement { forward, left, .. }, Reference::Displacement) => {
-            of(forward, left)
+            of(Sensor::Reference, forward, left)
         }
         (Measurement::Speed { forward, left }, Reference::Speed) => {
-            of(forward, left.unwrap_or(0.0))
+            of(Sensor::Reference, forward, left.unwrap_or(0.0))
         }
         _ => None,
     }
 }
 
-/// Leaves out the rows of a reference that repeat its last update.
+/// Leaves out the rows that repeat a sensor's last update: of the reference, of the wheels' rates, of gyro and accelerometer.
 ///
 /// ```
 /// use grouser_doctor::Held;
@@ -84,18 +98,24 @@ fn bits(measurement: &Measurement, reference: Reference) -> Option<[u64; 2]> {
 #[derive(Clone, Debug)]
 pub struct Held {
     reference: Reference,
-    /// `None` where every row is a reading.
-    counts: Option<HeldReference>,
+    /// Sensors whose rows repeat.
+    repeating: Vec<(Sensor, Repeating)>,
+    /// Median time between two readings of the reference, s.
+    period_s: Option<f64>,
+}
+
+/// A sensor whose rows repeat.
+#[derive(Clone, Debug)]
+struct Repeating {
+    counts: HeldReference,
     last: Option<[u64; 2]>,
     /// When a sample was kept last, and whether it was a repetition.
     kept_ns: i64,
     repeats: bool,
-    /// Median time between two readings, s.
-    period_s: Option<f64>,
 }
 
 impl Held {
-    /// For the readings of `reference` among samples in the order of time.
+    /// For samples in the order of time, whose motion is measured by `reference`.
     ///
     /// # Errors
     /// The first of the samples.
@@ -103,33 +123,47 @@ impl Held {
         reference: Reference,
         samples: impl IntoIterator<Item = Result<Sample, E>>,
     ) -> Result<Self, E> {
-        let mut found = Self {
-            reference,
-            counts: None,
-            last: None,
-            kept_ns: 0,
-            repeats: false,
-            period_s: None,
-        };
-        if matches!(reference, Reference::FreeWheel | Reference::Grip) {
-            return Ok(found);
-        }
-        let mut updates = Updates::default();
+        let mut all: Vec<(Sensor, Updates)> = Vec::new();
         for sample in samples {
             let sample = sample?;
-            if let Some(bits) = bits(&sample.measurement, reference)
-                && updates.is_done(sample.time_ns, bits)
-            {
+            let Some((sensor, bits)) = bits(&sample.measurement, reference) else {
+                continue;
+            };
+            let at = all.iter().position(|(known, _)| *known == sensor);
+            let at = at.unwrap_or_else(|| {
+                all.push((sensor, Updates::default()));
+                all.len() - 1
+            });
+            all[at].1.take(sample.time_ns, bits);
+            if all[at].1.is_done && all.iter().all(|(_, updates)| updates.is_done) {
                 break;
             }
         }
-        let period_s = updates.period_s();
-        found.counts = updates.interval_s().map(|interval_s| HeldReference {
-            rows: 0,
-            updates: 0,
-            interval_s,
-        });
-        found.period_s = (found.counts.map(|counts| counts.interval_s)).or(period_s);
+        let mut found = Self {
+            reference,
+            repeating: Vec::new(),
+            period_s: None,
+        };
+        for (sensor, mut updates) in all {
+            let period_s = updates.period_s();
+            let interval_s = updates.interval_s();
+            if sensor == Sensor::Reference {
+                found.period_s = interval_s.or(period_s);
+            }
+            let of = |interval_s| Repeating {
+                counts: HeldReference {
+                    rows: 0,
+                    updates: 0,
+                    interval_s,
+                },
+                last: None,
+                kept_ns: 0,
+                repeats: false,
+            };
+            found
+                .repeating
+                .extend(interval_s.map(|interval_s| (sensor, of(interval_s))));
+        }
         Ok(found)
     }
 
@@ -143,29 +177,38 @@ impl Held {
 
     /// Is a sample a reading?
     pub fn keeps(&mut self, sample: &Sample) -> bool {
-        let Some(counts) = &mut self.counts else {
+        let Some((sensor, bits)) = bits(&sample.measurement, self.reference) else {
             return true;
         };
-        let Some(bits) = bits(&sample.measurement, self.reference) else {
-            return true;
-        };
+        let mut repeating = self.repeating.iter_mut();
+        match repeating.find(|(known, _)| *known == sensor) {
+            Some((_, own)) => own.keeps(sample.time_ns, bits),
+            None => true,
+        }
+    }
+
+    /// What was left out of the reference's rows; `None` where each of them is a reading.
+    #[must_use]
+    pub fn counts(&self) -> Option<HeldReference> {
+        let mut repeating = self.repeating.iter();
+        let own = repeating.find(|(sensor, _)| *sensor == Sensor::Reference);
+        own.map(|(_, own)| own.counts)
+    }
+}
+
+impl Repeating {
+    fn keeps(&mut self, time_ns: i64, bits: [u64; 2]) -> bool {
         let is_update = self.last.replace(bits) != Some(bits);
-        counts.rows += 1;
-        counts.updates += u64::from(is_update);
-        let since_s = sample.time_ns.saturating_sub(self.kept_ns) as f64 * 1e-9;
+        self.counts.rows += 1;
+        self.counts.updates += u64::from(is_update);
+        let since_s = time_ns.saturating_sub(self.kept_ns) as f64 * 1e-9;
         let intervals = if self.repeats { 1.0 } else { MAX_INTERVALS };
-        let keeps = is_update || since_s >= intervals * counts.interval_s;
+        let keeps = is_update || since_s >= intervals * self.counts.interval_s;
         if keeps {
-            self.kept_ns = sample.time_ns;
+            self.kept_ns = time_ns;
             self.repeats = !is_update;
         }
         keeps
-    }
-
-    /// What was left out.
-    #[must_use]
-    pub const fn counts(&self) -> Option<HeldReference> {
-        self.counts
     }
 }
 
@@ -179,11 +222,12 @@ struct Updates {
     /// The time of the last row, and those between the first rows, s.
     row_ns: Option<i64>,
     periods_s: Vec<f64>,
+    /// Are there enough of them?
+    is_done: bool,
 }
 
 impl Updates {
-    /// Takes a row; are there enough of them?
-    fn is_done(&mut self, time_ns: i64, bits: [u64; 2]) -> bool {
+    fn take(&mut self, time_ns: i64, bits: [u64; 2]) {
         let seconds = |from: i64| time_ns.saturating_sub(from) as f64 * 1e-9;
         if let Some(last) = self.row_ns.replace(time_ns)
             && self.periods_s.len() < UPDATES
@@ -202,7 +246,7 @@ impl Updates {
                 self.last = Some((bits, time_ns));
             }
         }
-        is_over || self.intervals.len() >= UPDATES
+        self.is_done |= is_over || self.intervals.len() >= UPDATES;
     }
 
     /// The median time between rows, s.

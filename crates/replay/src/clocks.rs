@@ -9,6 +9,7 @@ use crate::choice::{Inputs, robot_wheels};
 use crate::error::{Error, Result};
 use crate::method::Method;
 use crate::options::Options;
+use crate::postponed::Postponed;
 use crate::samples::{RobotSamples, held, of_robot};
 use crate::steering::WheelSteering;
 
@@ -17,6 +18,8 @@ use crate::steering::WheelSteering;
 pub(crate) struct Clocks {
     /// How much later the gyro's clock stamps the same moment than the encoders', s, where that is to be found.
     pub(crate) gyro_offset_s: Option<f64>,
+    /// How much later than the wheels the gyro is, s, beside what is shifted by [`Clocks::shifts`].
+    pub(crate) late_gyro_s: f64,
     pub(crate) reference_delay: Option<ReferenceDelay>,
     pub(crate) held: Held,
 }
@@ -25,6 +28,7 @@ impl Clocks {
     pub(crate) fn of(log: &Log, file: &RobotFile, options: &Options) -> Result<Self> {
         let mut clocks = Self {
             gyro_offset_s: None,
+            late_gyro_s: 0.0,
             reference_delay: None,
             held: held(log, file, options, &[])?,
         };
@@ -39,6 +43,10 @@ impl Clocks {
         let shifts = clocks.shifts(log);
         let tracks = tracks(log, file, options, &shifts, clocks.held.clone())?;
         clocks.reference_delay = tracks.and_then(|tracks| ReferenceDelay::find(&[tracks], file));
+        if let Some(delay) = clocks.reference_delay {
+            clocks.late_gyro_s = delay.gyro_delay_s.unwrap_or(0.0);
+            clocks.gyro_offset_s = clocks.gyro_offset_s.or(delay.gyro_delay_s);
+        }
         Ok(clocks)
     }
 
@@ -57,27 +65,25 @@ impl Clocks {
     }
 
     /// Uses the delay of the reference where it is clear and the file states none: as the filter's latency, or, of a reference
-    /// that is early, by postponing it. Returns by how much that is, ns.
-    pub(crate) fn apply_delay(&mut self, file: &mut RobotFile, method: Method) -> i64 {
+    /// that is early, by postponing it; a gyro that is not on the wheels' time is corrected as well.
+    pub(crate) fn apply_delay(&mut self, file: &mut RobotFile, method: Method) -> Postponed {
+        let late_gyro_s = self.late_gyro_s;
+        let postponed = |reference_s| Postponed::by(reference_s, late_gyro_s);
         let is_used = |delay: &&mut ReferenceDelay| {
             delay.is_clear && !delay.is_stated && !delay.is_beyond_correction()
         };
         let Some(delay) = self.reference_delay.as_mut().filter(is_used) else {
-            return 0;
+            return postponed(0.0);
         };
         if delay.delay_s < 0.0 {
             delay.is_applied = true;
-            #[allow(
-                clippy::cast_possible_truncation,
-                reason = "it is at most half a second"
-            )]
-            return (delay.delay_s * -1e9).round() as i64;
+            return postponed(-delay.delay_s);
         }
         delay.is_applied = method == Method::Filter;
         if delay.is_applied {
             file.filter.reference_latency = delay.delay_s;
         }
-        0
+        postponed(0.0)
     }
 }
 

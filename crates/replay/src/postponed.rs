@@ -1,43 +1,61 @@
-//! Readings of a reference whose stamps are early.
+//! Readings of sensors whose stamps are early.
 
 use std::collections::VecDeque;
 
 use grouser_slip::{Measurement, Sample};
 
-/// Puts the readings of the reference later by a constant, in the order of time: each belongs beside wheel readings that are
-/// stamped later.
+/// Puts readings later by a constant of their sensor, in the order of time: each belongs next to readings of other sensors that
+/// are stamped later.
 #[derive(Debug)]
 pub(crate) struct Postponed {
-    by_ns: i64,
+    /// Of the reference, of the gyro, and of all else, ns.
+    by_ns: [i64; 3],
     waiting: VecDeque<Sample>,
 }
 
 impl Postponed {
-    pub(crate) fn by(by_ns: i64) -> Self {
+    /// By how much later the reference is put than the wheels, and by how much the gyro's stamps are later than theirs, s.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "they are at most some seconds"
+    )]
+    pub(crate) fn by(reference_s: f64, late_gyro_s: f64) -> Self {
+        let ns = |seconds: f64| (seconds * 1e9).round() as i64;
+        let wheels = ns(late_gyro_s.max(0.0));
         Self {
-            by_ns,
+            by_ns: [
+                wheels + ns(reference_s),
+                ns((-late_gyro_s).max(0.0)),
+                wheels,
+            ],
             waiting: VecDeque::new(),
         }
     }
 
     /// Takes the next sample of a log; hands on what comes not later than it.
     pub(crate) fn take(&mut self, mut sample: Sample) -> impl Iterator<Item = Sample> {
-        let is_reference = matches!(
-            sample.measurement,
+        let [reference, gyro, wheels] = self.by_ns;
+        let by_ns = match sample.measurement {
             Measurement::Displacement { .. }
-                | Measurement::Pose { .. }
-                | Measurement::Position { .. }
-                | Measurement::Speed { .. }
-        );
-        let time_ns = sample.time_ns;
+            | Measurement::Pose { .. }
+            | Measurement::Position { .. }
+            | Measurement::Speed { .. } => reference,
+            Measurement::YawRate { .. } | Measurement::Acceleration { .. } => gyro,
+            _ => wheels,
+        };
+        let now_ns = sample.time_ns;
+        sample.time_ns = now_ns.saturating_add(by_ns);
         let mut present = Some(sample);
-        if self.by_ns != 0 && is_reference {
-            sample.time_ns = time_ns.saturating_add(self.by_ns);
-            self.waiting.push_back(sample);
+        if by_ns != 0 {
+            let next = self
+                .waiting
+                .partition_point(|of| of.time_ns <= sample.time_ns);
+            self.waiting.insert(next, sample);
             present = None;
         }
-        let due = (self.waiting.iter()).take_while(|waiting| waiting.time_ns <= time_ns);
-        let due = due.count();
+        let due = self
+            .waiting
+            .partition_point(|waiting| waiting.time_ns <= now_ns);
         self.waiting.drain(..due).chain(present)
     }
 
@@ -65,8 +83,8 @@ mod tests {
             },
         };
         let log = [rate(0), speed(5), rate(10), speed(15), rate(20), rate(30)];
-        let put = |by_ns| {
-            let mut postponed = Postponed::by(by_ns);
+        let put = |by_ns: f64| {
+            let mut postponed = Postponed::by(1e-9 * by_ns, 0.0);
             let mut out = Vec::new();
             for sample in log {
                 out.extend(postponed.take(sample));
@@ -74,8 +92,8 @@ mod tests {
             out.extend(postponed.finish());
             out
         };
-        assert_eq!(put(0), log);
+        assert_eq!(put(0.0), log);
         let expected = [rate(0), rate(10), rate(20), speed(25), rate(30), speed(35)];
-        assert_eq!(put(20), expected);
+        assert_eq!(put(20.0), expected);
     }
 }

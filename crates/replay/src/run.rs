@@ -11,7 +11,6 @@ use crate::engine::Engine;
 use crate::error::Result;
 use crate::method::Method;
 use crate::options::Options;
-use crate::postponed::Postponed;
 use crate::samples::RobotSamples;
 use crate::sink::{Row, Rows, Sink};
 use crate::summary::Summary;
@@ -99,13 +98,12 @@ fn run_once(
     let mut file = file.clone();
     let method = options.method_for(&file.robot, inputs.reference);
     let mut clocks = clocks.clone();
-    let early_ns = clocks.apply_delay(&mut file, method);
+    let mut postponed = clocks.apply_delay(&mut file, method);
     let shifts = clocks.shifts(log);
     let mut held = clocks.held;
     let dropout_s = held.dropout_s().unwrap_or(0.0);
     file.filter.dropout = file.filter.dropout.max(dropout_s);
     let mut engine = Engine::new(&file, inputs, options)?;
-    let mut postponed = Postponed::by(early_ns);
     for sample in log.samples(&shifts)? {
         let sample = sample?;
         if !held.keeps(&sample) {

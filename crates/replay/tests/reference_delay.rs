@@ -320,12 +320,21 @@ fn a_drive_that_repeats_itself_shows_no_delay_of_whole_periods() {
 }
 
 #[test]
-fn a_gyro_that_contradicts_the_wheels_leaves_the_delay_open() {
-    let case = Case {
-        gyro_delay_s: 0.15,
-        ..CASE
-    };
-    assert_eq!(found(&case, ""), None);
+fn wheels_and_gyro_have_delays_of_their_own() {
+    for (delay_s, gyro_delay_s) in [(0.0, 0.15), (0.2, 0.1), (-0.15, -0.12)] {
+        let case = Case {
+            delay_s,
+            gyro_delay_s,
+            ..CASE
+        };
+        let of = found(&case, "").unwrap();
+        let gyro_s = of.gyro_delay_s.unwrap();
+        assert!((of.delay_s - delay_s).abs() < 0.02, "{of:?}");
+        assert!((gyro_s - gyro_delay_s).abs() < 0.03, "{of:?}");
+        // what is corrected no longer errs
+        let (wrong, right) = (error(&case, ""), error(&CASE, ""));
+        assert!(wrong < 1.2 * right, "{wrong} {right}");
+    }
 }
 
 #[test]

@@ -39,7 +39,7 @@ const CLOCKS: Delays = Delays {
 
 /// By how much the reference's stamps are later than those of wheels and gyro, as logs show it.
 ///
-/// Wheels and gyro are on one clock. Rates of wheels count as means since the reading before: if they are of the moment of
+/// Rates of wheels count as means since the reading before: if they are of the moment of
 /// their stamp, half of their period is in the delay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -56,6 +56,8 @@ pub struct ReferenceDelay {
     pub is_clear: bool,
     /// Did the run use it?
     pub is_applied: bool,
+    /// By how much the gyro's stamps are later than those of the wheels, s, where they differ: the delay is then that to the wheels.
+    pub gyro_delay_s: Option<f64>,
 }
 
 impl fmt::Display for ReferenceDelay {
@@ -119,7 +121,7 @@ impl ReferenceDelay {
     #[must_use]
     pub fn find(logs: &[Tracks], file: &RobotFile) -> Option<Self> {
         let stated_s = file.filter.reference_latency;
-        let within = |delays| {
+        let within = |delays, kinds: &[Kind]| {
             let pairs = logs.iter().flat_map(|tracks| {
                 [
                     (Kind::Way, &tracks.rims.track, tracks.ways.as_slice()),
@@ -131,14 +133,25 @@ impl ReferenceDelay {
                 let is_clear = !fitted.is_contradicted && !fitted.is_ambiguous && !fitted.is_at_end;
                 high - low < MAX_POSSIBLE_S && is_clear
             };
-            fit(pairs, stated_s, delays).filter(is_measured)
+            let of_kinds = pairs.filter(|(kind, ..)| kinds.contains(kind));
+            fit(of_kinds, stated_s, delays).filter(is_measured)
         };
+        // wheels and gyro agree, or each has a delay of its own
+        let both = |delays| {
+            if let Some(joint) = within(delays, &[Kind::Way, Kind::Turn]) {
+                return Some((joint, None));
+            }
+            let way = within(delays, &[Kind::Way])?;
+            let turn = within(delays, &[Kind::Turn])?;
+            Some((way, Some(way.delay_s - turn.delay_s)))
+        };
+        let (fitted, gyro_delay_s) = both(CORRECTED).or_else(|| both(CLOCKS))?;
         let Fitted {
             delay_s,
             half_width_s,
             possible_s: [low, high],
             ..
-        } = within(CORRECTED).or_else(|| within(CLOCKS))?;
+        } = fitted;
         Some(Self {
             delay_s: stated_s + delay_s,
             half_width_s,
@@ -146,6 +159,7 @@ impl ReferenceDelay {
             is_stated: file.is_reference_latency_stated || stated_s != 0.0,
             is_clear: (low > TOLERANCE_S || high < -TOLERANCE_S) && delay_s.abs() > MIN_DELAY_S,
             is_applied: false,
+            gyro_delay_s,
         })
     }
 }

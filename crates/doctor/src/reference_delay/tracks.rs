@@ -9,7 +9,7 @@ use super::track::Track;
 
 /// Nothing is known between two readings of a gyro that are further apart, s: whether a rate is of the moment of its stamp or
 /// the mean since the one before, half of the time between them, is not known.
-const MAX_GYRO_GAP_S: f64 = 0.07;
+const MAX_GYRO_GAP_S: f64 = 0.15;
 /// Length of a log that is used, s.
 const MAX_LOG_S: f64 = 1800.0;
 
