@@ -42,7 +42,7 @@ pub struct IntervalCalibration {
     pub half_width: f64,
 }
 
-/// The factor on the standard deviations of the slips with which 90 % of the intervals contain the slip by the reference in runs with
+/// The factor on the standard deviations of online slips with which 90 % of the intervals contain the slip by the reference in runs with
 /// one. Each run counts alike. `file` must not contain a factor yet: it is divided out.
 ///
 /// The slip by the reference is the mean over the second about each estimate. Errors of radii, axes or of the reference's scale are
@@ -154,12 +154,15 @@ impl Sink for Kept {
 /// The errors of all wheels of a run.
 fn errors_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<SlipError>> {
     let mut estimates = Kept::default();
-    run_into(log, file, options, &mut estimates)?;
+    let online = Options {
+        offline: false,
+        ..*options
+    };
+    run_into(log, file, &online, &mut estimates)?;
     let by_windows = Options {
         method: Some(Method::Window),
-        offline: false,
         window_s: Some(TRUTH_WINDOW_S),
-        ..*options
+        ..online
     };
     let mut means = Kept::default();
     run_into(log, file, &by_windows, &mut means)?;

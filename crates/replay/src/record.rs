@@ -63,7 +63,12 @@ impl Record {
         Self {
             inputs,
             settings,
-            interval_factor: file.corrections.interval_factor,
+            // it was found of online slips
+            interval_factor: if options.offline {
+                1.0
+            } else {
+                file.corrections.interval_factor
+            },
             span: (
                 options.from_s.unwrap_or(f64::NEG_INFINITY),
                 options.to_s.unwrap_or(f64::INFINITY),

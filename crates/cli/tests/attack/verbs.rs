@@ -42,7 +42,7 @@ const VERBS: [(u32, &str); 36] = [
     (2, "batch @in.csv -o -"),
     (6, "estimate @log.mcap --robot @robot.toml -o >x.csv"),
     (4, "estimate @log.mcap --robot @robot.toml -o >x.mcap"),
-    (3, "estimate @log.bag --robot @robot.toml --smooth"),
+    (3, "estimate @log.bag --robot @robot.toml --online"),
     (
         5,
         "estimate @log.csv --map @columns.toml --robot @robot.toml -o >x.csv",

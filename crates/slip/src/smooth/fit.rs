@@ -139,49 +139,66 @@ impl Passes<'_> {
         }
     }
 
-    /// Fits levels, outliers and, where `jumping`, jumps; `None` where there are no jumps to find.
-    fn fit(
-        &mut self,
-        prior: Levels,
-        mut jumps: Jumps,
-        times: &[f64],
-        jumping: bool,
-    ) -> Option<Fit> {
+    /// Fits levels and outliers of a slip that wanders.
+    fn wandering(&mut self, prior: Levels, jumps: Jumps) -> Fit {
         for reading in self.steps.iter_mut().flat_map(|step| &mut step.readings) {
             reading.scale = 1.0;
         }
         let mut levels = self.begin(&prior, &jumps);
-        if jumping {
-            // from the sparse side: a level that has learnt to wander hides every jump
-            for round in 0..JUMP_ROUNDS {
-                let (found, _) = self.run(&levels, &jumps);
-                self.weigh(&found, &levels);
-                self.learn(&found, &mut levels, Some(Noise::Slip));
-                if round >= SETTLING_ROUNDS && !jumps.find(&found.shocks, times) {
-                    break;
-                }
-            }
-            if jumps.at.is_empty() {
-                return None;
+        for _ in 1..ROUNDS {
+            self.round(&mut levels, &jumps, None);
+        }
+        self.end(levels, jumps)
+    }
+
+    /// Fits levels, outliers and jumps of a slip that is steady between them; `None` where there is no jump. It begins with the levels
+    /// and outliers of another fit, but with the slip's `level` of the prior: one that has learnt to wander hides every jump.
+    fn jumping(
+        &mut self,
+        from: Levels,
+        level: f64,
+        mut jumps: Jumps,
+        times: &[f64],
+    ) -> Option<Fit> {
+        let mut levels = from;
+        levels.0[Noise::Slip as usize] = level;
+        for round in 0..JUMP_ROUNDS {
+            let found = self.round(&mut levels, &jumps, Some(Noise::Slip));
+            if round >= SETTLING_ROUNDS && !jumps.find(&found.shocks, times) {
+                break;
             }
         }
+        if jumps.at.is_empty() {
+            return None;
+        }
         for round in 1..ROUNDS {
-            let (found, _) = self.run(&levels, &jumps);
-            self.weigh(&found, &levels);
-            self.learn(&found, &mut levels, None);
-            if jumping && round < ROUNDS - LAST_ROUNDS {
+            let found = self.round(&mut levels, &jumps, None);
+            if round < ROUNDS - LAST_ROUNDS {
                 jumps.find(&found.shocks, times);
             }
         }
+        Some(self.end(levels, jumps))
+    }
+
+    /// One pass forward and back, from which outliers and all levels but one are learnt.
+    fn round(&mut self, levels: &mut Levels, jumps: &Jumps, kept: Option<Noise>) -> Back {
+        let (found, _) = self.run(levels, jumps);
+        self.weigh(&found, levels);
+        self.learn(&found, levels, kept);
+        found
+    }
+
+    /// The last pass.
+    fn end(&mut self, levels: Levels, jumps: Jumps) -> Fit {
         let (back, common) = self.run(&levels, &jumps);
         let evidence = jumps.evidence(back.likelihood);
-        Some(Fit {
+        Fit {
             levels,
             back,
             common,
             jumps: jumps.at,
             evidence,
-        })
+        }
     }
 }
 
@@ -209,10 +226,10 @@ pub fn fit(steps: &mut [Step], start: Belief, prior: Levels, learn: [bool; KINDS
         scratch: vec![0.0; wheels],
     };
     let none = || Jumps::none(times.len(), shown);
-    let jumping = passes.fit(prior, none(), &times, true);
-    match (passes.fit(prior, none(), &times, false), jumping) {
-        (Some(wandering), Some(jumping)) if wandering.evidence < jumping.evidence => jumping,
-        (Some(wandering), _) => wandering,
-        (None, _) => unreachable!("a fit without jumps always ends"),
+    let wandering = passes.wandering(prior, none());
+    let level = prior.of(Noise::Slip);
+    match passes.jumping(wandering.levels, level, none(), &times) {
+        Some(jumping) if jumping.evidence > wandering.evidence => jumping,
+        _ => wandering,
     }
 }
