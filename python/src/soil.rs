@@ -69,7 +69,7 @@ impl Soil {
     fn bekker(&self) -> (f64, f64) {
         match self.params().pressure {
             Pressure::Bekker(law) => (law.k_c, law.k_phi),
-            _ => (f64::NAN, f64::NAN),
+            Pressure::Reece(_) => (f64::NAN, f64::NAN),
         }
     }
 }

@@ -103,7 +103,7 @@ impl Wheel {
     fn grouser_count(&self) -> Option<f64> {
         match self.0.grousers()?.rule {
             GrouserRule::Lugs { count, .. } => Some(count),
-            _ => None,
+            GrouserRule::Tips | GrouserRule::AreaShare { .. } => None,
         }
     }
 
@@ -112,7 +112,7 @@ impl Wheel {
     fn grouser_thickness_m(&self) -> f64 {
         match self.0.grousers().map(|grousers| grousers.rule) {
             Some(GrouserRule::Lugs { thickness, .. }) => thickness,
-            _ => 0.0,
+            Some(GrouserRule::Tips | GrouserRule::AreaShare { .. }) | None => 0.0,
         }
     }
 
@@ -121,7 +121,7 @@ impl Wheel {
     fn grouser_tip_share(&self) -> Option<f64> {
         match self.0.grousers()?.rule {
             GrouserRule::AreaShare { tips } => Some(tips),
-            _ => None,
+            GrouserRule::Tips | GrouserRule::Lugs { .. } => None,
         }
     }
 

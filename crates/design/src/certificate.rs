@@ -11,6 +11,7 @@ use grouser_opt::{
     Certificate, CertifyError, CertifyProgress, CertifySettings, Measure, Node, Problem, Progress,
     ProofSink, Tape, TapedFunctions, Variable, certify_with,
 };
+use grouser_terra::Kernel;
 
 use crate::design::{Design, Task};
 use crate::error::{Error, Result};
@@ -73,12 +74,12 @@ impl Design {
                 Quantity::MaxEfficiency => Some("tractive_efficiency"),
                 _ => None,
             };
-            Some(match (instead, world.fixed.law_without_bounds()) {
+            Some(match (instead, world.fixed.law_unserved_by(Kernel::Tape)) {
                 (Some(formula), _) => format!(
                     "`{name}` is a search over slip and has no bounds over a box; with `slip` as a variable, write `{formula}`"
                 ),
-                (None, Some(law)) if first.is_some() => {
-                    format!("`{name}` has no bounds over a box with {law}")
+                (None, Some((of, law))) if first.is_some() => {
+                    format!("`{name}` has no bounds over a box with the {of} `{law}`")
                 }
                 (None, _) if first.is_none() && missing.is_of_forces() => {
                     format!("`{name}` has bounds over a box under a given load, not at a given sinkage")

@@ -4,6 +4,7 @@ use grouser_real::{Real, Scalar};
 
 use crate::contact::{ContactAngles, Motion};
 use crate::error::{Error, Result};
+use crate::kernel::laws;
 use crate::quadrature::LEGENDRE_16;
 use crate::shear::MohrCoulomb;
 use crate::side_disc::{MAX_FRICTION_RAD, sideways_weight};
@@ -11,7 +12,6 @@ use crate::soil::SoilParams;
 
 /// How the bulldozing of a wheel's side enters the side force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum Bulldozing {
     /// Times κ = |sin β|: continuous as the drift vanishes. The default.
     #[default]
@@ -42,24 +42,17 @@ pub enum Bulldozing {
 }
 
 impl Bulldozing {
-    /// Every law.
-    pub const ALL: [Self; 5] = [Self::Scaled, Self::Full, Self::Chord, Self::Disc, Self::Off];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
+    /// Does it act beside the hub too, where that is buried?
+    pub(crate) const fn is_beside_hub(self) -> bool {
         match self {
-            Self::Scaled => "scaled",
-            Self::Full => "full",
-            Self::Chord => "chord",
-            Self::Disc => "disc",
-            Self::Off => "off",
+            Self::Disc => true,
+            Self::Scaled | Self::Full | Self::Chord | Self::Off => false,
         }
     }
 
     /// Can this law be used with these numbers of a soil?
     pub(crate) fn check(self, soil: &SoilParams) -> Result<()> {
-        if self != Self::Disc {
+        if !self.is_beside_hub() {
             return Ok(());
         }
         if soil.unit_weight.is_none() {
@@ -100,6 +93,15 @@ impl Bulldozing {
         }
     }
 }
+
+// without effect straight ahead
+laws!(Bulldozing {
+    Scaled: "scaled" => [General, Quick, Lanes, Tape, Remainder],
+    Full: "full" => [General, Quick, Lanes, Tape, Remainder],
+    Chord: "chord" => [General, Quick, Lanes, Tape, Remainder],
+    Disc: "disc" => [General, Quick, Lanes, Tape, Remainder],
+    Off: "off" => [General, Quick, Lanes, Tape, Remainder],
+});
 
 /// Bulldozing resistance per metre of blade by Hegedus: R_b(h) = D_1 (c h + D_2 γ h²/2) in N/m, with
 /// D_1 = cot X_c + tan(X_c + φ), D_2 = cot X_c + cot² X_c tan φ and the destructive angle

@@ -19,6 +19,8 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 // denied in the workspace; `lanes::machine` alone allows it
 #![deny(unsafe_code)]
+// a new law or status has to be led to every `match`
+#![cfg_attr(not(test), warn(clippy::wildcard_enum_match_arm))]
 
 mod angle;
 mod bulldozing;
@@ -30,6 +32,7 @@ mod error;
 mod fitted_range;
 mod forces;
 mod gravity;
+mod kernel;
 mod kinematics;
 mod lanes;
 mod lugs;
@@ -69,6 +72,7 @@ pub use gravity::{
     EARTH_GRAVITY_M_PER_S2, MARS_GRAVITY_M_PER_S2, MOON_GRAVITY_M_PER_S2, gravity_of,
 };
 pub use grouser_real::OutOfRange;
+pub use kernel::Kernel;
 pub use kinematics::Kinematics;
 pub use lanes::{
     BatchColumns, BatchInput, BatchKernel, BatchPoints, BestOf, BestSlipColumns, LaneMask, Lanes,
@@ -87,7 +91,7 @@ pub use side_disc::passive_pressure_coulomb;
 pub use sinkage::{LoadOutcome, LoadSolution, MAX_MISS, Sinkage, SinkageSolution};
 pub use slip::{Slip, WheelMotion};
 pub use slip_model::{Mobilised, ModelOutcome, ModelSlip, slip_ani, slip_model};
-pub use slip_velocity::{SlipNorm, SlipVelocity};
+pub use slip_velocity::{DrivingSlip, SlipNorm, SlipVelocity};
 pub use soil::{LawChoice, Soil, SoilLaws, SoilParams};
 pub use soil_history::{Entry, SideForce, SoilHistory};
 pub use status::SolveStatus;

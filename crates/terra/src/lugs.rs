@@ -5,7 +5,7 @@ use core::f64::consts::TAU;
 use grouser_real::Real;
 
 use crate::operating_point::OperatingPoint;
-use crate::wheel::{GrouserRule, Grousers, RigidWheel};
+use crate::wheel::{GrouserRule, RigidWheel};
 use crate::wheel_on_soil::WheelOnSoil;
 
 /// Positions of the lugs, over one spacing, at which their forces are summed up: enough for the difference of
@@ -97,12 +97,12 @@ pub struct LugPassage {
 impl RigidWheel {
     /// Number and height (m) of the lugs, if the wheel has lugs whose passage counts.
     fn lugs(&self) -> Option<(f64, f64)> {
-        match self.grousers() {
-            Some(Grousers {
-                height,
-                rule: GrouserRule::Lugs { count, .. },
-            }) if height > 0.0 => Some((count, height)),
-            _ => None,
+        let grousers = self.grousers()?;
+        match grousers.rule {
+            GrouserRule::Tips | GrouserRule::AreaShare { .. } => None,
+            GrouserRule::Lugs { count, .. } => {
+                (grousers.height > 0.0).then_some((count, grousers.height))
+            }
         }
     }
 }

@@ -63,7 +63,7 @@ impl<T> LoadOutcome<T> {
     pub fn solved(self) -> Option<T> {
         match self {
             Self::Solved(found) => Some(found),
-            _ => None,
+            Self::NoSolution { .. } | Self::NotConverged => None,
         }
     }
 

@@ -1,8 +1,10 @@
 //! The slip velocity of a wheel that may drift, as two numbers of the order of a slip.
 
-use grouser_real::Scalar;
+use grouser_real::{Real, Scalar};
 
 use crate::contact::Motion;
+use crate::kernel::laws;
+use crate::pressure::level_off;
 
 /// The velocity of the lowest point of the rim over the ground, over a speed m: s_x = (rω − v_x)/m and
 /// s_y = |v_y|/m, with m = max(rω, V) or hypot(rω, V) ([`SlipNorm`]) and V = hypot(v_x, v_y).
@@ -26,7 +28,6 @@ pub struct SlipVelocity<R = f64> {
 
 /// By which speed a slip velocity is divided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum SlipNorm {
     /// max(rω, V). The default: straight ahead s_x is the slip itself. A drifting wheel has an edge at rω = V.
     #[default]
@@ -37,13 +38,62 @@ pub enum SlipNorm {
     Root,
 }
 
+laws!(SlipNorm {
+    Greater: "greater" => [General, Quick, Lanes, Tape, Remainder],
+    Root: "root" => [General, Quick, Lanes, Tape, Remainder],
+});
+
+/// Which slip of a wheel that drives straight ahead a law takes: by it, kernels for such wheels need not know the law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DrivingSlip {
+    /// s/√(1 + (1 − s)²) in place of s.
+    pub over_root: bool,
+    /// f(x) = x (1 − x/2) of it ([`level_off`]).
+    pub levels_off: bool,
+}
+
+impl DrivingSlip {
+    /// The slip itself.
+    pub(crate) const PLAIN: Self = Self {
+        over_root: false,
+        levels_off: false,
+    };
+
+    /// The same, levelling off.
+    pub(crate) const fn levelling_off(self) -> Self {
+        Self {
+            levels_off: true,
+            ..self
+        }
+    }
+
+    /// What is taken of a slip of 0 or above.
+    #[inline(always)]
+    pub(crate) fn of<R: Real>(self, slip: R) -> R {
+        let taken = if self.over_root {
+            let forward = R::ONE - slip;
+            slip / (R::ONE + forward * forward).sqrt()
+        } else {
+            slip
+        };
+        if self.levels_off {
+            level_off(taken)
+        } else {
+            taken
+        }
+    }
+}
+
 impl SlipNorm {
-    /// Its name in files.
+    /// The slip velocity of a wheel that drives straight ahead.
     #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Greater => "greater",
-            Self::Root => "root",
+    pub const fn driving(self) -> DrivingSlip {
+        DrivingSlip {
+            over_root: match self {
+                Self::Greater => false,
+                Self::Root => true,
+            },
+            ..DrivingSlip::PLAIN
         }
     }
 }

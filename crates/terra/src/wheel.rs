@@ -1,6 +1,7 @@
 //! The wheel.
 
 use crate::error::{Error, Result};
+use crate::kernel::Kernel;
 
 /// The least and greatest radius and width in m: from a toy's castor to a mining truck.
 const SIZE: (f64, f64) = (1e-3, 100.0);
@@ -34,7 +35,6 @@ pub struct Grousers {
 
 /// Which radius serves which law, r being the rim's and r_s = r + h_g the tips'.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum GrouserRule {
     /// r_s everywhere: closely spaced grousers carry the soil between them along like a solid drum.
     Tips,
@@ -54,6 +54,16 @@ pub enum GrouserRule {
         /// Thickness t along the rim, m; N t is at most the circumference.
         thickness: f64,
     },
+}
+
+impl GrouserRule {
+    /// The kernels that compute it.
+    #[must_use]
+    pub const fn kernels(&self) -> &'static [Kernel] {
+        match self {
+            Self::Tips | Self::AreaShare { .. } | Self::Lugs { .. } => Kernel::BUT_LANES,
+        }
+    }
 }
 
 impl RigidWheel {
@@ -87,13 +97,14 @@ impl RigidWheel {
     /// ```
     pub fn with_grousers(self, grousers: Grousers) -> Result<Self> {
         Error::check_range("grouser_height", grousers.height, 0.0, self.radius, "m")?;
-        if let GrouserRule::AreaShare { tips } = grousers.rule {
-            Error::check_range("tips", tips, 0.0, 1.0, "1")?;
-        }
-        if let GrouserRule::Lugs { count, thickness } = grousers.rule {
-            Error::check_range("lug_count", count, 1.0, MAX_LUGS, "1")?;
-            let room = core::f64::consts::TAU * self.radius / count;
-            Error::check_range("lug_thickness", thickness, 0.0, room, "m")?;
+        match grousers.rule {
+            GrouserRule::Tips => {}
+            GrouserRule::AreaShare { tips } => Error::check_range("tips", tips, 0.0, 1.0, "1")?,
+            GrouserRule::Lugs { count, thickness } => {
+                Error::check_range("lug_count", count, 1.0, MAX_LUGS, "1")?;
+                let room = core::f64::consts::TAU * self.radius / count;
+                Error::check_range("lug_thickness", thickness, 0.0, room, "m")?;
+            }
         }
         Ok(Self {
             grousers: Some(grousers),
@@ -119,41 +130,40 @@ impl RigidWheel {
         self.grousers
     }
 
+    /// Does a kernel compute wheels with these grousers?
+    #[must_use]
+    pub fn is_served_by(&self, kernel: Kernel) -> bool {
+        self.grousers
+            .is_none_or(|grousers| grousers.rule.kernels().contains(&kernel))
+    }
+
     /// The radius that slip, forces, torque and the contact angles refer to, m: r, or r_s = r + h_g
     /// ([`GrouserRule`]).
     #[must_use]
     pub fn running_radius(&self) -> f64 {
-        match self.grousers {
-            Some(Grousers {
-                rule: GrouserRule::Lugs { .. },
-                ..
+        self.grousers
+            .map_or(self.radius, |grousers| match grousers.rule {
+                GrouserRule::Tips | GrouserRule::AreaShare { .. } => self.radius + grousers.height,
+                GrouserRule::Lugs { .. } => self.radius,
             })
-            | None => self.radius,
-            Some(grousers) => self.radius + grousers.height,
-        }
     }
 
     /// The radius that the shear displacement refers to, m.
     #[must_use]
     pub fn shear_radius(&self) -> f64 {
-        match self.grousers {
-            Some(Grousers {
-                rule: GrouserRule::AreaShare { .. },
-                ..
-            }) => self.radius,
-            _ => self.running_radius(),
-        }
+        self.grousers
+            .map_or(self.radius, |grousers| match grousers.rule {
+                GrouserRule::Tips => self.running_radius(),
+                GrouserRule::AreaShare { .. } | GrouserRule::Lugs { .. } => self.radius,
+            })
     }
 
     /// The share of the stress that acts at the tips' radius; the rest acts at the rim's.
     #[must_use]
     pub fn tip_share(&self) -> f64 {
-        match self.grousers {
-            Some(Grousers {
-                rule: GrouserRule::AreaShare { tips },
-                ..
-            }) => tips,
-            _ => 1.0,
-        }
+        self.grousers.map_or(1.0, |grousers| match grousers.rule {
+            GrouserRule::AreaShare { tips } => tips,
+            GrouserRule::Tips | GrouserRule::Lugs { .. } => 1.0,
+        })
     }
 }

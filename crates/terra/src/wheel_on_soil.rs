@@ -1,6 +1,5 @@
 //! A wheel on a soil.
 
-use crate::bulldozing::Bulldozing;
 use crate::caution::{Caution, Cautions, Judged};
 use crate::contact::{
     Contact, ContactAngles, ContactConstants, Dug, ExponentTables, Motion, Order, WheelSize,
@@ -11,13 +10,12 @@ use crate::forces::Forces;
 use crate::kinematics::Kinematics;
 use crate::operating_point::OperatingPoint;
 use crate::settings::{Accuracy, Settings};
-use crate::shear::ShearLaw;
 use crate::soil::{EXPONENT, Soil, SoilLaws};
 use crate::soil_history::SoilHistory;
 use crate::wheel::RigidWheel;
 use grouser_real::{Real, Scalar};
 
-/// Least slip angle, rad, at which [`Bulldozing::Disc`] carries a wheel whose hub is buried: 60°, the least that it was
+/// Least slip angle, rad, at which [`Bulldozing::Disc`](crate::Bulldozing) carries a wheel whose hub is buried: 60°, the least that it was
 /// tried at. Below, its weight is less than 0.03.
 const BURIED_FROM_RAD: f64 = core::f64::consts::FRAC_PI_3 - 1e-9;
 
@@ -94,7 +92,7 @@ impl WheelOnSoil {
             takes_slip_angle: laws.k_shear_1 != 0.0
                 || laws.k_shear_side_1 != 0.0
                 || laws.sideways_support != 1.0
-                || settings.bulldozing == Bulldozing::Disc,
+                || settings.bulldozing.is_beside_hub(),
             laws,
         })
     }
@@ -195,7 +193,7 @@ impl WheelOnSoil {
     #[inline]
     pub(crate) fn depth_limit(&self, kinematics: &Kinematics) -> f64 {
         let is_sideways = || kinematics.slip_angle().rad().abs() >= BURIED_FROM_RAD;
-        if self.settings.bulldozing == Bulldozing::Disc && is_sideways() {
+        if self.settings.bulldozing.is_beside_hub() && is_sideways() {
             BURIED_PER_RADIUS
         } else {
             1.0
@@ -389,7 +387,7 @@ impl WheelOnSoil {
             outside_fit,
             lost_work: (forces.lost_work, forces.torque.abs().max(pull)),
         });
-        let apart = contact.shear.law == ShearLaw::Independent && contact.shear.sideways;
+        let apart = contact.shear.law.is_independent() && contact.shear.sideways;
         cautions.insert_if(apart, Caution::ShearAboveStrength);
         cautions.insert_if(
             self.lugs_are_sparse(sinkage, kinematics.slip().value()),

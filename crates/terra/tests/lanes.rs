@@ -230,7 +230,6 @@ fn forces_and_loads_on_a_soil_for_each_point() {
         let moduli = |params: &SoilParams| match params.pressure {
             Pressure::Bekker(law) => (law.k_c, law.k_phi),
             Pressure::Reece(law) => (law.k_c_prime, law.k_phi_prime),
-            other => panic!("{other:?}"),
         };
         let columns = [
             column(&|params| moduli(params).0),

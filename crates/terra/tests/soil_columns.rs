@@ -57,7 +57,6 @@ impl Draw {
                     k_phi_prime,
                 })
             }
-            other => panic!("{other:?}"),
         };
         Soil::new(SoilParams {
             pressure,
@@ -83,7 +82,6 @@ impl DrawColumns {
         let (k_c, k_phi) = match base.params().pressure {
             Pressure::Bekker(law) => (law.k_c, law.k_phi),
             Pressure::Reece(law) => (law.k_c_prime, law.k_phi_prime),
-            other => panic!("{other:?}"),
         };
         let of = |f: &dyn Fn(&Draw) -> f64| draws.iter().map(f).collect();
         Self {

@@ -1,6 +1,6 @@
 //! The numbers of a wheel, its soil and its state that no variable replaces.
 
-use grouser_terra::{GrouserRule, LawChoice, Pressure, RigidWheel, ShearLaw, Soil};
+use grouser_terra::{GrouserRule, Kernel, LawChoice, Pressure, RigidWheel, Soil};
 
 use super::parameter::Parameter;
 
@@ -64,10 +64,15 @@ impl Fixed {
         self.beside != Beside::default()
     }
 
-    /// The law of the soil that has no bounds over a box, for a wheel that drives straight ahead.
-    pub(crate) fn law_without_bounds(&self) -> Option<&'static str> {
-        let is_regular = self.beside.laws.shear == Some(ShearLaw::SlipVelocityRegular);
-        is_regular.then_some("the shear law `slip-velocity-regular`")
+    /// The first law of the soil that a kernel does not serve: what it is a law of, and its name.
+    pub(crate) fn law_unserved_by(&self, kernel: Kernel) -> Option<(&'static str, &'static str)> {
+        let pressure = self
+            .beside
+            .pressure
+            .filter(|law| !law.kernels().contains(&kernel));
+        pressure
+            .map(|law| ("pressure law", law.key()))
+            .or_else(|| self.beside.laws.unserved_by(kernel))
     }
 
     pub(super) fn laws(&self) -> LawChoice {
@@ -114,16 +119,14 @@ impl Fixed {
             Parameter::GrouserHeight,
             grousers.map_or(0.0, |grousers| grousers.height),
         );
-        let (count, thickness) = match grousers.map(|grousers| grousers.rule) {
-            Some(GrouserRule::Lugs { count, thickness }) => (count, thickness),
-            _ => (0.0, 0.0),
+        let (count, thickness, tip_share) = match grousers.map(|grousers| grousers.rule) {
+            Some(GrouserRule::Lugs { count, thickness }) => (count, thickness, None),
+            Some(GrouserRule::AreaShare { tips }) => (0.0, 0.0, Some(tips)),
+            Some(GrouserRule::Tips) | None => (0.0, 0.0, None),
         };
         self.set(Parameter::GrouserCount, count);
         self.set(Parameter::GrouserThickness, thickness);
-        self.beside.tip_share = grousers.and_then(|grousers| match grousers.rule {
-            GrouserRule::AreaShare { tips } => Some(tips),
-            _ => None,
-        });
+        self.beside.tip_share = tip_share;
     }
 
     /// The numbers and laws of a soil.
@@ -135,7 +138,7 @@ impl Fixed {
                 self.set(Parameter::KPhi, law.k_phi / 1e3);
                 None
             }
-            other => Some(other),
+            law @ Pressure::Reece(_) => Some(law),
         };
         for (parameter, number) in [
             (Parameter::Exponent, p.n),

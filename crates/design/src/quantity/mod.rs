@@ -1,4 +1,6 @@
 //! The quantities of a wheel on soil that a formula can use, by name.
+// a new law or quantity has to be led to every `match`
+#![cfg_attr(not(test), warn(clippy::wildcard_enum_match_arm))]
 
 mod fixed;
 mod inputs;

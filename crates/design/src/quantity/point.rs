@@ -32,11 +32,10 @@ pub(crate) enum NoValue {
 
 /// What the laws refuse, in the names and units of problem files.
 fn in_keys(error: &grouser_terra::Error) -> String {
-    match error {
-        grouser_terra::Error::OutOfRange(range) => grouser_files::of_key(range)
-            .map_or_else(|| error.to_string(), |range| format!("{range:#}")),
-        other => other.to_string(),
-    }
+    let grouser_terra::Error::OutOfRange(range) = error else {
+        return error.to_string();
+    };
+    grouser_files::of_key(range).map_or_else(|| error.to_string(), |range| format!("{range:#}"))
 }
 
 /// Forces at one slip.

@@ -102,8 +102,7 @@ impl Taped<'_> {
                 let reach = self.two(Binary::Power, width, n);
                 return Some(self.two(Binary::Div, sum, reach));
             }
-            Some(_) => return None,
-            None => {}
+            Some(Pressure::Bekker(_)) | None => {}
         }
         let (k_c, k_phi) = (
             self.scaled(Parameter::KC, 1e3)?,
@@ -193,10 +192,25 @@ impl Taped<'_> {
             }
             Quantity::S0 => self.s_0(),
             Quantity::SMobilised if self.fixed.get(Parameter::Mobilised) == Some(0.0) => self.s_0(),
-            _ => {
+            Quantity::ThetaM
+            | Quantity::VerticalForce
+            | Quantity::DrawbarPull
+            | Quantity::Torque
+            | Quantity::Thrust
+            | Quantity::CompactionResistance
+            | Quantity::TractiveEfficiency
+            | Quantity::Energy
+            | Quantity::PullCoefficient
+            | Quantity::Gradeability => {
                 let contact = self.contact?;
                 self.under_load(&contact, quantity)
             }
+            // searches over slip, and a mobilised share above 0
+            Quantity::SlipDemand
+            | Quantity::MaxPull
+            | Quantity::MaxEfficiency
+            | Quantity::MaxGradeability
+            | Quantity::SMobilised => None,
         }
     }
 }

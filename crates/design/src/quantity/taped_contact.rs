@@ -2,12 +2,13 @@
 //! entry angle as a variable of its own that must carry the load.
 //!
 //! Laws: those of the kernel for a wheel that drives straight ahead (s ≥ 0), where every shear displacement is positive:
-//! all pressure laws and options of a soil, rebound, lugs; all shear laws but the regularised one.
+//! those that list [`Kernel::Tape`], with rebound and lugs.
 //! The rule is Gauss-Legendre in v with t = v³, where t is the share of a piece's arc from its end without stress: the
 //! stress grows like tⁿ there. Each integral carries a relative remainder, a variable in ±[`QUADRATURE_REMAINDER_SHARE`].
 
 use grouser_opt::{Binary, Node, Unary};
 use grouser_real::Real;
+use grouser_terra::Kernel;
 
 use super::rule_error::ContactShape;
 use super::taped::Taped;
@@ -129,13 +130,11 @@ impl Taped<'_> {
 
     /// The contact, whose entry angle and remainders are the variables from `first` on.
     pub(crate) fn contact(&mut self, first: usize) -> Option<TapedContact> {
-        if self.fixed.law_without_bounds().is_some() {
+        if self.fixed.law_unserved_by(Kernel::Tape).is_some() {
             return None;
         }
-        let slip = self.get(Parameter::Slip)?;
-        let load = self.carried()?;
-        let radius = self.radius()?;
-        let width = self.get(Parameter::Width)?;
+        let (slip, load) = (self.get(Parameter::Slip)?, self.carried()?);
+        let (radius, width) = (self.radius()?, self.get(Parameter::Width)?);
         let (one, zero) = (self.tape.constant(1.0), self.tape.constant(0.0));
         let theta_1 = self.tape.variable(first);
         let q = self.sub(one, slip);
@@ -212,6 +211,8 @@ impl Taped<'_> {
             *sum = self.with_remainder(area, *sum, size, remainder);
         }
         let torque = self.mul(radius, sums[3]);
+        let has_bounded_rule =
+            exit.is_none() && self.fixed.law_unserved_by(Kernel::Remainder).is_none();
         Some(TapedContact {
             theta_1,
             theta_m,
@@ -222,7 +223,7 @@ impl Taped<'_> {
             thrust: sums[1],
             compaction_resistance: sums[COMPACTION],
             torque,
-            shape: exit.is_none().then_some(ContactShape {
+            shape: has_bounded_rule.then_some(ContactShape {
                 theta_1,
                 position,
                 q,
@@ -303,7 +304,17 @@ impl Taped<'_> {
                 let angle = self.tape.unary(Unary::Atan, coefficient);
                 self.times(degrees, angle)
             }
-            _ => return None,
+            Quantity::Theta1
+            | Quantity::Sinkage
+            | Quantity::SlipDemand
+            | Quantity::MaxPull
+            | Quantity::MaxEfficiency
+            | Quantity::MaxGradeability
+            | Quantity::SigmaMax
+            | Quantity::TauMax
+            | Quantity::Strength
+            | Quantity::S0
+            | Quantity::SMobilised => return None,
         })
     }
 }
@@ -314,8 +325,8 @@ mod tests {
     use grouser_opt::Tape;
     use grouser_real::Interval;
     use grouser_terra::{
-        GrouserRule, Grousers, Pressure, Reece, RigidWheel, ShearLaw, SlipNorm, SlipSinkage, Soil,
-        StressPosition, catalogue,
+        GrouserRule, Grousers, Kernel, Pressure, Reece, RigidWheel, ShearLaw, SlipNorm,
+        SlipSinkage, Soil, StressPosition, catalogue,
     };
 
     use super::*;
@@ -388,11 +399,9 @@ mod tests {
         laws.slip_norm = [SlipNorm::Greater, SlipNorm::Root][stream.below(2)];
         laws.slip_sinkage = SlipSinkage::ALL[stream.below(4)];
         laws.stress_position = StressPosition::ALL[stream.below(5)];
-        laws.shear = [
-            None,
-            Some(ShearLaw::SlipVelocity),
-            Some(ShearLaw::TowedRestart),
-        ][stream.below(3)];
+        let taped = |law: &ShearLaw| law.kernels().contains(&Kernel::Tape);
+        let shear: Vec<_> = ShearLaw::ALL.into_iter().filter(taped).collect();
+        laws.shear = Some(shear[stream.below(shear.len())]);
         fixed.set_soil(&Soil::new(params).unwrap());
         fixed.set(Parameter::Load, stream.within(5.0, 200.0));
         fixed.set(Parameter::Slip, stream.within(0.0, 0.9));

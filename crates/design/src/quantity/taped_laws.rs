@@ -1,7 +1,7 @@
 //! The laws of a soil and the sizes of a wheel that drives straight ahead, as operations on a tape.
 
 use grouser_opt::{Binary, Node, Unary};
-use grouser_terra::{SlipNorm, SlipSinkage, StressPosition};
+use grouser_terra::DrivingSlip;
 
 use super::Parameter;
 use super::taped::Taped;
@@ -9,20 +9,22 @@ use super::taped::Taped;
 impl Taped<'_> {
     /// The slip velocity along a wheel that drives straight ahead: (rω − v) over the greater speed or over their root.
     pub(super) fn slip_velocity(&mut self, slip: Node, q: Node) -> Node {
-        match self.fixed.laws().slip_norm {
-            SlipNorm::Root => {
-                let one = self.tape.constant(1.0);
-                let square = self.tape.whole_power(q, 2);
-                let sum = self.add(one, square);
-                let speed = self.tape.unary(Unary::Sqrt, sum);
-                self.div(slip, speed)
-            }
-            _ => slip,
+        if !self.fixed.laws().slip_norm.driving().over_root {
+            return slip;
         }
+        let one = self.tape.constant(1.0);
+        let square = self.tape.whole_power(q, 2);
+        let sum = self.add(one, square);
+        let speed = self.tape.unary(Unary::Sqrt, sum);
+        self.div(slip, speed)
     }
 
-    /// x (1 − x/2).
-    fn level_off(&mut self, x: Node) -> Node {
+    /// What a law takes of the slip and the slip velocity.
+    fn taken(&mut self, driving: DrivingSlip, slip: Node, velocity: Node) -> Node {
+        let x = if driving.over_root { velocity } else { slip };
+        if !driving.levels_off {
+            return x;
+        }
         let (one, half) = (self.tape.constant(1.0), self.times(0.5, x));
         let rest = self.sub(one, half);
         self.mul(x, rest)
@@ -37,29 +39,22 @@ impl Taped<'_> {
         if self.fixed.get(Parameter::ExponentDriving) == Some(0.0) {
             return Some(n_0);
         }
-        let growth = match self.fixed.laws().slip_sinkage {
-            SlipSinkage::Whole => {
-                let size = self.tape.unary(Unary::Abs, n_1);
-                self.mul(size, velocity)
-            }
-            // straight ahead a driving wheel does not plough
-            SlipSinkage::Saturating | SlipSinkage::Ploughing => {
-                let level = self.level_off(velocity);
-                let size = self.tape.unary(Unary::Abs, n_1);
-                self.mul(size, level)
-            }
-            _ => self.mul(n_1, slip),
+        let laws = self.fixed.laws();
+        let taken = self.taken(laws.slip_sinkage.driving(laws.slip_norm), slip, velocity);
+        let rate = if laws.slip_sinkage.is_signed() {
+            n_1
+        } else {
+            self.tape.unary(Unary::Abs, n_1)
         };
+        let growth = self.mul(rate, taken);
         Some(self.add(n_0, growth))
     }
 
     /// θ_m/θ_1 in [0, 1].
     pub(super) fn position(&mut self, slip: Node, velocity: Node) -> Option<Node> {
-        let moved_by = match self.fixed.laws().stress_position {
-            StressPosition::InPlane | StressPosition::Magnitude => slip,
-            StressPosition::Saturating => self.level_off(velocity),
-            _ => velocity,
-        };
+        let laws = self.fixed.laws();
+        let driving = laws.stress_position.driving(laws.slip_norm);
+        let moved_by = self.taken(driving, slip, velocity);
         let (c_1, c_2) = (self.get(Parameter::C1)?, self.get(Parameter::C2)?);
         let growth = self.mul(c_2, moved_by);
         let sum = self.add(c_1, growth);

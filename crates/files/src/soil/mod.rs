@@ -196,10 +196,7 @@ fn read_laws(root: &Section<'_>) -> Result<LawChoice> {
     let own = LawChoice::default();
     Ok(LawChoice {
         slip_norm: root
-            .optional_choice(
-                "slip_norm",
-                &[SlipNorm::Greater, SlipNorm::Root].map(|norm| (norm.key(), norm)),
-            )?
+            .optional_choice("slip_norm", &SlipNorm::ALL.map(|law| (law.key(), law)))?
             .unwrap_or(own.slip_norm),
         slip_sinkage: root
             .optional_choice(

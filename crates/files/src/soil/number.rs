@@ -105,7 +105,7 @@ impl SoilNumber {
             Self::KC | Self::KPhi => match soil.pressure {
                 Pressure::Bekker(Bekker { k_c, .. }) if matches!(self, Self::KC) => k_c,
                 Pressure::Bekker(Bekker { k_phi, .. }) => k_phi,
-                _ => None,
+                Pressure::Reece(_) => None,
             },
             Self::Cohesion => soil.cohesion,
             Self::Phi => soil.phi.map(Angle::rad),

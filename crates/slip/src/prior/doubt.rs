@@ -4,9 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use grouser_real::Real;
-use grouser_terra::{
-    Angle, Bekker, Pressure, Reece, Result, RigidWheel, Settings, Soil, SoilParams, WheelOnSoil,
-};
+use grouser_terra::{Angle, Result, RigidWheel, Settings, Soil, SoilParams, WheelOnSoil};
 
 use crate::filter::SlipPrior;
 
@@ -69,17 +67,7 @@ impl SoilDoubt {
         };
         [
             vary(self.moduli, |p, f| SoilParams {
-                pressure: match p.pressure {
-                    Pressure::Bekker(law) => Pressure::Bekker(Bekker {
-                        k_c: f * law.k_c,
-                        k_phi: f * law.k_phi,
-                    }),
-                    Pressure::Reece(law) => Pressure::Reece(Reece {
-                        k_c_prime: f * law.k_c_prime,
-                        k_phi_prime: f * law.k_phi_prime,
-                    }),
-                    other => other,
-                },
+                pressure: p.pressure.scaled(f),
                 ..p
             }),
             vary(self.exponent, |p, f| SoilParams { n: f * p.n, ..p }),

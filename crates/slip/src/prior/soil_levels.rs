@@ -1,7 +1,7 @@
 //! A soil at several strengths and stiffnesses: what a robot that learns its soil chooses between.
 
 use grouser_real::Real;
-use grouser_terra::{Angle, Bekker, Pressure, Reece, Result, Soil, SoilParams};
+use grouser_terra::{Angle, Result, Soil, SoilParams};
 
 /// Cohesion and tan φ as multiples of the known soil's. The catalogue's tan φ lie between 0.23 and 0.76, dry sand's is 0.58.
 pub const STRENGTHS: [f64; 4] = [0.45, 0.7, 1.0, 1.4];
@@ -31,20 +31,7 @@ pub fn scaled_soil(soil: &Soil, strength: f64, stiffness: f64) -> Result<Soil> {
     Soil::new(SoilParams {
         cohesion: strength * p.cohesion,
         phi: Angle::from_rad(Real::atan(strength * Real::tan(p.phi.rad()))),
-        pressure: match p.pressure {
-            Pressure::Bekker(Bekker { k_c, k_phi }) => Pressure::Bekker(Bekker {
-                k_c: stiffness * k_c,
-                k_phi: stiffness * k_phi,
-            }),
-            Pressure::Reece(Reece {
-                k_c_prime,
-                k_phi_prime,
-            }) => Pressure::Reece(Reece {
-                k_c_prime: stiffness * k_c_prime,
-                k_phi_prime: stiffness * k_phi_prime,
-            }),
-            other => other,
-        },
+        pressure: p.pressure.scaled(stiffness),
         ..p
     })
 }

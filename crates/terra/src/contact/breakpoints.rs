@@ -81,7 +81,7 @@ impl Breakpoints {
         // Across, displacement grows in proportion to the arc.
         if shear.sideways {
             let per_arc = shear.across(1.0).abs();
-            let k = if shear.law == ShearLaw::Independent {
+            let k = if shear.law.is_independent() {
                 shear.k_side
             } else {
                 shear.k_shear
@@ -188,14 +188,15 @@ impl<R: Scalar> ShearState<R> {
     /// of 1 − q cos θ and not against all of it, the direction swings within a part of the arc that no
     /// level of displacement shows.
     pub(crate) fn swings(&self, arc: R) -> bool {
-        if self.law == ShearLaw::SlipVelocityRegular {
-            return true;
+        let turns = self.sideways && !self.locked;
+        match self.law {
+            ShearLaw::SlipVelocityRegular => return true,
+            ShearLaw::SlipVelocity => return turns,
+            ShearLaw::Independent => return false,
+            ShearLaw::Coupled | ShearLaw::TowedRestart | ShearLaw::TowedWongReece => {}
         }
-        if !self.sideways || self.locked || self.law == ShearLaw::Independent {
+        if !turns {
             return false;
-        }
-        if self.law == ShearLaw::SlipVelocity {
-            return true;
         }
         let (least, most) = self.values().slope_range(arc.value());
         let steady = least > 0.25 * most || most < 0.25 * least;

@@ -16,11 +16,15 @@ impl<R: Scalar> Integrals<R> {
     pub(super) fn add_jumps(&mut self, contact: &Contact<R>) {
         let shear = &contact.shear;
         let q = shear.displacement.q;
-        if shear.law != ShearLaw::SlipVelocity
-            || shear.sideways
-            || shear.locked
-            || !(q.value() > 1.0)
-        {
+        match shear.law {
+            ShearLaw::SlipVelocity => {}
+            ShearLaw::Coupled
+            | ShearLaw::Independent
+            | ShearLaw::SlipVelocityRegular
+            | ShearLaw::TowedRestart
+            | ShearLaw::TowedWongReece => return,
+        }
+        if shear.sideways || shear.locked || !(q.value() > 1.0) {
             return;
         }
         let turn = (R::ONE / q).acos();

@@ -23,13 +23,12 @@ pub(crate) use panels::Panel;
 pub(crate) use rear::rear_share;
 pub use stress_position::StressPosition;
 
-use crate::bulldozing::Bulldozing;
 use crate::kinematics::Kinematics;
 use crate::lugs::{lug_thrust_gain, lug_transport_layer};
 use crate::shear::{Displacement, Restart, ShearLaw, ShearState, transition_angle_wong_reece};
 use crate::side_disc::SideDisc;
 use crate::soil::SoilLaws;
-use crate::wheel::{GrouserRule, Grousers, RigidWheel};
+use crate::wheel::{GrouserRule, RigidWheel};
 
 /// A wheel's sizes as the laws take them, in numbers of any kind, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,13 +116,13 @@ impl RigidWheel {
             tip_share: r(self.tip_share()),
             ..WheelSize::smooth(r(self.running_radius()), r(self.width()))
         };
-        match self.grousers() {
-            Some(Grousers {
-                height,
-                rule: GrouserRule::Lugs { count, thickness },
-            }) => size.with_lugs(r(height), r(count), r(thickness)),
-            _ => size,
-        }
+        self.grousers()
+            .map_or(size, |grousers| match grousers.rule {
+                GrouserRule::Tips | GrouserRule::AreaShare { .. } => size,
+                GrouserRule::Lugs { count, thickness } => {
+                    size.with_lugs(r(grousers.height), r(count), r(thickness))
+                }
+            })
     }
 }
 
@@ -174,7 +173,7 @@ pub struct Contact<R = f64> {
     pub(crate) p: R,
     /// q/max(1, q).
     pub(crate) pq: R,
-    /// What the soil beside a drifting wheel does, with [`Bulldozing::Disc`].
+    /// What the soil beside a drifting wheel does, with [`Bulldozing::Disc`](crate::Bulldozing).
     pub(crate) disc: Option<SideDisc<R>>,
 }
 
@@ -233,7 +232,8 @@ impl<R: Scalar> Contact<R> {
             one_minus_q,
         };
         let sideways = motion.q_y.value() != 0.0;
-        let transition = (law.restarts() && !sideways && !locked)
+        let (restarts, moves_maximum) = law.restart();
+        let transition = (restarts && !sideways && !locked)
             .then(|| transition_angle_wong_reece(soil.strength.phi, q))
             .flatten();
         let restart = transition
@@ -245,11 +245,11 @@ impl<R: Scalar> Contact<R> {
                     arc,
                     displacement: there,
                     // j = 0 at θ_0: arc·K_v q + j(arc) = 0
-                    front: (law == ShearLaw::TowedWongReece).then(|| -there / arc),
+                    front: moves_maximum.then(|| -there / arc),
                 }
             });
         let position = match transition {
-            Some(theta_0) if law == ShearLaw::TowedWongReece => theta_0 / theta_1,
+            Some(theta_0) if moves_maximum => theta_0 / theta_1,
             _ => soil.position_at(motion),
         };
         let rebound = soil.rebound_at(motion);
@@ -282,10 +282,11 @@ impl<R: Scalar> Contact<R> {
             size: *size,
             p,
             pq,
-            disc: match soil.choice.bulldozing {
-                Some(Bulldozing::Disc) => SideDisc::new(size, soil, motion, theta_1),
-                _ => None,
-            },
+            disc: soil
+                .choice
+                .bulldozing
+                .filter(|law| law.is_beside_hub())
+                .and_then(|_| SideDisc::new(size, soil, motion, theta_1)),
         }
     }
 

@@ -11,8 +11,8 @@ use grouser_real::Real;
 use super::crossing::crossing;
 use super::lean::{MAX_HALF_ARC_RAD, Short, sine_cosine};
 use super::{Contact, Integrals};
+use crate::kernel::Kernel;
 use crate::quadrature::{LEGENDRE_8, LEGENDRE_16, RuleView};
-use crate::shear::ShearLaw;
 
 /// Least and greatest entry angle, rad: below, differences of cosines lose digits; above, the short sines.
 const ENTRY_RAD: (f64, f64) = (0.01, 1.048);
@@ -84,7 +84,8 @@ impl Contact<f64> {
     #[inline(always)]
     pub(crate) fn quick<T>(&self, integrate: impl FnOnce(&QuickPlan) -> T) -> Option<T> {
         let (angles, shear) = (&self.angles, &self.shear);
-        let serves = shear.law == ShearLaw::Coupled && !shear.locked && shear.restart.is_none();
+        let is_served = shear.law.kernels().contains(&Kernel::Quick);
+        let serves = is_served && !shear.locked && shear.restart.is_none();
         let (theta_1, theta_2) = (angles.theta_1, angles.theta_2);
         let arc = theta_1 - theta_2;
         let inside = theta_1 >= ENTRY_RAD.0 && theta_1 <= ENTRY_RAD.1;

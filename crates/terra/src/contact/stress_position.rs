@@ -1,14 +1,14 @@
 //! Where the normal stress is greatest: which slip moves it.
 
-use grouser_real::{Real, Scalar};
+use grouser_real::Scalar;
 
 use super::Motion;
+use crate::kernel::laws;
 use crate::pressure::level_off;
-use crate::slip_velocity::SlipNorm;
+use crate::slip_velocity::{DrivingSlip, SlipNorm};
 
 /// Which slip enters θ_m = (c_1 + c_2 s) θ_1 \[WR67\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum StressPosition {
     /// The slip in the wheel's plane, signed. The default.
     #[default]
@@ -37,43 +37,22 @@ pub enum StressPosition {
     Saturating,
 }
 
-impl StressPosition {
-    /// Every law.
-    pub const ALL: [Self; 5] = [
-        Self::InPlane,
-        Self::Magnitude,
-        Self::Whole,
-        Self::Sliding,
-        Self::Saturating,
-    ];
-}
+laws!(StressPosition {
+    InPlane: "in-plane" => [General, Quick, Lanes, Tape, Remainder],
+    Magnitude: "magnitude" => [General, Quick, Lanes, Tape, Remainder],
+    Whole: "whole" => [General, Quick, Lanes, Tape, Remainder],
+    Sliding: "sliding" => [General, Quick, Lanes, Tape, Remainder],
+    Saturating: "saturating" => [General, Quick, Lanes, Tape, Remainder],
+});
 
 impl StressPosition {
-    /// The slip that enters of a wheel that drives straight ahead: [`StressPosition::slip_of`] in numbers of any kind.
-    #[inline(always)]
-    pub(crate) fn driving_slip<R: Real>(self, slip: R, norm: SlipNorm) -> R {
-        let sliding = match (self, norm) {
-            (Self::InPlane | Self::Magnitude, _) | (_, SlipNorm::Greater) => slip,
-            (_, SlipNorm::Root) => {
-                let forward = R::ONE - slip;
-                slip / (R::ONE + forward * forward).sqrt()
-            }
-        };
-        match self {
-            Self::Saturating => level_off(sliding),
-            _ => sliding,
-        }
-    }
-
-    /// Its name in files.
+    /// The slip that enters of a wheel that drives straight ahead.
     #[must_use]
-    pub const fn key(self) -> &'static str {
+    pub const fn driving(self, norm: SlipNorm) -> DrivingSlip {
         match self {
-            Self::InPlane => "in-plane",
-            Self::Magnitude => "magnitude",
-            Self::Whole => "whole",
-            Self::Sliding => "sliding",
-            Self::Saturating => "saturating",
+            Self::InPlane | Self::Magnitude => DrivingSlip::PLAIN,
+            Self::Whole | Self::Sliding => norm.driving(),
+            Self::Saturating => norm.driving().levelling_off(),
         }
     }
 

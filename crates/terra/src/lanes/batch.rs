@@ -448,7 +448,9 @@ impl BatchKernel {
         let sinkage = if solve {
             match contact.sinkage_under(inputs.given[i], &motion)?.outcome {
                 LoadOutcome::Solved(found) => found.sinkage,
-                outcome => return Ok((outcome.status(), [f64::NAN; 4])),
+                outcome @ (LoadOutcome::NoSolution { .. } | LoadOutcome::NotConverged) => {
+                    return Ok((outcome.status(), [f64::NAN; 4]));
+                }
             }
         } else {
             inputs.given[i]
@@ -462,10 +464,10 @@ impl BatchKernel {
 /// The tables of the exponent that all points share, if it is legal: else each point by itself says so.
 fn shared_tables(n: BatchInput<'_>) -> Option<ExponentTables> {
     match n {
-        BatchInput::Constant(n) if (EXPONENT.0..=EXPONENT.1).contains(&n) => {
-            Some(ExponentTables::with_exponent(n))
-        }
-        _ => None,
+        BatchInput::Constant(n) => (EXPONENT.0..=EXPONENT.1)
+            .contains(&n)
+            .then(|| ExponentTables::with_exponent(n)),
+        BatchInput::Column(_) => None,
     }
 }
 
@@ -475,7 +477,7 @@ fn chunk_length(task: Task, n: usize) -> usize {
         // chunks of a curve are whole: each is interpolated by itself
         Task::Curve => CHUNK,
         // elsewhere as equal as they can be: groups that are not full are lost work
-        _ => n
+        Task::Forces | Task::Load => n
             .div_ceil(n.div_ceil(CHUNK).max(1))
             .max(1)
             .next_multiple_of(8),

@@ -5,8 +5,8 @@ use grouser_real::Real;
 use crate::contact::ladder::{Closeness, LaneRules, SharedRules};
 use crate::contact::ladder::{ExponentTables, LIMITS, Step};
 use crate::contact::lean::{LeanContact, LeanSums};
+use crate::kernel::Kernel;
 use crate::pressure::{Pressure, Reece};
-use crate::shear::ShearLaw;
 use crate::soil::{COHESION, EXPONENT, K_SHEAR, MODULUS, PHI, POSITION, Soil, SoilLaws};
 
 use super::columns::{BatchColumns, Inputs};
@@ -50,17 +50,12 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// `None` for a soil whose exponent depends on slip: no one Gauss-Jacobi rule serves it; and for one
-    /// whose rear contact or shear changes with slip by a law that the lanes do not have.
+    /// `None` for a soil with a law that the lanes do not serve.
     pub(super) fn new(soil: &Soil) -> Option<Self> {
-        let laws = soil.laws::<f64>();
-        let choice = laws.choice;
-        if laws.rear_driving != 0.0
-            || laws.transport_layer != 0.0
-            || choice.shear == Some(ShearLaw::SlipVelocityRegular)
-        {
+        if soil.params().unserved_by(Kernel::Lanes).is_some() {
             return None;
         }
+        let laws = soil.laws::<f64>();
         let n = laws.exponent.n_0;
         let shape = Real::ln((3.0 - n).max(0.5) / 3.0) - n * core::f64::consts::LN_2;
         soil.tables().map(|tables| Self {
@@ -136,7 +131,7 @@ impl Prepared {
     #[inline(always)]
     pub(super) fn position<V: Vector>(&self, soil: &LaneSoil<V>, slip: V) -> V {
         let choice = self.laws.choice;
-        let moving = choice.stress_position.driving_slip(slip, choice.slip_norm);
+        let moving = choice.stress_position.driving(choice.slip_norm).of(slip);
         moving.mul_add(soil.c_2, soil.c_1)
     }
 

@@ -1,6 +1,7 @@
 //! Searches over slip for many points: every point brings its own, all take their next slip at the same time.
 
 use crate::error::Result;
+use crate::kernel::Kernel;
 use crate::status::SolveStatus;
 use crate::wheel_on_soil::WheelOnSoil;
 
@@ -58,7 +59,7 @@ impl BatchKernel {
         begin: impl Fn(usize) -> Option<S>,
         mut done: impl FnMut(usize, End<S::Found>),
     ) -> Result<()> {
-        let lanes = self.has_lanes() && on_soil.wheel().grousers().is_none();
+        let lanes = self.has_lanes() && on_soil.wheel().is_served_by(Kernel::Lanes);
         let mut rounds = Rounds::new(self, on_soil);
         let mut waiting = 0..count;
         let mut searches = [const { None }; SEARCHES];
@@ -157,7 +158,7 @@ impl<'a> Rounds<'a> {
                     torque: self.out[3][k],
                 })),
                 SolveStatus::NoSolution => running.search.feed(None),
-                _ => running.is_lost = true,
+                SolveStatus::NotConverged | SolveStatus::BadInput => running.is_lost = true,
             }
         }
         Ok(true)

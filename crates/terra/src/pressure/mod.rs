@@ -9,6 +9,8 @@ use core::convert::Infallible;
 
 use grouser_real::Real;
 
+use crate::kernel::Kernel;
+
 pub use bekker::Bekker;
 pub use reece::Reece;
 pub use slip_sinkage::{SinkageExponent, SlipSinkage, level_off};
@@ -17,7 +19,6 @@ pub use soil_transport::transport_depth_reece;
 
 /// The pressure-sinkage law of a soil.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum Pressure<R = f64> {
     /// Bekker's, in moduli whose unit depends on n.
     Bekker(Bekker<R>),
@@ -26,6 +27,23 @@ pub enum Pressure<R = f64> {
 }
 
 impl<R> Pressure<R> {
+    /// Its name.
+    #[must_use]
+    pub const fn key(&self) -> &'static str {
+        match self {
+            Self::Bekker(_) => "bekker",
+            Self::Reece(_) => "reece",
+        }
+    }
+
+    /// The kernels that compute it.
+    #[must_use]
+    pub const fn kernels(&self) -> &'static [Kernel] {
+        match self {
+            Self::Bekker(_) | Self::Reece(_) => Kernel::ALL,
+        }
+    }
+
     /// The same law with each modulus, by its name, put through `map`.
     pub(crate) fn each<S, E>(
         self,
@@ -45,6 +63,13 @@ impl<R> Pressure<R> {
 }
 
 impl Pressure {
+    /// The same law with all moduli multiplied by `factor`.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        let Ok(scaled) = self.each(|_, modulus| Ok::<_, Infallible>(factor * modulus));
+        scaled
+    }
+
     /// The same law in numbers of any kind.
     #[must_use]
     pub fn lifted<R: Real>(self) -> Pressure<R> {

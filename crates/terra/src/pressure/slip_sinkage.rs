@@ -2,11 +2,11 @@
 
 use grouser_real::{Real, Scalar};
 
-use crate::slip_velocity::SlipVelocity;
+use crate::kernel::laws;
+use crate::slip_velocity::{DrivingSlip, SlipNorm, SlipVelocity};
 
 /// Which slip the sinkage exponent grows with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum SlipSinkage {
     /// The slip in the wheel's plane, as \[Ding11\] has it. The default.
     #[default]
@@ -21,25 +21,33 @@ pub enum SlipSinkage {
 }
 
 impl SlipSinkage {
-    /// Every law.
-    pub const ALL: [Self; 4] = [
-        Self::InPlane,
-        Self::Whole,
-        Self::Saturating,
-        Self::Ploughing,
-    ];
-
-    /// Its name in files.
+    /// The slip that the exponent of a wheel that drives straight ahead grows with.
     #[must_use]
-    pub const fn key(self) -> &'static str {
+    pub const fn driving(self, norm: SlipNorm) -> DrivingSlip {
         match self {
-            Self::InPlane => "in-plane",
-            Self::Whole => "whole",
-            Self::Saturating => "saturating",
-            Self::Ploughing => "ploughing",
+            Self::InPlane => DrivingSlip::PLAIN,
+            Self::Whole => norm.driving(),
+            Self::Saturating | Self::Ploughing => norm.driving().levelling_off(),
+        }
+    }
+
+    /// Does the exponent fall where n_1 is negative, as against grow with its size?
+    #[must_use]
+    pub const fn is_signed(self) -> bool {
+        match self {
+            Self::InPlane => true,
+            Self::Whole | Self::Saturating | Self::Ploughing => false,
         }
     }
 }
+
+// lanes have soils without slip-sinkage, of which all these laws are one
+laws!(SlipSinkage {
+    InPlane: "in-plane" => [General, Quick, Lanes, Tape, Remainder],
+    Whole: "whole" => [General, Quick, Lanes, Tape, Remainder],
+    Saturating: "saturating" => [General, Quick, Lanes, Tape, Remainder],
+    Ploughing: "ploughing" => [General, Quick, Lanes, Tape, Remainder],
+});
 
 /// f(x) = x (1 − x/2): x where it is small, with no slope at full slip, x = 1.
 ///

@@ -3,6 +3,7 @@
 use grouser_real::Real;
 
 use super::{Displacement, mobilised_janosi};
+use crate::kernel::laws;
 
 /// How displacement along and across the wheel makes shear stress along and across it.
 ///
@@ -10,7 +11,6 @@ use super::{Displacement, mobilised_janosi};
 /// sign(j) is an extension beyond the literature: between velocity reversal and j = 0 the soil gives
 /// work back, so the shear work alone may be negative; the total never is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum ShearLaw {
     /// τ from |j| = hypot(j, j_y) and one K, along the displacement (j, j_y). The default.
     #[default]
@@ -58,38 +58,39 @@ pub(crate) struct Restart<R> {
 }
 
 impl ShearLaw {
-    /// Every law.
-    pub const ALL: [Self; 6] = [
-        Self::Coupled,
-        Self::SlipVelocity,
-        Self::SlipVelocityRegular,
-        Self::Independent,
-        Self::TowedRestart,
-        Self::TowedWongReece,
-    ];
-
-    /// Does the displacement of a towed wheel start anew within the contact?
-    pub(crate) const fn restarts(self) -> bool {
-        matches!(self, Self::TowedRestart | Self::TowedWongReece)
+    /// Does the displacement of a towed wheel restart within the contact, and is the normal stress maximum there?
+    pub(crate) const fn restart(self) -> (bool, bool) {
+        match self {
+            Self::TowedWongReece => (true, true),
+            Self::TowedRestart => (true, false),
+            Self::Coupled | Self::SlipVelocity | Self::Independent | Self::SlipVelocityRegular => {
+                (false, false)
+            }
+        }
     }
 
-    /// Its name in files.
-    ///
-    /// ```
-    /// assert_eq!(grouser_terra::ShearLaw::TowedWongReece.key(), "towed-wong-reece");
-    /// ```
-    #[must_use]
-    pub const fn key(self) -> &'static str {
+    /// Do the two directions have a displacement and a K each, so that their sum may exceed the strength?
+    pub(crate) const fn is_independent(self) -> bool {
         match self {
-            Self::Coupled => "coupled",
-            Self::SlipVelocity => "slip-velocity",
-            Self::Independent => "independent",
-            Self::SlipVelocityRegular => "slip-velocity-regular",
-            Self::TowedRestart => "towed-restart",
-            Self::TowedWongReece => "towed-wong-reece",
+            Self::Independent => true,
+            Self::Coupled
+            | Self::SlipVelocity
+            | Self::SlipVelocityRegular
+            | Self::TowedRestart
+            | Self::TowedWongReece => false,
         }
     }
 }
+
+// driving straight ahead, every law but the regular one is the coupled law
+laws!(ShearLaw {
+    Coupled: "coupled" => [General, Quick, Lanes, Tape, Remainder],
+    SlipVelocity: "slip-velocity" => [General, Lanes, Tape, Remainder],
+    SlipVelocityRegular: "slip-velocity-regular" => [General],
+    Independent: "independent" => [General, Lanes, Tape, Remainder],
+    TowedRestart: "towed-restart" => [General, Lanes, Tape, Remainder],
+    TowedWongReece: "towed-wong-reece" => [General, Lanes, Tape, Remainder],
+});
 
 /// Everything the shear at one angle depends on, apart from the strength there.
 #[derive(Clone, Copy, Debug)]
@@ -145,12 +146,15 @@ impl<R: Real> ShearState<R> {
         let along = self.along(w);
         if !self.sideways {
             let share = mobilised_janosi(along, self.k_shear);
-            if self.law == ShearLaw::SlipVelocityRegular {
-                return self.regular(share, self.displacement.slope(w), R::ZERO);
-            }
             let sign = match self.law {
+                ShearLaw::SlipVelocityRegular => {
+                    return self.regular(share, self.displacement.slope(w), R::ZERO);
+                }
                 ShearLaw::SlipVelocity => self.displacement.slope(w),
-                _ => along,
+                ShearLaw::Coupled
+                | ShearLaw::Independent
+                | ShearLaw::TowedRestart
+                | ShearLaw::TowedWongReece => along,
             };
             return (with_sign(share, sign), R::ZERO);
         }
@@ -193,7 +197,11 @@ impl<R: Real> ShearState<R> {
         if !self.sideways {
             return match self.law {
                 ShearLaw::SlipVelocityRegular => self.regular(R::ONE, -theta.cos(), R::ZERO),
-                _ => (-R::ONE, R::ZERO),
+                ShearLaw::Coupled
+                | ShearLaw::SlipVelocity
+                | ShearLaw::Independent
+                | ShearLaw::TowedRestart
+                | ShearLaw::TowedWongReece => (-R::ONE, R::ZERO),
             };
         }
         match self.law {

@@ -3,8 +3,8 @@ use std::vec::Vec;
 
 use super::super::Motion;
 use super::*;
-use crate::WheelSize;
 use crate::catalogue::tests::dry_sand_with;
+use crate::{ShearLaw, WheelSize};
 
 /// A contact on dry sand with this K (m) and rebound ratio.
 fn contact(k_shear: f64, rebound: f64, slip: f64, q_y: f64, theta_1: f64) -> Contact<f64> {

@@ -87,7 +87,7 @@ impl<V: Vector> Searched<V> {
         let rules = exponents.rules(self.place, &self.loaded.n, closeness);
         match closeness {
             Closeness::Fine(_) => self.loaded.found::<false>(&rules, x),
-            _ => self.loaded.found::<true>(&rules, x),
+            Closeness::First | Closeness::Coarse(_) => self.loaded.found::<true>(&rules, x),
         }
     }
 

@@ -2,7 +2,7 @@ use super::super::Lanes;
 use super::super::columns::SoilInputs;
 use super::*;
 use crate::catalogue::tests::dry_sand_with;
-use crate::{Angle, Bekker, LawChoice, SoilParams};
+use crate::{Angle, Bekker, LawChoice, ShearLaw, SoilParams};
 
 /// Every place of a step is in one of its groups, in order, and a group that is not full repeats the last one.
 #[test]
