@@ -84,3 +84,13 @@ fn the_table_keeps_its_bound_on_a_hundred_thousand_poses() {
         }
     }
 }
+
+#[test]
+fn a_closed_table_answers_every_pose() {
+    let solver = DemandSolver::new(robot("skid-steer"), soil("dry-sand")).unwrap();
+    let table = SlipTable::closed(Envelope::within(solver.model(), 0.2, 0.1).unwrap());
+    for (pitch, roll) in [(0.0, 0.0), (0.1, -0.1), (-0.2, 0.1)] {
+        let found = table.demand(&solver, pitch, roll).unwrap();
+        assert_eq!(found, Demand::Immobilised);
+    }
+}

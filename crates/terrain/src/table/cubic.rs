@@ -1,5 +1,8 @@
 //! Interpolation on even grids by the cubic through the four nearest nodes.
 
+/// Nodes that a cubic needs. A closed table has fewer, and none of them is read.
+pub(crate) const MIN_NODES: usize = 4;
+
 /// Four neighbouring nodes and their weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stencil {
@@ -8,7 +11,7 @@ pub(crate) struct Stencil {
 }
 
 impl Stencil {
-    /// The place `share` of [0, 1] on `nodes` nodes, at least 4; at the ends the outermost four nodes serve.
+    /// The place `share` of [0, 1] on `nodes` nodes, at least [`MIN_NODES`]; at the ends the outermost four nodes serve.
     pub(crate) fn new(share: f64, nodes: usize) -> Self {
         let place = share * (nodes - 1) as f64;
         #[allow(

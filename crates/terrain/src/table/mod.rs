@@ -14,7 +14,7 @@ pub use envelope::Envelope;
 
 use crate::demand::{Demand, DemandSolver};
 use crate::error::{Error, Result};
-use cubic::{Stencil, at};
+use cubic::{MIN_NODES, Stencil, at};
 
 /// The error in slip that a table promises.
 pub const SLIP_BOUND: f64 = 1e-3;
@@ -223,7 +223,7 @@ impl SlipTable {
     /// The roll's place, the same for every table of one robot and grid.
     pub(crate) fn across(&self, roll: f64) -> Stencil {
         let share = (roll + self.envelope.max_roll) / (2.0 * self.envelope.max_roll);
-        Stencil::new(share, self.rolls)
+        Stencil::new(share, self.rolls.max(MIN_NODES))
     }
 
     /// The demand at a pose within the envelope, marginal ones by the exact solver.
