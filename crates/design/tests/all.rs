@@ -12,6 +12,7 @@ mod random_starts;
 mod best_seen;
 mod builder;
 mod certificate;
+mod every_law;
 mod files;
 mod formulas;
 mod fronts;
