@@ -202,6 +202,7 @@ impl Case {
             slip: (&slip).into(),
         };
         let soils = SoilColumns::of(&self.soil);
+        let exact: Vec<_> = slip.iter().map(|slip| self.exact(*slip)).collect();
         for (name, found) in [
             (
                 "a batch",
@@ -218,8 +219,8 @@ impl Case {
                 columns(&slip, |out| kernel.curve(&self.wheel, LOAD_N, &slip, out)),
             ),
         ] {
-            for (slip, found) in slip.iter().zip(found.unwrap()) {
-                match (found, self.exact(*slip)) {
+            for (found, exact) in found.unwrap().into_iter().zip(&exact) {
+                match (found, *exact) {
                     (Some(found), Some(exact)) => self.assert_near(name, found, exact, CLOSE),
                     (found, exact) => assert_eq!(found, exact, "{}: {name}", self.name),
                 }
@@ -472,10 +473,8 @@ fn no_kernel_compares_with_a_law() {
                 let compares = ["==", "!=", "matches!", "if let ", " else {"]
                     .iter()
                     .any(|by| line.contains(by));
-                let is_named = chosen.iter().any(|law| names(&law));
-                if is_kernel && is_named
-                    || compares && (is_named || of_numbers.iter().any(|law| names(&law)))
-                {
+                let is_named = chosen.iter().any(names);
+                if is_kernel && is_named || compares && (is_named || of_numbers.iter().any(names)) {
                     found.push(format!("{file}: {}", line.trim()));
                 }
             }
@@ -492,7 +491,7 @@ fn sources(folder: &Path) -> Vec<(String, String)> {
         let name = path.to_string_lossy().replace('\\', "/");
         if path.is_dir() {
             out.extend(sources(&path));
-        } else if name.ends_with(".rs") && !name.ends_with("tests.rs") {
+        } else if path.extension().is_some_and(|of| of == "rs") && !name.ends_with("tests.rs") {
             out.push((name, std::fs::read_to_string(&path).unwrap()));
         }
     }
