@@ -42,6 +42,10 @@ fuzz target executions="1000000":
 mutants crate *options:
     python3 mutants/run.py {{crate}} {{options}}
 
+# changes in stages on a copy of the tree: what they miss must not build or fail a named test; all drills, or those named; minutes
+drills *names:
+    drills/run {{names}}
+
 # reading of logs beside the mcap crate, decoders of zstd and Python's rosbags
 bench-log:
     cargo run --release --manifest-path bench/log/Cargo.toml

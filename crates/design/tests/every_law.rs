@@ -238,17 +238,18 @@ impl Case {
         kernel
             .slip_demand(&self.wheel, LOAD_N, &slopes, &mut slip, &mut status)
             .unwrap();
-        let SlopeOutcome::Holds { slip: held } = alone.slip_demand(LOAD_N, slope).unwrap() else {
-            panic!("{}: a slope of 3°", self.name);
+        let held = match alone.slip_demand(LOAD_N, slope).unwrap() {
+            SlopeOutcome::Holds { slip } => slip.value(),
+            _ => f64::NAN,
         };
         let near = |what, found: f64, exact: f64| {
             assert!(
-                (found - exact).abs() < 1e-7,
+                (found - exact).abs() < 1e-7 || found.is_nan() && exact.is_nan(),
                 "{}: {what} {found} {exact}",
                 self.name
             );
         };
-        near("slip demand", slip[0], held.value());
+        near("slip demand", slip[0], held);
         let mut out = BestSlipColumns {
             slip: &mut slip,
             value: &mut value,
