@@ -12,6 +12,7 @@ mod open;
 mod process;
 mod proof;
 mod propagate;
+mod reach;
 mod rows;
 mod search;
 mod tangent;

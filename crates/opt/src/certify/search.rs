@@ -10,6 +10,7 @@ use super::bound::{Bounder, Weights};
 use super::open::{Backoff, Open, OpenBoxes};
 use super::process::{Aim, End, Examined, Examiner};
 use super::proof::{Proof, claim};
+use super::reach::Reach;
 use super::rows::Rows;
 use super::{Certificate, CertifyProgress, CertifySettings, CertifyStatus};
 use crate::callback::Progress;
@@ -64,27 +65,11 @@ impl SecondOrderYield {
     }
 }
 
-/// How far the search has come.
-struct Reach {
-    began: Instant,
-    boxes: u64,
-    /// Of one bound, with which an open box ends in the log; s.
-    bound_s: f64,
-    /// Bytes of the log that the longest batch took.
-    batch_bytes: u64,
-}
-
 /// The best point so far.
 struct Best {
     x: Vec<f64>,
     level: f64,
     violation: f64,
-}
-
-/// Is this share of the time over?
-fn is_over(settings: &CertifySettings, began: Instant, share: f64) -> bool {
-    let limit = settings.time_limit_s;
-    limit.is_some_and(|limit| began.elapsed().as_secs_f64() >= share * limit)
 }
 
 pub(super) struct Search<'a, 's> {
@@ -117,10 +102,10 @@ impl Search<'_, '_> {
         }
     }
 
-    /// What a local solve calls: it ends where this share of the time is over.
-    fn until(&self, began: Instant, share: f64) -> impl FnMut(&Progress<'_>) -> ControlFlow<()> {
+    /// What a local solve calls: it ends so many seconds after the beginning.
+    fn until(began: Instant, end_s: f64) -> impl FnMut(&Progress<'_>) -> ControlFlow<()> {
         move |_| {
-            if is_over(self.settings, began, share) {
+            if began.elapsed().as_secs_f64() >= end_s {
                 ControlFlow::Break(())
             } else {
                 ControlFlow::Continue(())
@@ -131,17 +116,13 @@ impl Search<'_, '_> {
     /// Which limit the search has reached, if any.
     fn limit(&self, reach: &Reach, open: &OpenBoxes) -> Option<CertifyStatus> {
         let settings = self.settings;
-        let (mut end_s, mut end_bytes) = (0.0, 0);
+        let mut end_bytes = 0;
         if self.proof.sink.is_some() {
-            let count = open.count() as u64;
-            end_s = count as f64 * reach.bound_s / rayon::current_num_threads() as f64;
             // the next batch may add as much as any, and as many leaves
-            let leaves = (count + 2 * BATCH as u64) * self.proof.leaf_bytes;
+            let leaves = (open.count() as u64 + 2 * BATCH as u64) * self.proof.leaf_bytes;
             end_bytes = self.proof.bytes + 2 * reach.batch_bytes + leaves;
         }
-        let seconds = reach.began.elapsed().as_secs_f64();
-        let is_late = |limit: f64| seconds + end_s >= limit;
-        if settings.time_limit_s.is_some_and(is_late) {
+        if reach.seconds() >= reach.last_begin_s(settings.time_limit_s, open.count()) {
             return Some(CertifyStatus::TimeLimit);
         }
         let limits = [
@@ -162,13 +143,13 @@ impl Search<'_, '_> {
     }
 
     /// A local solve from a point.
-    fn polish(&self, best: &mut Option<Best>, start: &[f64], began: Instant) {
+    fn polish(&self, best: &mut Option<Best>, start: &[f64], began: Instant, end_s: f64) {
         if let Ok(problem) = self.problem.from_start(start)
             && let Ok(solution) = solve_with(
                 &problem,
                 self.method,
                 &self.settings.solve,
-                &mut self.until(began, 1.0),
+                &mut Self::until(began, end_s),
             )
         {
             self.consider(best, &solution.x[..self.rows.dimension()]);
@@ -192,13 +173,14 @@ impl Search<'_, '_> {
         for candidate in &self.settings.candidates {
             self.consider(&mut best, candidate);
         }
+        let limit_s = self.settings.time_limit_s.unwrap_or(f64::INFINITY);
         // no starts are refused
         if let Ok(found) = multi_start_with(
             self.problem,
             self.method,
             &self.settings.solve,
             (self.settings.starts, self.settings.seed),
-            &mut self.until(began, STARTS_TIME_SHARE),
+            &mut Self::until(began, STARTS_TIME_SHARE * limit_s),
         ) {
             for run in &found.runs {
                 self.consider(&mut best, &run.x[..self.rows.dimension()]);
@@ -241,12 +223,7 @@ impl Search<'_, '_> {
         let mut next = 1_u64;
         // the lowest claim among closed boxes
         let mut closed = f64::INFINITY;
-        let mut reach = Reach {
-            began,
-            boxes: 0,
-            bound_s: 0.0,
-            batch_bytes: 0,
-        };
+        let mut reach = Reach::new(began);
         let mut polish_at = 1_u64;
         let mut yields = SecondOrderYield::default();
         let status = loop {
@@ -267,7 +244,7 @@ impl Search<'_, '_> {
                 upper,
                 boxes: reach.boxes,
                 open: open.heap.len() as u64,
-                seconds: began.elapsed().as_secs_f64(),
+                seconds: reach.seconds(),
             };
             if callback(&progress).is_break() || self.proof.broken {
                 break CertifyStatus::Stopped;
@@ -289,7 +266,9 @@ impl Search<'_, '_> {
                 tolerance: self.settings.solve.constraint_tolerance,
                 best: at.as_deref(),
             };
-            let mut examined = self.examine(&batch, &aim, yields.is_worthwhile(), began);
+            let last_s = reach.last_begin_s(self.settings.time_limit_s, open.count() + batch.len());
+            let mut examined =
+                self.examine(&batch, &aim, yields.is_worthwhile(), (&mut reach, last_s));
             let rest = batch.split_off(examined.len());
             for late in rest {
                 open.push(late);
@@ -305,7 +284,7 @@ impl Search<'_, '_> {
                 polish_at = polish_at.saturating_mul(2).max(reach.boxes);
                 if let Some(first) = examined.first() {
                     let middle: Vec<f64> = first.rest.iter().map(|x| x.middle()).collect();
-                    self.polish(&mut best, &middle, began);
+                    self.polish(&mut best, &middle, began, last_s);
                 }
             }
             let cap = best.as_ref().map_or(f64::INFINITY, |b| {
@@ -317,38 +296,38 @@ impl Search<'_, '_> {
             if let (Some(own), true) = (open.heap.peek(), self.proof.sink.is_some()) {
                 let before = Instant::now();
                 Self::closing(self.rows, own);
-                reach.bound_s = reach.bound_s.max(before.elapsed().as_secs_f64());
+                reach.bounded(before.elapsed().as_secs_f64());
             }
             reach.batch_bytes = reach.batch_bytes.max(self.proof.bytes - written);
         };
         let lower = closed.min(self.end(open));
-        self.certificate(
-            status,
-            lower,
-            best,
-            reach.boxes,
-            began.elapsed().as_secs_f64(),
-        )
+        self.certificate(status, lower, best, reach.boxes, reach.seconds())
     }
 
-    /// Examines boxes, the first ones where the time is over before the others.
+    /// Examines boxes: each that begins before `last_s`.
     fn examine(
         &self,
         batch: &[Open],
         aim: &Aim<'_>,
         second_order: bool,
-        began: Instant,
+        (reach, last_s): (&mut Reach, f64),
     ) -> Vec<Examined> {
-        let (rows, cleared, settings) = (self.rows, self.cleared, self.settings);
-        let results: Vec<Option<Examined>> = batch
+        let (rows, cleared, began) = (self.rows, self.cleared, reach.began);
+        let results: Vec<Option<(Examined, f64)>> = batch
             .par_iter()
             .map_init(Examiner::default, |examiner, open| {
                 let second_order = second_order && open.backoff.wait == 0;
-                let is_late = is_over(settings, began, 1.0);
-                (!is_late).then(|| examiner.examine(rows, cleared, &open.x, aim, second_order))
+                let before_s = began.elapsed().as_secs_f64();
+                (before_s < last_s).then(|| {
+                    let examined = examiner.examine(rows, cleared, &open.x, aim, second_order);
+                    (examined, began.elapsed().as_secs_f64() - before_s)
+                })
             })
             .collect();
-        results.into_iter().map_while(|result| result).collect()
+        let (examined, seconds): (Vec<Examined>, Vec<f64>) =
+            results.into_iter().map_while(|result| result).unzip();
+        reach.examined(seconds);
+        examined
     }
 
     /// Enters what is still open, as far as it is known; returns the lowest claim.
