@@ -25,6 +25,7 @@ mod fronts;
 mod joint_problems;
 mod literature;
 mod methods;
+mod optimal_starts;
 mod outcomes;
 mod probes;
 mod proofs;

@@ -58,6 +58,8 @@ const FIRST_PRICE: f64 = 10.0;
 const MAX_PRICE: f64 = 1e12;
 /// Optimality that passes for a solution when rounding allows no further step.
 const NEARLY_OPTIMAL: f64 = 1e-4;
+/// A start with smaller gradients may be an optimum: what counts as small is then seen some distance off.
+const SMALL_GRADIENT: f64 = 1e-4;
 /// A level below this is taken for a fall without limit.
 const UNBOUNDED_LEVEL: f64 = -1e30;
 
@@ -174,11 +176,17 @@ impl Sqp<'_, '_, '_, '_> {
     fn run(mut self, start: Point) -> (Solution, Point) {
         let mut point = start;
         let (jacobian, slopes) = self.evaluator.derivatives(&mut point);
-        let start = report::gradient_scale(self.program, &jacobian);
-        if start > 0.0 {
-            self.gradient_floor = start.min(1.0);
+        let mut gradient = report::gradient_scale(self.program, &jacobian);
+        let mut size = point.objective_size(self.program);
+        if (f64::MIN_POSITIVE..SMALL_GRADIENT).contains(&gradient)
+            && let Some((off, jacobian)) = probe::some_distance_off(self.evaluator, &point)
+        {
+            gradient = gradient.max(report::gradient_scale(self.program, &jacobian));
+            size = size.max(off.objective_size(self.program));
         }
-        let size = point.objective_size(self.program);
+        if gradient > 0.0 {
+            self.gradient_floor = gradient.min(1.0);
+        }
         if size > 0.0 {
             self.level_floor = size.min(1.0);
         }

@@ -8,6 +8,7 @@
 
 use super::point::{Evaluator, Point};
 use super::subspace::dot;
+use crate::jacobian::Jacobian;
 use crate::program::Program;
 use crate::random::Random;
 use crate::solution::Counts;
@@ -37,7 +38,39 @@ pub(super) fn around(evaluator: &mut Evaluator<'_, '_, '_>, random: usize, point
 
 /// Evaluates the point a direction further on, unless it is the same point or meets the linear constraints less well.
 fn probe(evaluator: &mut Evaluator<'_, '_, '_>, point: &Point, direction: &[f64]) {
+    if let Some(x) = moved(evaluator.program, point, direction) {
+        evaluator.probe(&x);
+    }
+}
+
+/// Values and derivatives as far off as the last probes, along all variables at once; `None` where no such point meets bounds and
+/// linear constraints.
+pub(super) fn some_distance_off(
+    evaluator: &mut Evaluator<'_, '_, '_>,
+    point: &Point,
+) -> Option<(Point, Jacobian)> {
     let program = evaluator.program;
+    let direction: Vec<f64> = lengths(program, point)
+        .into_iter()
+        .enumerate()
+        .map(|(i, length)| {
+            let is_low = program.upper[i] - point.x[i] >= point.x[i] - program.lower[i];
+            LAST_PROBE_FACTOR * if is_low { length } else { -length }
+        })
+        .collect();
+    let x = moved(program, point, &direction)?;
+    let counts = evaluator.counts;
+    let mut off = evaluator.values(&x);
+    let (jacobian, _) = evaluator.derivatives(&mut off);
+    evaluator.counts = Counts {
+        probes: counts.probes + 1,
+        ..counts
+    };
+    Some((off, jacobian))
+}
+
+/// The point a direction further on; `None` where it is the same point or meets the linear constraints less well.
+fn moved(program: &Program<'_>, point: &Point, direction: &[f64]) -> Option<Vec<f64>> {
     let mut x: Vec<f64> = direction.iter().zip(&point.x).map(|(d, x)| x + d).collect();
     into_bounds(program, &mut x);
     for _ in 0..LINEAR_SWEEPS {
@@ -53,9 +86,7 @@ fn probe(evaluator: &mut Evaluator<'_, '_, '_>, point: &Point, direction: &[f64]
             off(&x) <= off(&point.x).max(0.0) + rounding
         }
     });
-    if is_linear && x != point.x {
-        evaluator.probe(&x);
-    }
+    (is_linear && x != point.x).then_some(x)
 }
 
 fn into_bounds(program: &Program<'_>, x: &mut [f64]) {
