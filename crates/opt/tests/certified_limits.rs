@@ -83,8 +83,8 @@ fn settings(change: impl FnOnce(&mut CertifySettings)) -> CertifySettings {
     settings
 }
 
-/// Within a tenth of the limit and half of one box, the log's end included, in one of some runs: what else the machine does
-/// delays a run, and a search that does not keep its time is late in each.
+/// Within a tenth of the limit, half of one box and a fifth of a second of a loaded machine's scheduler, the log's end included,
+/// in one of some runs: what else the machine does delays a run, and a search that does not keep its time is late in each.
 #[test]
 fn a_search_keeps_its_time() {
     for (count, seconds) in [(3, 1.0), (100, 1.0), (100, 3.0)] {
@@ -102,7 +102,7 @@ fn a_search_keeps_its_time() {
                 assert_eq!(found.status, CertifyStatus::TimeLimit);
                 assert!(found.lower.is_finite() && found.lower <= found.upper);
                 let box_s = took_s * rayon::current_num_threads() as f64 / found.boxes as f64;
-                let late_s = took_s - 1.1 * seconds - 0.5 * box_s;
+                let late_s = took_s - 1.1 * seconds - 0.5 * box_s - 0.2;
                 println!("{count} {seconds} {has_log}, run {run}: {took_s} s, {late_s} s late");
                 late_s
             };
@@ -234,5 +234,27 @@ fn a_root_over_zero_takes_few_boxes() {
     assert!(found.boxes < 1000, "{found:?}");
     if let Some((is_accepted, said)) = checked("root.jsonl", &log, &[]) {
         assert!(is_accepted, "{said}");
+    }
+}
+
+/// What is left for another library of elementary functions is a share of the gap.
+#[test]
+fn small_gaps_are_proved() {
+    struct Valleys;
+    impl Functions for Valleys {
+        fn evaluate<R: Scalar>(&self, x: &[R], f: &mut [R]) {
+            f[0] = (x[0].square() - R::ONE).square() + (R::from_f64(3.0) * x[0]).sin();
+        }
+    }
+    let params = ProblemParams::new(&[0.5], 1, Exact(Valleys));
+    let sides = [Variable::bounded("x", 0.5, -2.0, 2.0)];
+    let problem = Problem::new(params.variables(sides)).unwrap();
+    for gap in [1e-6, 1e-8, 1e-9, 1e-10, 1e-12] {
+        let (found, log) = logged(&problem, &settings(|own| own.gap = gap));
+        assert_eq!(found.status, CertifyStatus::Proved, "{gap}: {found:?}");
+        assert!(found.gap() <= gap * (1.0 + found.upper.abs()));
+        if let Some((is_accepted, said)) = checked("small_gap.jsonl", &log, &[]) {
+            assert!(is_accepted, "{gap}: {said}");
+        }
     }
 }

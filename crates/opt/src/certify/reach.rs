@@ -12,6 +12,11 @@ pub(super) struct Reach {
     pub(super) boxes: u64,
     /// Of the longest box, those of earlier batches counting less and less; s.
     box_s: f64,
+    /// Of the boxes together, and of the batches: several are examined at once.
+    busy_s: f64,
+    batches_s: f64,
+    /// Of what is entered into a log; s.
+    entered_s: f64,
     /// Of one bound, with which an open box ends in the log, the mean; s. Not the longest: one delay of the machine would
     /// count for every open box.
     bound_s: f64,
@@ -27,22 +32,37 @@ impl Reach {
             began,
             boxes: 0,
             box_s: 0.0,
+            busy_s: 0.0,
+            batches_s: 0.0,
+            entered_s: 0.0,
             bound_s: 0.0,
             bounds: 0,
             batch_bytes: 0,
         }
     }
 
-    /// The boxes of a batch took so long, each.
-    pub(super) fn examined(&mut self, seconds: Vec<f64>) {
-        if let Some(longest) = seconds.into_iter().reduce(f64::max) {
+    /// The boxes of a batch took so long, each, and the batch.
+    pub(super) fn examined(&mut self, boxes_s: &[f64], batch_s: f64) {
+        if let Some(longest) = boxes_s.iter().copied().reduce(f64::max) {
             self.box_s = longest.max(KEPT_BOX_SHARE * self.box_s);
+            self.busy_s += boxes_s.iter().sum::<f64>();
+            self.batches_s += batch_s;
         }
+        self.boxes += boxes_s.len() as u64;
+    }
+
+    /// To enter a batch into the log took so long.
+    pub(super) fn entered(&mut self, seconds: f64) {
+        self.entered_s += seconds;
     }
 
     /// What the end of the log takes where so many boxes are open; s.
     fn end_s(&self, open: usize) -> f64 {
-        open as f64 * self.bound_s / rayon::current_num_threads() as f64
+        if self.bounds == 0 || self.busy_s <= 0.0 {
+            return 0.0;
+        }
+        let bound_s = self.bound_s * self.batches_s / self.busy_s;
+        open as f64 * (bound_s + self.entered_s / self.boxes as f64)
     }
 
     /// When the last box may begin that ends within the limit, and the log with it; s after the beginning.

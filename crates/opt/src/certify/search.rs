@@ -195,7 +195,7 @@ impl Search<'_, '_> {
         let stuck = boxes.stuck.iter().map(|o| o.bound);
         let stuck = stuck.fold(f64::INFINITY, f64::min);
         let floor = self.rows.opposites.map_or(f64::NEG_INFINITY, |_| 0.0);
-        claim(open.min(stuck).max(floor))
+        claim(open.min(stuck).max(floor), self.settings.gap)
     }
 
     /// The whole box.
@@ -274,7 +274,6 @@ impl Search<'_, '_> {
                 open.push(late);
             }
             yields.add(&examined);
-            reach.boxes += batch.len() as u64;
             for result in &examined {
                 if result.middle_level < best.as_ref().map_or(f64::INFINITY, |b| b.level) {
                     self.consider(&mut best, &result.middle);
@@ -290,17 +289,26 @@ impl Search<'_, '_> {
             let cap = best.as_ref().map_or(f64::INFINITY, |b| {
                 b.level - CLAIMED_SHARE * self.gap_at(b.level)
             });
+            let before = Instant::now();
             for (own, result) in batch.into_iter().zip(examined.drain(..)) {
                 closed = closed.min(self.enter(own, result, cap, &mut open, &mut next));
             }
             if let (Some(own), true) = (open.heap.peek(), self.proof.sink.is_some()) {
+                reach.entered(before.elapsed().as_secs_f64());
                 let before = Instant::now();
-                Self::closing(self.rows, own);
+                Self::closing(self.rows, self.settings.gap, own);
                 reach.bounded(before.elapsed().as_secs_f64());
             }
             reach.batch_bytes = reach.batch_bytes.max(self.proof.bytes - written);
         };
         let lower = closed.min(self.end(open));
+        // the end may have proved more of the open boxes
+        let status = match &best {
+            Some(b) if !status.is_proved() && b.level - lower <= self.gap_at(b.level) => {
+                CertifyStatus::Proved
+            }
+            _ => status,
+        };
         self.certificate(status, lower, best, reach.boxes, reach.seconds())
     }
 
@@ -313,6 +321,7 @@ impl Search<'_, '_> {
         (reach, last_s): (&mut Reach, f64),
     ) -> Vec<Examined> {
         let (rows, cleared, began) = (self.rows, self.cleared, reach.began);
+        let begun_s = reach.seconds();
         let results: Vec<Option<(Examined, f64)>> = batch
             .par_iter()
             .map_init(Examiner::default, |examiner, open| {
@@ -326,7 +335,7 @@ impl Search<'_, '_> {
             .collect();
         let (examined, seconds): (Vec<Examined>, Vec<f64>) =
             results.into_iter().map_while(|result| result).unzip();
-        reach.examined(seconds);
+        reach.examined(&seconds, began.elapsed().as_secs_f64() - begun_s);
         examined
     }
 
@@ -338,11 +347,11 @@ impl Search<'_, '_> {
         let mut rest = open.heap.into_vec();
         rest.extend(open.stuck);
         rest.sort_by_key(|open| open.id);
-        let (mut lowest, rows) = (f64::INFINITY, self.rows);
+        let (mut lowest, rows, gap) = (f64::INFINITY, self.rows, self.settings.gap);
         for some in rest.chunks(CLOSING_BOXES) {
             let ends: Vec<(f64, Weights)> = some
                 .par_iter()
-                .map(|own| Self::closing(rows, own))
+                .map(|own| Self::closing(rows, gap, own))
                 .collect();
             for (own, (bound, weights)) in some.iter().zip(ends) {
                 self.proof.leaf(own.id, bound, &weights);
@@ -354,7 +363,7 @@ impl Search<'_, '_> {
 
     /// The claim of a box that is not closed, and what proves it: the bound so far may be that of the box from which this one was
     /// divided.
-    fn closing(rows: &Rows, open: &Open) -> (f64, Weights) {
+    fn closing(rows: &Rows, gap: f64, open: &Open) -> (f64, Weights) {
         let mut bounder = Bounder::default();
         let own = bounder.bound(rows, &open.weights, &open.x);
         let trivial = rows.nonnegative().filter(|_| own < 0.0);
@@ -362,7 +371,7 @@ impl Search<'_, '_> {
             Some(weights) => (bounder.bound(rows, &weights, &open.x), weights),
             None => (own, open.weights.clone()),
         };
-        (claim(bound), weights)
+        (claim(bound, gap), weights)
     }
 
     fn certificate(
@@ -413,13 +422,13 @@ impl Search<'_, '_> {
             } else {
                 (below, above)
             };
-            let bound = claim(trim.bound.min(cap));
+            let bound = claim(trim.bound.min(cap), self.settings.gap);
             self.proof.leaf(leaf, bound, &trim.weights);
             lowest = lowest.min(bound);
             id = rest;
         }
         if matches!(result.end, End::Closed) {
-            let bound = claim(result.bound.min(cap));
+            let bound = claim(result.bound.min(cap), self.settings.gap);
             self.proof.leaf(id, bound, &result.weights);
             return lowest.min(bound);
         }
