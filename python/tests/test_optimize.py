@@ -112,7 +112,7 @@ def test_ctrl_c_ends_a_search_in_many_variables() -> None:
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         optimize.minimax(lambda x: [float(((x - 0.1) ** 2).sum())], start=np.full(450, 0.5), lower=0.0, upper=1.0)
-    assert time.monotonic() - fired[0] < 1.0
+    assert time.monotonic() - fired[0] < 5.0
     timer.join()
 
 
@@ -187,7 +187,7 @@ def test_ctrl_c_ends_a_long_solve(starts: int) -> None:
     with pytest.raises(KeyboardInterrupt):
         optimize.minimax(slow, start=[0.3], lower=-5.0, upper=5.0, starts=starts)
         time.sleep(10.0)
-    assert time.monotonic() - began < 2.0
+    assert time.monotonic() - began < 5.0
     timer.join()
 
 

@@ -430,12 +430,12 @@ fn a_thousand_slow_sockets_are_closed_and_delay_nobody() {
             format!("GET /explore.wasm.gz HTTP/1.1\r\nHost: {host}\r\n{cookie}\r\n").as_bytes(),
         )
         .expect("sent");
-    // others are answered meanwhile
+    // others are answered meanwhile: a server that waits for a slow socket waits for its limit of time, 10 s
     for _ in 0..20 {
         let sent = Instant::now();
         assert_eq!(status(&server.get("/main.js", &cookie)), 200);
         assert!(
-            sent.elapsed() < Duration::from_secs(2),
+            sent.elapsed() < Duration::from_secs(5),
             "{:?}",
             sent.elapsed()
         );
