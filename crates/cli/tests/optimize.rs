@@ -525,6 +525,31 @@ fn the_best_feasible_point_that_was_evaluated_is_the_answer() {
     }
 }
 
+/// A search that ends in the higher of two smooth valleys: the proof finds the other one, which is no kink.
+#[test]
+fn the_better_point_of_a_proof_is_a_solution() {
+    let folder = Folder::new("optimize-valleys");
+    for (f, expected) in [
+        ("(x^2 - 1)^2 - 0.1*x", -0.100_616_9),
+        ("(x - 1.3)^2 * ((x + 1)^2 + 0.001)", 0.0),
+    ] {
+        let text = format!(
+            "format = 1\nmethod = \"minimax\"\nstarts = 1\n[variables]\n\
+             x = {{ start = -1.05, lower = -2.0, upper = 2.0 }}\n[objectives]\nf = \"{f}\"\n"
+        );
+        let problem = folder.file("valleys.toml", text);
+        let found = json(&grouser(&["optimize", &problem, "--json"]));
+        assert!(found["x"]["x"].as_f64().unwrap() < 0.0, "{found}");
+        let proved = grouser(&["optimize", &problem, "--certify", "--json"]);
+        let object = json(&proved);
+        assert_eq!(proved.status.code(), Some(0), "{object}");
+        assert_eq!(object["certificate"]["status"], "proved", "{object}");
+        assert_ne!(object["status"], "stalled", "{object}");
+        let off = object["max"].as_f64().unwrap() - expected;
+        assert!(off.abs() < 1e-6, "{object}");
+    }
+}
+
 /// Waves over six variables with no point where all of them are lowest, so that no search of seconds closes the gap. The start is
 /// near the lowest optimum of 300 starts: the local search converges, and the proof finds nothing better.
 #[test]
