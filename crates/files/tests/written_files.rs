@@ -67,12 +67,14 @@ fn robot_text() -> impl Strategy<Value = String> {
     );
     (head, proptest::collection::vec(wheel, 1..5)).prop_map(|(head, wheels)| {
         let (name, (window, low, yaw), (mean, sigma, walk), (mass, x, inertia, has_body)) = head;
+        // names that the topics have not
+        let ignored = ["a", "b"].map(|end| format!("{name}{end}"));
         let mut text = format!(
             "format = 1\nname = {name:?}\n[estimator]\nwindow_s = {window:?}\nlow_speed_m_per_s = {low:?}\n\
              yaw_sigma_deg = {yaw:?}\nposition_sigma_m = {:?}\nwheel_sensor = \"angle\"\n[filter]\nslip_mean = {mean:?}\n\
              slip_sigma = {sigma:?}\nyaw_walk_deg_per_s_sqrt_s = {walk:?}\nreference_latency_s = {:?}\n\
              [topics]\npose = {name:?}\n\
-             imu_up = \"-y\"\nimu_forward = \"z\"\ntime = \"log\"\nignore = [\"/a\", \"/b\"]\n",
+             imu_up = \"-y\"\nimu_forward = \"z\"\ntime = \"log\"\nignore = {ignored:?}\n",
             if has_body { 0.001 } else { low }, // the usual one is stated in half of the files
             x.max(0.0) // so is 0
         );

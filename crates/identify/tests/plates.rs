@@ -73,6 +73,14 @@ proptest! {
         prop_assert!(own.name == "n" && of_k.name == "k_pa_per_m_n");
         prop_assert!(close(own.standard_error, widened[0], 1e-3) && close(of_k.standard_error, modulus * widened[1], 1e-3));
         prop_assert!(own.value == found.n && of_k.value == found.k_phi);
+        // an interval that reaches the limits of the law's exponent has no end there, and that of k follows n
+        for (sign, limit, end) in [(-1.0, 0.1, own.interval.low), (1.0, 3.0, own.interval.high)] {
+            let beyond = sign * (slope + sign * t * errors[0] - limit) / (t * errors[0]);
+            prop_assert!(beyond < 1e-2 || end.is_none(), "{beyond} {end:?}");
+            if beyond > -1e-2 {
+                return Ok(());
+            }
+        }
         for (sign, ends) in [(-1.0, (own.interval.low, of_k.interval.low)), (1.0, (own.interval.high, of_k.interval.high))] {
             prop_assert!(close(ends.0.unwrap() - slope, sign * t * widened[0], 2e-3));
             prop_assert!(close((ends.1.unwrap() / modulus).ln(), sign * t * widened[1], 2e-3));

@@ -189,8 +189,10 @@ fn drawn(draws: &mut Draws) -> Scenario {
     draws.fields(&mut scenario.sensors, SensorSettings::FIELDS);
     let mut control = ControlSettings::default();
     draws.fields(&mut control, ControlSettings::FIELDS);
-    if control.check().is_ok() {
-        scenario.control = control;
+    // limits of one number by others
+    let usual = std::mem::replace(&mut scenario.control, control);
+    if scenario.check().is_err() {
+        scenario.control = usual;
     }
     scenario.optimum = draws.yes().then(|| draws.between(0.01, 0.95));
     let faults = (0..3).map(|_| {
