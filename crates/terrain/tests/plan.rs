@@ -87,8 +87,9 @@ fn brute_force(map: &PlanMap, from: usize, to: usize, settings: &PlanSettings) -
     let state = |cell: i64, h: usize, run: usize| {
         (usize::try_from(cell).unwrap() * count + h) * layers + run
     };
+    let is = |wanted: Option<usize>, h: usize| wanted.is_none_or(|wanted| wanted == h);
     for h in 0..count {
-        if may(from.try_into().unwrap(), h) {
+        if is(settings.start_heading, h) && may(from.try_into().unwrap(), h) {
             cost[state(from.try_into().unwrap(), h, layers - 1)] = 0.0;
         }
     }
@@ -164,7 +165,7 @@ fn brute_force(map: &PlanMap, from: usize, to: usize, settings: &PlanSettings) -
     let mut best = f64::INFINITY;
     for h in 0..count {
         for run in 0..layers {
-            if enough(h, run) {
+            if is(settings.goal_heading, h) && enough(h, run) {
                 best = best.min(cost[state(to.try_into().unwrap(), h, run)]);
             }
         }
@@ -175,12 +176,17 @@ fn brute_force(map: &PlanMap, from: usize, to: usize, settings: &PlanSettings) -
 #[test]
 fn the_way_is_the_cheapest_that_brute_force_finds() {
     let (mut found, mut none) = (0, 0);
-    for seed in 0..40 {
+    for seed in 0..60 {
         for (headings, radius) in [(4, 0.0), (8, 0.0), (8, 2.5), (16, 0.0), (16, 6.0)] {
+            // any heading, or one that is given: no two of them are the same
+            let heading = |own: u64| (seed % 4 == own).then_some(own as usize);
+            let both = seed % 8 == 4;
             let map = random_map(seed, headings, radius);
             let settings = PlanSettings {
                 turn_energy: if seed % 2 == 0 { 0.0 } else { 12.0 },
                 by_cvar: seed % 3 == 0,
+                start_heading: heading(1).or(both.then_some(3)),
+                goal_heading: heading(2).or(both.then_some(0)),
                 ..PlanSettings::default()
             };
             let (from, to) = (0, map.cells() - 1);
@@ -199,6 +205,14 @@ fn the_way_is_the_cheapest_that_brute_force_finds() {
                     );
                     assert!(route.risk <= settings.max_risk);
                     assert!(route.tip_over_deg >= settings.min_tip_over_deg);
+                    let ends = [route.waypoints.first(), route.waypoints.last()];
+                    for (end, wanted) in ends
+                        .into_iter()
+                        .zip([settings.start_heading, settings.goal_heading])
+                    {
+                        let heading = end.unwrap().heading;
+                        assert!(wanted.is_none_or(|wanted| wanted == heading), "{seed}");
+                    }
                     found += 1;
                 }
                 (Ok(Plan::NoWay { .. }) | Err(Error::Place { .. }), None) => none += 1,
