@@ -201,7 +201,7 @@ impl Case {
             rebound: self.soil.params().rebound.into(),
             slip: (&slip).into(),
         };
-        let soils = SoilColumns::of(&self.soil);
+        let soils = SoilColumns::from_soil(&self.soil);
         let exact: Vec<_> = slip.iter().map(|slip| self.exact(*slip)).collect();
         for (name, found) in [
             (
