@@ -30,6 +30,8 @@ pub mod filter;
 mod history;
 mod measured_slip;
 #[doc(hidden)]
+pub mod modes;
+#[doc(hidden)]
 pub mod motion;
 pub mod onboard;
 pub mod prior;

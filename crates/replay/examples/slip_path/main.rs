@@ -18,18 +18,20 @@ use grouser_files::topics::Topics;
 use grouser_log::Log;
 use grouser_replay::{Inputs, Options, RobotSamples, WheelSteering};
 use grouser_slip::Reference;
-use grouser_slip::motion::{KINDS, Levels, Noise, Step, Value, start};
+use grouser_slip::modes::ModeFilter;
+use grouser_slip::motion::{Belief, KINDS, Levels, Noise, Step, Value, start};
 use grouser_slip::smooth::{fit, wheel_slips};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut files, mut robot, mut map, mut out) = (Vec::new(), None, None, None);
+    let mut is_online = false;
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--robot" => robot = arguments.next().map(PathBuf::from),
             "--map" => map = arguments.next().map(PathBuf::from),
             "-o" => out = arguments.next().map(PathBuf::from),
-            "--online" => return Err("the model runs over whole logs only".into()),
+            "--online" => is_online = true,
             _ => files.push(PathBuf::from(argument)),
         }
     }
@@ -69,9 +71,48 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         has_gyro,
     );
     let (levels, learn) = prior(&file, &inputs, has_gyro);
-    let found = fit(&mut steps, begin, levels, learn);
-    std::fs::write(out.ok_or("-o is missing")?, table(&file, &steps, &found)?)?;
+    let text = if is_online {
+        online_table(&file, &steps, begin, levels)?
+    } else {
+        let found = fit(&mut steps, begin, levels, learn);
+        table(&file, &steps, &found)?
+    };
+    std::fs::write(out.ok_or("-o is missing")?, text)?;
     Ok(())
+}
+
+const HEADER: &str = "time_s,wheel,slip,slip_sigma,motion,health\n";
+/// Limit of the printed probability: slip above it is high.
+const HIGH_SLIP: f64 = 0.6;
+
+/// What is known at each step's end; `exceeds` is the probability of high slip.
+///
+/// A step ends between two rows of the wheels, so that it is known when the second of them is: up to one row later than its time.
+fn online_table(
+    file: &RobotFile,
+    steps: &[Step],
+    begin: Belief,
+    levels: Levels,
+) -> Result<String, Box<dyn std::error::Error>> {
+    let wheels = file.robot.wheels();
+    let mut filter = ModeFilter::new(begin, levels, wheels.len());
+    let mut text = HEADER.replace('\n', ",exceeds\n");
+    for step in steps {
+        filter.advance(step)?;
+        for (index, wheel) in wheels.iter().enumerate() {
+            if let (Some(slip), Some(exceeds)) =
+                (filter.wheel_slip(index), filter.exceeds(index, HIGH_SLIP))
+            {
+                let (time, sigma) = (step.time, slip.variance.sqrt());
+                writeln!(
+                    text,
+                    "{time:.4},{},{:.5},{sigma:.5},,Ok,{exceeds:.4}",
+                    wheel.name, slip.slip
+                )?;
+            }
+        }
+    }
+    Ok(text)
 }
 
 /// Sigmas of the kinds of noise before the log, in the order of [`Noise::ALL`], and which of them the log teaches.
@@ -110,7 +151,7 @@ fn table(
     steps: &[Step],
     found: &grouser_slip::smooth::Fit,
 ) -> Result<String, std::fmt::Error> {
-    let mut text = String::from("time_s,wheel,slip,slip_sigma,motion,health\n");
+    let mut text = HEADER.to_owned();
     for (index, wheel) in file.robot.wheels().iter().enumerate() {
         for slip in wheel_slips(found, steps, index) {
             let step = &steps[slip.step];

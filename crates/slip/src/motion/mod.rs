@@ -7,10 +7,12 @@
 //! | `step` | what the sensors measured over a step of time: the only input |
 //! | `wheels` | the common motion of the wheels over a step |
 //! | `noise` | the kinds of noise and their levels |
+//! | `evidence` | what a step shows of a mode, and readings that may be outliers |
 //! | `model` | how a belief passes over a step |
 //! | `tape` | what the pass did, for the pass back (`smooth`) |
 
 mod belief;
+mod evidence;
 mod model;
 mod noise;
 mod state;
@@ -19,7 +21,8 @@ mod tape;
 mod wheels;
 
 pub use belief::{Belief, Correction, Row, dot};
-pub use model::{CREEP, Motion, start};
+pub use evidence::{Evidence, Judgement, OUTLIER_SIGMA, OUTLIERS, log_density};
+pub use model::{CREEP, Motion, Record, start};
 pub use noise::{KINDS, Levels, Noise};
 pub use state::*;
 pub use step::{Reading, Step, Value, WheelStep};

@@ -5,6 +5,7 @@ use alloc::boxed::Box;
 use grouser_real::{Real, wrap_angle};
 
 use super::belief::{Belief, Row};
+use super::evidence::{Evidence, OUTLIERS, log_density};
 use super::noise::{Levels, Noise};
 use super::state::{DRIFT, FORCE_BIAS, HEADING, MAX_LOG_SLIP, SIZE, SLIP, SPEED, TURN_BIAS, X, Y};
 use super::step::{Reading, Step, Value, WheelStep};
@@ -58,12 +59,23 @@ pub fn start(place: [f64; 2], heading: f64, has_gyro: bool) -> Belief {
 struct Pass<'a> {
     belief: &'a mut Belief,
     levels: &'a Levels,
-    tape: Option<&'a mut Tape>,
+    record: Record<'a>,
+}
+
+/// What a pass leaves behind.
+#[derive(Debug)]
+pub enum Record<'a> {
+    /// Nothing.
+    Nothing,
+    /// The operations, for the pass back.
+    Tape(&'a mut Tape),
+    /// What the step shows of a mode; readings may be outliers then.
+    Evidence(&'a mut Evidence),
 }
 
 impl Pass<'_> {
     fn write(&mut self, entry: Entry) {
-        if let Some(tape) = self.tape.as_deref_mut() {
+        if let Record::Tape(tape) = &mut self.record {
             tape.push(entry);
         }
     }
@@ -92,6 +104,9 @@ impl Pass<'_> {
         reading: Option<usize>,
     ) {
         let correction = self.belief.update(row, innovation, variance);
+        if let Record::Evidence(evidence) = &mut self.record {
+            evidence.likelihood += log_density(innovation, correction.variance);
+        }
         self.write(Entry::Update {
             noise,
             correction,
@@ -120,6 +135,19 @@ impl Motion {
         scratch: &mut [f64],
         tape: Option<&mut Tape>,
     ) {
+        let record = tape.map_or(Record::Nothing, Record::Tape);
+        self.pass(step, levels, extra, scratch, record);
+    }
+
+    /// Passes over one step and leaves a record.
+    pub fn pass(
+        &mut self,
+        step: &Step,
+        levels: &Levels,
+        extra: f64,
+        scratch: &mut [f64],
+        record: Record<'_>,
+    ) {
         let dt = step.dt;
         let share = Real::exp(-self.belief.mean[SLIP]);
         let turn = step
@@ -129,7 +157,7 @@ impl Motion {
         let mut pass = Pass {
             belief: &mut self.belief,
             levels,
-            tape,
+            record,
         };
         let common = found.unwrap_or(CommonMotion {
             distance: 0.0,
@@ -174,7 +202,7 @@ impl Motion {
         }
         let mean = &mut pass.belief.mean;
         mean[SLIP] = mean[SLIP].clamp(-MAX_LOG_SLIP, MAX_LOG_SLIP);
-        if pass.tape.is_some() {
+        if matches!(pass.record, Record::Tape(_)) {
             let end = Box::new(*pass.belief);
             pass.write(Entry::End(end));
         }
@@ -291,6 +319,7 @@ impl Pass<'_> {
     /// A reading of a reference, taken `since` before the step's end.
     fn read(&mut self, reading: &Reading, index: usize, along: [f64; 2], rate: f64) {
         let mut row = [0.0; SIZE];
+        let mut outliers = OUTLIERS;
         match reading.value {
             Value::Place(place) => {
                 for axis in [X, Y] {
@@ -298,25 +327,47 @@ impl Pass<'_> {
                     row[axis] = 1.0;
                     row[SPEED] = -reading.since * along[axis];
                     let innovation = place[axis] - self.belief.mean_of(&row);
-                    self.observe(Noise::Place, &row, innovation, reading.scale, index);
+                    // both axes are outliers together
+                    let at = (reading.scale, index, outliers);
+                    outliers = self.observe(Noise::Place, &row, innovation, at);
                 }
             }
             Value::Heading(heading) => {
                 row[HEADING] = 1.0;
                 let innovation =
                     wrap_angle(heading - (self.belief.mean[HEADING] - rate * reading.since));
-                self.observe(Noise::Heading, &row, innovation, reading.scale, index);
+                let at = (reading.scale, index, outliers);
+                self.observe(Noise::Heading, &row, innovation, at);
             }
             Value::Speed(speed) => {
                 row[SPEED] = 1.0;
                 let innovation = speed - self.belief.mean[SPEED];
-                self.observe(Noise::SpeedReading, &row, innovation, reading.scale, index);
+                let at = (reading.scale, index, outliers);
+                self.observe(Noise::SpeedReading, &row, innovation, at);
             }
         }
     }
 
-    fn observe(&mut self, noise: Noise, row: &Row, innovation: f64, scale: f64, index: usize) {
+    /// One scalar of a reading: its scale, its index and the probability that it is an outlier; returns that probability after it.
+    fn observe(
+        &mut self,
+        noise: Noise,
+        row: &Row,
+        innovation: f64,
+        (scale, index, outliers): (f64, usize, f64),
+    ) -> f64 {
         let variance = self.levels.of(noise) * scale;
-        self.correct(noise, row, innovation, variance, Some(index));
+        let Record::Evidence(evidence) = &mut self.record else {
+            self.correct(noise, row, innovation, variance, Some(index));
+            return outliers;
+        };
+        let found = self
+            .belief
+            .update_mixed(row, innovation, variance, outliers);
+        evidence.likelihood += found.likelihood;
+        let sums = &mut evidence.noise[noise as usize];
+        sums[0] += found.good;
+        sums[1] += found.good * found.square / scale;
+        (1.0 - found.good).clamp(OUTLIERS, 1.0 - OUTLIERS)
     }
 }

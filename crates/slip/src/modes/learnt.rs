@@ -1,0 +1,56 @@
+//! The noise of the reference, learnt from its readings.
+
+use super::table::MODES;
+use crate::motion::{Evidence, KINDS, Levels, Noise};
+
+/// The prior (the robot file's sigma) weighs as much as this many readings.
+const PRIOR_READINGS: f64 = 5.0;
+/// Older readings fade: the level follows the last ones, this many.
+const MEMORY_READINGS: f64 = 200.0;
+/// A level is within this factor of its prior: a sensor is not a hundred times better or worse than described.
+const MAX_FACTOR: f64 = 1e4;
+
+/// The levels of noise. Those of readings are the mean of the squared noise that each reading is expected to have after its update
+/// (Särkkä and Nummenmaa 2009), weighed by the probability that it is no outlier, next to a prior.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LearntNoise {
+    prior: Levels,
+    levels: Levels,
+    /// Of each kind the number of readings, and the sum of their squared noise.
+    sums: [[f64; 2]; KINDS],
+}
+
+impl LearntNoise {
+    pub(super) const fn new(prior: Levels) -> Self {
+        Self {
+            prior,
+            levels: prior,
+            sums: [[0.0; 2]; KINDS],
+        }
+    }
+
+    pub(super) const fn levels(&self) -> &Levels {
+        &self.levels
+    }
+
+    /// Learns from the evidence of each mode.
+    pub(super) fn learn(&mut self, evidence: &[Evidence; MODES], weights: &[f64; MODES]) {
+        for kind in [Noise::Place, Noise::Heading, Noise::SpeedReading] {
+            let kind = kind as usize;
+            let mean = |part: usize| -> f64 {
+                let of = evidence.iter().zip(weights);
+                of.map(|(of, weight)| weight * of.noise[kind][part]).sum()
+            };
+            let (count, squares) = (mean(0), mean(1));
+            if count <= 0.0 {
+                continue;
+            }
+            let sums = &mut self.sums[kind];
+            let kept = 1.0 - (count / MEMORY_READINGS).min(1.0);
+            *sums = [kept * sums[0] + count, kept * sums[1] + squares];
+            let prior = self.prior.0[kind];
+            let level = (PRIOR_READINGS * prior + sums[1]) / (PRIOR_READINGS + sums[0]);
+            self.levels.0[kind] = level.clamp(prior / MAX_FACTOR, prior * MAX_FACTOR);
+        }
+    }
+}
