@@ -72,7 +72,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     let (levels, learn) = prior(&file, &inputs, has_gyro);
     let text = if is_online {
-        online_table(&file, &steps, begin, levels)?
+        online_table(&file, &steps, begin, levels, file.filter.reference_latency)?
     } else {
         let found = fit(&mut steps, begin, levels, learn);
         table(&file, &steps, &found)?
@@ -88,17 +88,32 @@ const HIGH_SLIP: f64 = 0.6;
 /// What is known at each step's end; `exceeds` is the probability of high slip.
 ///
 /// A step ends between two rows of the wheels, so that it is known when the second of them is: up to one row later than its time.
+/// A reading counts from its arrival on, `latency` after it was taken.
 fn online_table(
     file: &RobotFile,
     steps: &[Step],
     begin: Belief,
     levels: Levels,
+    latency: f64,
 ) -> Result<String, Box<dyn std::error::Error>> {
     let wheels = file.robot.wheels();
-    let mut filter = ModeFilter::new(begin, levels, wheels.len());
+    let mut settled = ModeFilter::new(begin, levels, wheels.len());
+    let mut ahead = settled.clone();
     let mut text = HEADER.replace('\n', ",exceeds\n");
-    for step in steps {
-        filter.advance(step)?;
+    let mut done = 0;
+    for (now, step) in steps.iter().enumerate() {
+        // the filter waits for the readings of a step, and a copy of it goes on without them
+        while done <= now && steps[done].time <= step.time - latency {
+            settled.advance(&steps[done])?;
+            done += 1;
+        }
+        ahead.clone_from(&settled);
+        for step in &steps[done..=now] {
+            let mut unread = step.clone();
+            unread.readings.clear();
+            ahead.advance(&unread)?;
+        }
+        let filter = &ahead;
         for (index, wheel) in wheels.iter().enumerate() {
             if let (Some(slip), Some(exceeds)) =
                 (filter.wheel_slip(index), filter.exceeds(index, HIGH_SLIP))
@@ -119,13 +134,15 @@ fn online_table(
 fn prior(file: &RobotFile, inputs: &Inputs, has_gyro: bool) -> (Levels, [bool; KINDS]) {
     let by_displacement = inputs.reference == Reference::Displacement;
     let settings = &file.settings;
-    // a cheap gyro's, or what differential wheels make of a turn
-    let (turn, turn_bias) = if has_gyro { (2e-3, 2e-4) } else { (0.05, 0.05) };
-    // a sum of displacements wanders, a pose does not
-    let (wander, place) = if by_displacement {
-        (1e-3, 1e-3)
-    } else {
-        (1e-5, settings.position_sigma)
+    // a cheap gyro's, or what wheels make of a turn
+    let (turn, turn_bias) = if has_gyro { (2e-3, 2e-4) } else { (0.02, 0.04) };
+    // a sum of displacements wanders, a pose does not; where the robot file states no noise, it is that of visual odometry at
+    // 10 Hz, or of a GNSS or camera of middling quality
+    let stated = file.topics.position_sigma;
+    let (wander, place) = match (by_displacement, stated) {
+        (true, Some(sigma)) => (1e-3, sigma),
+        (true, None) => (6e-3, 3e-3),
+        (false, sigma) => (1e-5, sigma.unwrap_or(0.02)),
     };
     let sigmas = [
         0.03,

@@ -57,8 +57,12 @@ impl ModeFilter {
         self.noise.learn(&evidence, &self.weights);
         self.belief = self.merged(&self.weights);
         let common = *self.common();
+        // without a gyro the turn is that of the wheels themselves
+        let turn = step
+            .turn
+            .map_or(0.0, |_| self.noise.levels().of(Noise::Turn) / step.dt);
         for (own, wheel) in self.own.iter_mut().zip(&step.wheels) {
-            own.advance(wheel, step.dt, &self.belief, &common);
+            own.advance(wheel, step.dt, &self.belief, &common, turn);
         }
         Ok(())
     }

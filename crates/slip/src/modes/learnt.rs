@@ -3,12 +3,18 @@
 use super::table::MODES;
 use crate::motion::{Evidence, KINDS, Levels, Noise};
 
-/// The prior (the robot file's sigma) weighs as much as this many readings.
-const PRIOR_READINGS: f64 = 5.0;
-/// Older readings fade: the level follows the last ones, this many.
-const MEMORY_READINGS: f64 = 200.0;
+/// The prior weighs as much as this many readings.
+const PRIOR_READINGS: f64 = 2.0;
+/// The first level is the square of this many described sigmas. Learning comes from the wide side: where noise is taken for too
+/// small, slip that jumps explains all of it, and nothing is left to learn from.
+const WIDE: f64 = 3.0;
+/// The level follows the last readings, this many.
+const MEMORY_READINGS: f64 = 100.0;
 /// A level is within this factor of its prior: a sensor is not a hundred times better or worse than described.
 const MAX_FACTOR: f64 = 1e4;
+
+/// The kinds that are learnt.
+const LEARNT: [Noise; 3] = [Noise::Place, Noise::Heading, Noise::SpeedReading];
 
 /// The levels of noise. Those of readings are the mean of the squared noise that each reading is expected to have after its update
 /// (Särkkä and Nummenmaa 2009), weighed by the probability that it is no outlier, next to a prior.
@@ -21,11 +27,18 @@ pub(super) struct LearntNoise {
 }
 
 impl LearntNoise {
-    pub(super) const fn new(prior: Levels) -> Self {
+    pub(super) fn new(prior: Levels) -> Self {
+        let sums = prior
+            .0
+            .map(|level| [PRIOR_READINGS, PRIOR_READINGS * WIDE * WIDE * level]);
+        let mut levels = prior;
+        for kind in LEARNT {
+            levels.0[kind as usize] *= WIDE * WIDE;
+        }
         Self {
             prior,
-            levels: prior,
-            sums: [[0.0; 2]; KINDS],
+            levels,
+            sums,
         }
     }
 
@@ -35,7 +48,7 @@ impl LearntNoise {
 
     /// Learns from the evidence of each mode.
     pub(super) fn learn(&mut self, evidence: &[Evidence; MODES], weights: &[f64; MODES]) {
-        for kind in [Noise::Place, Noise::Heading, Noise::SpeedReading] {
+        for kind in LEARNT {
             let kind = kind as usize;
             let mean = |part: usize| -> f64 {
                 let of = evidence.iter().zip(weights);
@@ -49,7 +62,7 @@ impl LearntNoise {
             let kept = 1.0 - (count / MEMORY_READINGS).min(1.0);
             *sums = [kept * sums[0] + count, kept * sums[1] + squares];
             let prior = self.prior.0[kind];
-            let level = (PRIOR_READINGS * prior + sums[1]) / (PRIOR_READINGS + sums[0]);
+            let level = sums[1] / sums[0];
             self.levels.0[kind] = level.clamp(prior / MAX_FACTOR, prior * MAX_FACTOR);
         }
     }

@@ -1,22 +1,15 @@
-//! Input that is no number.
+//! Input that cannot be used.
+
+use grouser_real::OutOfRange;
 
 use crate::motion::{Step, Value};
 
 /// Why a step was refused: it changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Refused {
-    /// A number is not finite, or one that must be positive is not.
-    #[error("{field} is {value} {unit}, but must be {must}")]
-    Number {
-        /// Which number.
-        field: &'static str,
-        /// Its value.
-        value: f64,
-        /// Its unit.
-        unit: &'static str,
-        /// What it must be.
-        must: &'static str,
-    },
+    /// A number lies outside its limits (NaN always does).
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
     /// The step has another number of wheels than the filter.
     #[error("the step has {found} wheels, but the robot has {expected}")]
     Wheels {
@@ -27,29 +20,10 @@ pub enum Refused {
     },
 }
 
-fn finite(field: &'static str, unit: &'static str, values: &[f64]) -> Result<(), Refused> {
-    match values.iter().find(|value| !value.is_finite()) {
-        Some(&value) => Err(Refused::Number {
-            field,
-            value,
-            unit,
-            must: "finite",
-        }),
-        None => Ok(()),
-    }
-}
-
-fn positive(field: &'static str, unit: &'static str, value: f64) -> Result<(), Refused> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(Refused::Number {
-        field,
-        value,
-        unit,
-        must: "finite and greater than 0",
-    })
-}
+/// No robot measures a number beyond these; their squares, divided by any variance, are finite.
+const ANY: (f64, f64) = (-1e9, 1e9);
+/// Limits of what must be positive: variances, lengths of time, scales.
+const POSITIVE: (f64, f64) = (1e-18, 1e18);
 
 impl Refused {
     /// Checks a step.
@@ -60,28 +34,28 @@ impl Refused {
                 expected: wheels,
             });
         }
-        finite("time", "s", &[step.time])?;
-        positive("length of the step", "s", step.dt)?;
+        let check = |field, unit, limits, values: &[f64]| -> Result<(), OutOfRange> {
+            (values.iter()).try_for_each(|&value| OutOfRange::check(field, value, limits, unit))
+        };
+        check("time", "s", ANY, &[step.time])?;
+        check("length of the step", "s", POSITIVE, &[step.dt])?;
         for wheel in &step.wheels {
-            finite("distance of a wheel", "m", wheel.distance.as_slice())?;
-            positive("variance of a wheel's distance", "m²", wheel.variance)?;
-            finite("row of a wheel", "1", &wheel.row)?;
-            finite("row of a wheel", "1", &wheel.across)?;
+            check("wheel distance", "m", ANY, wheel.distance.as_slice())?;
+            check("wheel distance variance", "m²", POSITIVE, &[wheel.variance])?;
+            check("wheel row", "1", ANY, &wheel.row)?;
+            check("wheel row", "1", ANY, &wheel.across)?;
         }
-        finite("turn", "rad", step.turn.as_slice())?;
-        finite(
-            "specific force",
-            "m/s²",
-            step.force.as_slice().as_flattened(),
-        )?;
+        check("turn", "rad", ANY, step.turn.as_slice())?;
+        let force = step.force.as_slice().as_flattened();
+        check("specific force", "m/s²", ANY, force)?;
         for reading in &step.readings {
             match reading.value {
-                Value::Place(place) => finite("place", "m", &place)?,
-                Value::Heading(heading) => finite("heading", "rad", &[heading])?,
-                Value::Speed(speed) => finite("speed", "m/s", &[speed])?,
+                Value::Place(place) => check("place", "m", ANY, &place)?,
+                Value::Heading(heading) => check("heading", "rad", ANY, &[heading])?,
+                Value::Speed(speed) => check("speed", "m/s", ANY, &[speed])?,
             }
-            finite("age of a reading", "s", &[reading.since])?;
-            positive("scale of a reading's variance", "1", reading.scale)?;
+            check("age of a reading", "s", ANY, &[reading.since])?;
+            check("scale of a reading", "1", POSITIVE, &[reading.scale])?;
         }
         Ok(())
     }

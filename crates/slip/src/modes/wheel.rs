@@ -5,8 +5,8 @@ use core::array;
 use super::exceeds::normal_tail;
 use super::table::{MODES, WALKS, mixed, weighed};
 use crate::motion::{
-    Belief, CREEP, CommonMotion, DRIFT, Row, SIZE, SLIP, SPEED, TURN_BIAS, WheelStep, log_density,
-    log_slip, slip_of_log,
+    Belief, CREEP, CommonMotion, DRIFT, JITTER, Row, SIZE, SLIP, SPEED, TURN_BIAS, WheelStep,
+    log_density, log_slip, slip_of_log,
 };
 use grouser_real::Real;
 
@@ -16,9 +16,6 @@ const MIN_SPEED: f64 = 0.01;
 const MIN_SQUARED_SPEED: f64 = 1e-4;
 /// Prior of the level: the wheels' own logarithmic slips differ by a tenth (wear, load, ground).
 const PRIOR_VARIANCE: f64 = 0.01;
-/// The least variance of a reading: a wheel's speed over a step differs by this from its mean (lugs, play of gears).
-const MIN_VARIANCE: f64 = 1e-8;
-
 /// A wheel's slip and the variance of its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelSlip {
@@ -36,7 +33,7 @@ pub struct OwnSlip {
     weights: [f64; MODES],
     /// Mean and variance of the mixture.
     merged: [f64; 2],
-    /// Variance that the wheel's speed over ground has next to the common speed's, over its square.
+    /// Variance of the wheel's speed over ground by drift and turn, over the square of that speed.
     by_motion: f64,
     moved: bool,
 }
@@ -64,13 +61,14 @@ fn moments(weights: &[f64; MODES], mean: &[f64; MODES], variance: &[f64; MODES])
 }
 
 impl OwnSlip {
-    /// Passes over one step, by the belief at its end.
+    /// Passes over one step, by the belief at its end; `turn_noise` is the variance of the turn rate over the step.
     pub(super) fn advance(
         &mut self,
         wheel: &WheelStep,
         dt: f64,
         belief: &Belief,
         common: &CommonMotion,
+        turn_noise: f64,
     ) {
         let distance = wheel.distance.unwrap_or(0.0);
         self.moved = distance.abs() >= MIN_SPEED * dt;
@@ -80,17 +78,20 @@ impl OwnSlip {
         let (sin, cos) = Real::sin_cos(common.direction);
         let (speed, drift) = (belief.mean[SPEED], belief.mean[DRIFT]);
         let [along_x, along_y, lever] = wheel.row;
-        // the wheel's speed over ground by speed, drift and turn
+        // the wheel's speed over ground by speed, drift and turn; errors of the speed are those of the common slip
+        let along = along_x * (cos - drift * sin) + along_y * (sin + drift * cos);
         let mut row: Row = [0.0; SIZE];
-        row[SPEED] = along_x * (cos - drift * sin) + along_y * (sin + drift * cos);
         row[DRIFT] = speed * (along_y * cos - along_x * sin);
         row[TURN_BIAS] = -lever;
         let turn = common.turned / dt - belief.mean[TURN_BIAS];
-        let ground = row[SPEED] * speed + lever * turn;
-        self.by_motion = belief.variance_of(&row) / (ground * ground).max(MIN_SQUARED_SPEED);
-        let noise = wheel.variance + CREEP * CREEP * dt * dt;
+        let ground = along * speed + lever * turn;
+        let square = (ground * ground).max(MIN_SQUARED_SPEED);
+        self.by_motion = belief.variance_of(&row) / square;
+        let noise = (wheel.variance + CREEP * CREEP * dt * dt) / (distance * distance)
+            + lever * lever * turn_noise / square
+            + JITTER * JITTER;
         let reading = log_slip(distance, ground * dt) - belief.mean[SLIP];
-        self.read(reading, noise / (distance * distance) + MIN_VARIANCE, dt);
+        self.read(reading, noise, dt);
     }
 
     fn read(&mut self, value: f64, noise: f64, dt: f64) {
@@ -110,10 +111,18 @@ impl OwnSlip {
         self.merged = moments(&self.weights, &self.mean, &self.variance);
     }
 
+    /// Mean and variance of its logarithmic slip by a belief.
+    fn log_slip(&self, belief: &Belief) -> (f64, f64) {
+        let [own, variance] = self.merged;
+        let common = belief.covariance[SLIP][SLIP];
+        (belief.mean[SLIP] + own, common + self.by_motion + variance)
+    }
+
     /// The wheel's slip by a belief.
     pub(super) fn slip(&self, belief: &Belief) -> Option<WheelSlip> {
-        let (slip, slope) = slip_of_log(belief.mean[SLIP] + self.merged[0]);
-        let variance = slope * slope * (self.by_motion + self.merged[1]);
+        let (log, variance) = self.log_slip(belief);
+        let (slip, slope) = slip_of_log(log);
+        let variance = slope * slope * variance;
         self.moved.then_some(WheelSlip { slip, variance })
     }
 
@@ -124,8 +133,7 @@ impl OwnSlip {
         } else {
             Real::ln_1p(limit)
         };
-        let mean = belief.mean[SLIP] + self.merged[0];
-        let variance = belief.covariance[SLIP][SLIP] + self.merged[1];
-        normal_tail((limit - mean) / Real::sqrt(variance.max(MIN_VARIANCE)))
+        let (log, variance) = self.log_slip(belief);
+        normal_tail((limit - log) / Real::sqrt(variance))
     }
 }
