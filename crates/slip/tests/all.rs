@@ -28,6 +28,7 @@ mod ground_reference;
 mod learnt_soil;
 mod legal_settings;
 mod mode_machine;
+mod modes;
 mod motion_model;
 mod names;
 mod onboard;

@@ -133,7 +133,7 @@ fn a_logarithmic_slip_is_the_slip_of_both_definitions() {
 }
 
 /// A straight drive: wheels of two sides, places at 5 Hz with noise of `sigma`, slip by time.
-fn drive(
+pub(crate) fn drive(
     slip: impl Fn(f64) -> f64,
     seconds: f64,
     speed: f64,
@@ -183,7 +183,7 @@ fn drive(
     steps
 }
 
-fn prior(place: f64) -> (Levels, [bool; KINDS]) {
+pub(crate) fn prior(place: f64) -> (Levels, [bool; KINDS]) {
     let sigmas = [
         0.03, 0.03, 0.03, 2e-3, 2e-4, 3e-3, 1e-5, place, 0.01, 0.03, 1.0,
     ];

@@ -19,7 +19,7 @@ use grouser_log::Log;
 use grouser_replay::{Inputs, Options, RobotSamples, WheelSteering};
 use grouser_slip::Reference;
 use grouser_slip::modes::ModeFilter;
-use grouser_slip::motion::{Belief, KINDS, Levels, Noise, Step, Value, start};
+use grouser_slip::motion::{KINDS, Levels, Noise, Step, Value, start};
 use grouser_slip::smooth::{fit, wheel_slips};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -72,7 +72,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     let (levels, learn) = prior(&file, &inputs, has_gyro);
     let text = if is_online {
-        online_table(&file, &steps, begin, levels, file.filter.reference_latency)?
+        let filter = ModeFilter::new(begin, levels, file.robot.wheels().len());
+        online_table(&file, &steps, &filter, file.filter.reference_latency)?
     } else {
         let found = fit(&mut steps, begin, levels, learn);
         table(&file, &steps, &found)?
@@ -92,13 +93,11 @@ const HIGH_SLIP: f64 = 0.6;
 fn online_table(
     file: &RobotFile,
     steps: &[Step],
-    begin: Belief,
-    levels: Levels,
+    begin: &ModeFilter,
     latency: f64,
 ) -> Result<String, Box<dyn std::error::Error>> {
     let wheels = file.robot.wheels();
-    let mut settled = ModeFilter::new(begin, levels, wheels.len());
-    let mut ahead = settled.clone();
+    let (mut settled, mut ahead) = (begin.clone(), begin.clone());
     let mut text = HEADER.replace('\n', ",exceeds\n");
     let mut done = 0;
     for (now, step) in steps.iter().enumerate() {

@@ -52,6 +52,7 @@ impl ModeFilter {
             levels.0[Noise::Slip as usize] = WALKS[mode] * WALKS[mode];
             let record = Record::Evidence(&mut evidence[mode]);
             motion.pass(step, &levels, 0.0, &mut self.scratch, record);
+            motion.belief.floor_variances();
         }
         self.weights = weighed(&weights, &evidence.map(|of| of.likelihood));
         self.noise.learn(&evidence, &self.weights);

@@ -7,7 +7,7 @@ use crate::motion::{Evidence, KINDS, Levels, Noise};
 const PRIOR_READINGS: f64 = 2.0;
 /// The first level is the square of this many described sigmas. Learning comes from the wide side: where noise is taken for too
 /// small, slip that jumps explains all of it, and nothing is left to learn from.
-const WIDE: f64 = 3.0;
+const WIDE: f64 = 2.0;
 /// The level follows the last readings, this many.
 const MEMORY_READINGS: f64 = 100.0;
 /// A level is within this factor of its prior: a sensor is not a hundred times better or worse than described.

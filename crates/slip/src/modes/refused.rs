@@ -20,10 +20,15 @@ pub enum Refused {
     },
 }
 
-/// No robot measures a number beyond these; their squares, divided by any variance, are finite.
-const ANY: (f64, f64) = (-1e9, 1e9);
-/// Limits of what must be positive: variances, lengths of time, scales.
-const POSITIVE: (f64, f64) = (1e-18, 1e18);
+/// Limits of what a robot moves in one step, in m, rad, m/s and m/s².
+const MOTION: (f64, f64) = (-1e3, 1e3);
+/// Limits of places (m), headings (rad), times (s).
+const PLACE: (f64, f64) = (-1e9, 1e9);
+/// Limits of the length of a step and of the age of a reading, s.
+const STEP: (f64, f64) = (1e-4, 1e2);
+const AGE: (f64, f64) = (-1e2, 1e2);
+/// Limits of variances and their scales: below, rounding loses what is known next to a robot that is lost by kilometres.
+const VARIANCE: (f64, f64) = (1e-15, 1e12);
 
 impl Refused {
     /// Checks a step.
@@ -37,25 +42,25 @@ impl Refused {
         let check = |field, unit, limits, values: &[f64]| -> Result<(), OutOfRange> {
             (values.iter()).try_for_each(|&value| OutOfRange::check(field, value, limits, unit))
         };
-        check("time", "s", ANY, &[step.time])?;
-        check("length of the step", "s", POSITIVE, &[step.dt])?;
+        check("time", "s", PLACE, &[step.time])?;
+        check("length of the step", "s", STEP, &[step.dt])?;
         for wheel in &step.wheels {
-            check("wheel distance", "m", ANY, wheel.distance.as_slice())?;
-            check("wheel distance variance", "m²", POSITIVE, &[wheel.variance])?;
-            check("wheel row", "1", ANY, &wheel.row)?;
-            check("wheel row", "1", ANY, &wheel.across)?;
+            check("wheel distance", "m", MOTION, wheel.distance.as_slice())?;
+            check("wheel distance variance", "m²", VARIANCE, &[wheel.variance])?;
+            check("wheel row", "1", MOTION, &wheel.row)?;
+            check("wheel row", "1", MOTION, &wheel.across)?;
         }
-        check("turn", "rad", ANY, step.turn.as_slice())?;
+        check("turn", "rad", MOTION, step.turn.as_slice())?;
         let force = step.force.as_slice().as_flattened();
-        check("specific force", "m/s²", ANY, force)?;
+        check("specific force", "m/s²", MOTION, force)?;
         for reading in &step.readings {
             match reading.value {
-                Value::Place(place) => check("place", "m", ANY, &place)?,
-                Value::Heading(heading) => check("heading", "rad", ANY, &[heading])?,
-                Value::Speed(speed) => check("speed", "m/s", ANY, &[speed])?,
+                Value::Place(place) => check("place", "m", PLACE, &place)?,
+                Value::Heading(heading) => check("heading", "rad", PLACE, &[heading])?,
+                Value::Speed(speed) => check("speed", "m/s", MOTION, &[speed])?,
             }
-            check("age of a reading", "s", ANY, &[reading.since])?;
-            check("scale of a reading", "1", POSITIVE, &[reading.scale])?;
+            check("age of a reading", "s", AGE, &[reading.since])?;
+            check("scale of a reading", "1", VARIANCE, &[reading.scale])?;
         }
         Ok(())
     }

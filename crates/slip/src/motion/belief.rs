@@ -5,6 +5,9 @@ use super::state::SIZE;
 /// One coefficient for each number of the state.
 pub type Row = [f64; SIZE];
 
+/// No number of the state is known better, in the square of its unit.
+const MIN_VARIANCE: f64 = 1e-18;
+
 /// Mean and covariance of the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Belief {
@@ -102,6 +105,22 @@ impl Belief {
             self.covariance[j][index] = spread;
         }
         self.covariance[index][index] = variance;
+    }
+}
+
+impl Belief {
+    /// Numbers whose variance rounding has taken away, after a measurement that was far better than what was known, count as known
+    /// to the smallest variance and independent.
+    pub fn floor_variances(&mut self) {
+        for i in 0..SIZE {
+            if self.covariance[i][i] < MIN_VARIANCE {
+                self.covariance[i] = [0.0; SIZE];
+                for row in &mut self.covariance {
+                    row[i] = 0.0;
+                }
+                self.covariance[i][i] = MIN_VARIANCE;
+            }
+        }
     }
 }
 
