@@ -170,7 +170,7 @@ fn an_outlier_does_not_move_the_estimate() {
     step.readings[0].value = Value::Place([step.time + 1.0, -1.0]);
     let mut expected = Vec::new();
     run(&clean, filter(0.02), |_, filter| {
-        expected.push(*filter.belief())
+        expected.push(*filter.belief());
     });
     let mut expected = expected.iter();
     run(&steps, filter(0.02), |step, filter| {
@@ -291,6 +291,9 @@ fn a_wheel_that_slips_alone_has_its_own_slip() {
     assert!(rmse.iter().all(|&of| of < 0.03), "{rmse:?}");
 }
 
+/// Writes a number into a step.
+type Spoil = fn(&mut Step, f64);
+
 #[test]
 fn what_is_no_number_is_refused_and_changes_nothing() {
     let steps = drive(|_| 0.1, 5.0, 0.5, 0.02, 9, Some(0.05));
@@ -298,25 +301,24 @@ fn what_is_no_number_is_refused_and_changes_nothing() {
     let good = steps.iter().find(|step| !step.readings.is_empty()).unwrap();
     filter.advance(good).unwrap();
     let before = *filter.belief();
-    type Spoil = fn(&mut Step, f64);
     let fields: [(&str, Spoil); 10] = [
         ("time", |step, bad| step.time = bad),
         ("length of the step", |step, bad| step.dt = bad),
         ("wheel distance", |step, bad| {
-            step.wheels[1].distance = Some(bad)
+            step.wheels[1].distance = Some(bad);
         }),
         ("wheel distance variance", |step, bad| {
-            step.wheels[0].variance = bad
+            step.wheels[0].variance = bad;
         }),
         ("wheel row", |step, bad| step.wheels[0].across[2] = bad),
         ("turn", |step, bad| step.turn = Some(bad)),
         ("specific force", |step, bad| step.force = Some([0.0, bad])),
         ("place", |step, bad| {
-            step.readings[0].value = Value::Place([0.0, bad])
+            step.readings[0].value = Value::Place([0.0, bad]);
         }),
         ("age of a reading", |step, bad| step.readings[0].since = bad),
         ("scale of a reading", |step, bad| {
-            step.readings[0].scale = bad
+            step.readings[0].scale = bad;
         }),
     ];
     for (name, spoil) in fields {
@@ -348,7 +350,11 @@ fn wild_numbers_leave_numbers() {
         let mut steps = drive(|_| 0.1, 5.0, 0.5, 0.02, seed, Some(0.05));
         let wild = |random: &mut Random| {
             let size = 10_f64.powf(12.0 * random.uniform() - 9.0);
-            if random.bits() % 2 == 0 { size } else { -size }
+            if random.bits().is_multiple_of(2) {
+                size
+            } else {
+                -size
+            }
         };
         for step in &mut steps {
             match random.below(8) {
