@@ -229,11 +229,12 @@ fn high_slip_is_called_by_its_probability_and_a_lower_slip_is_not() {
     for (high, within) in [(0.8, Some(1.5)), (0.45, None)] {
         let slip = |time: f64| if time < 20.0 { 0.1 } else { high };
         let steps = drive(slip, 40.0, 0.1, 0.005, 6, None);
-        let mut detector = Exceeds::new(0.9, 0.5);
+        let mut detector = Exceeds::HIGH_SLIP;
         let mut called = None;
         run(&steps, filter(0.005), |step, filter| {
             let probability = filter.exceeds(1, 0.6);
             assert!(probability.is_some_and(|of| (0.0..=1.0).contains(&of)));
+            assert_eq!(filter.exceeds(1, f64::NAN), None);
             if detector.advance(probability, step.dt) && called.is_none() {
                 called = Some(step.time - 20.0);
             }

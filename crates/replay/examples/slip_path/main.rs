@@ -1,11 +1,12 @@
-//! Slips of a log by the one model of the motion, over the whole log: what `bench/estimators` judges next to `estimate`.
+//! Slips of a log by the one model of the motion, over the whole log or as the robot knew them at each time (`--online`): what
+//! `bench/estimators` judges next to `estimate`.
 //!
 //! ```text
-//! cargo run --release -p grouser-replay --example slip_path -- LOG.csv --robot R.toml --map C.toml -o OUT.csv
+//! cargo run --release -p grouser-replay --example slip_path -- LOG.csv --robot R.toml --map C.toml -o OUT.csv [--online]
 //! ```
 //!
 //! It makes steps of 50 ms of the samples. Delays that the robot file does not state and held readings are not found, and
-//! carriers of wheels are ignored.
+//! carriers of wheels are ignored. Online, the first place and heading are known from the start.
 
 mod gather;
 

@@ -9,7 +9,7 @@ use super::refused::Refused;
 use super::table::{MODES, WALKS, mixed, weighed};
 use super::wheel::{OwnSlip, WheelSlip};
 use crate::motion::{
-    Belief, CommonMotion, Evidence, Levels, Motion, Noise, Record, Row, SIZE, SLIP, Step,
+    Belief, CommonMotion, Evidence, Levels, Motion, Noise, Record, Row, SIZE, Step,
 };
 
 /// The filter over the modes. Its size is fixed once it is made.
@@ -128,22 +128,15 @@ impl ModeFilter {
         self.own.get(wheel)?.slip(&self.belief)
     }
 
-    /// The probability that the slip of a wheel exceeds a limit, as in [`Self::wheel_slip`].
+    /// The probability that the slip of a wheel exceeds a limit; `None` as in [`Self::wheel_slip`], and for a limit outside [−1, 1].
     #[must_use]
     pub fn exceeds(&self, wheel: usize, limit: f64) -> Option<f64> {
         let own = self.own.get(wheel)?;
-        let of_modes = self.weights.iter().zip(&self.motions);
         own.slip(&self.belief)?;
-        Some(
-            of_modes
-                .map(|(weight, motion)| weight * own.exceeds(&motion.belief, limit))
-                .sum(),
-        )
-    }
-
-    /// The common logarithmic slip: its mean, and its variance.
-    #[must_use]
-    pub const fn common_log_slip(&self) -> (f64, f64) {
-        (self.belief.mean[SLIP], self.belief.covariance[SLIP][SLIP])
+        let of_modes = self.weights.iter().zip(&self.motions);
+        let probability = of_modes
+            .map(|(weight, motion)| weight * own.exceeds(&motion.belief, limit))
+            .sum();
+        (-1.0..=1.0).contains(&limit).then_some(probability)
     }
 }

@@ -22,4 +22,4 @@ pub use exceeds::{Exceeds, normal_tail};
 pub use filter::ModeFilter;
 pub use refused::Refused;
 pub use table::{JUMPING, MODES, WALKS};
-pub use wheel::{OwnSlip, WheelSlip};
+pub use wheel::WheelSlip;

@@ -7,8 +7,8 @@ use grouser_real::Real;
 /// How many modes there are.
 pub const MODES: usize = 4;
 /// Random walk of the logarithmic slip in motion, 1/√s: steady (wear and load), creeping, wandering (rough ground), jumping (an edge
-/// of the ground passes under the wheels). A prior: steps of five cover what measured ground does, and no figure of
-/// `bench/estimators` moves by more than 3 % where all are doubled.
+/// of the ground passes under the wheels). A prior: factors of five cover what measured ground does. Walks 1.5 times as large move
+/// no figure of `bench/estimators` by 4 %.
 pub const WALKS: [f64; MODES] = [3e-3, 0.02, 0.1, 0.6];
 /// The jumping mode.
 pub const JUMPING: usize = MODES - 1;

@@ -2,13 +2,14 @@
 
 use core::array;
 
+use grouser_real::Real;
+
 use super::exceeds::normal_tail;
 use super::table::{MODES, WALKS, mixed, weighed};
 use crate::motion::{
     Belief, CREEP, CommonMotion, DRIFT, JITTER, Row, SIZE, SLIP, SPEED, TURN_BIAS, WheelStep,
     log_density, log_slip, slip_of_log,
 };
-use grouser_real::Real;
 
 /// A wheel slower than this has no slip of its own to show, m/s.
 const MIN_SPEED: f64 = 0.01;
@@ -16,6 +17,7 @@ const MIN_SPEED: f64 = 0.01;
 const MIN_SQUARED_SPEED: f64 = 1e-4;
 /// Prior of the level: the wheels' own logarithmic slips differ by a tenth (wear, load, ground).
 const PRIOR_VARIANCE: f64 = 0.01;
+
 /// A wheel's slip and the variance of its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelSlip {
@@ -27,7 +29,7 @@ pub struct WheelSlip {
 
 /// What a wheel's logarithmic slip is beyond the common one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OwnSlip {
+pub(super) struct OwnSlip {
     mean: [f64; MODES],
     variance: [f64; MODES],
     weights: [f64; MODES],
@@ -51,6 +53,7 @@ impl Default for OwnSlip {
     }
 }
 
+/// Mean and variance of a mixture.
 fn moments(weights: &[f64; MODES], mean: &[f64; MODES], variance: &[f64; MODES]) -> [f64; 2] {
     let centre: f64 = weights.iter().zip(mean).map(|(w, m)| w * m).sum();
     let spread = |mode: usize| {
@@ -126,7 +129,7 @@ impl OwnSlip {
         self.moved.then_some(WheelSlip { slip, variance })
     }
 
-    /// The probability that its slip exceeds a limit, by a belief.
+    /// The probability that its slip exceeds a limit in [−1, 1], by a belief.
     pub(super) fn exceeds(&self, belief: &Belief, limit: f64) -> f64 {
         let limit = if limit >= 0.0 {
             -Real::ln_1p(-limit)
