@@ -179,7 +179,7 @@ fn the_way_is_the_cheapest_that_brute_force_finds() {
     for seed in 0..60 {
         for (headings, radius) in [(4, 0.0), (8, 0.0), (8, 2.5), (16, 0.0), (16, 6.0)] {
             // any heading, or one that is given: no two of them are the same
-            let heading = |own: u64| (seed % 4 == own).then_some(own as usize);
+            let heading = |own: u8| (seed % 4 == u64::from(own)).then_some(usize::from(own));
             let both = seed % 8 == 4;
             let map = random_map(seed, headings, radius);
             let settings = PlanSettings {
