@@ -15,7 +15,6 @@ COMMON = ["FILES", "--robot", "ROBOT", "--map", "MAP", "-o", "OUT"]
 COMMANDS = {
     "main": [GROUSER, "estimate", *COMMON, "--json", "--online"],
     "main-smooth": [GROUSER, "estimate", *COMMON, "--json"],
-    "est": [ROOT / "target" / "release" / "examples" / "est", *COMMON],
     "online": [SLIP_PATH, *COMMON, "--online"],
 }
 LIMIT_S = 300  # of one log: a program that hangs is stopped

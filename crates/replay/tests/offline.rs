@@ -129,8 +129,8 @@ fn score<Logged: IntoIterator<Item = Sample>>(
     }
 }
 
-fn as_logged(sample: Sample) -> Option<Sample> {
-    Some(sample)
+fn as_logged(sample: Sample) -> [Sample; 1] {
+    [sample]
 }
 
 const POSE: (Reference, f64) = (Reference::Pose, 0.02);

@@ -1,6 +1,7 @@
 //! Samples as steps of time.
 
 use grouser_files::robot::{RobotFile, WheelSensor};
+use grouser_real::Real;
 use grouser_slip::motion::{Reading, Step, Value, WheelStep};
 use grouser_slip::{Measurement, Reference, Sample, Steering, Wheel, WheelRole};
 
@@ -55,12 +56,12 @@ impl Gathered {
         let wheels = file.robot.wheels().to_vec();
         let free = file.filter.free_slip.by_wheel();
         let first = wheels[0].heading.rad();
-        let differs = |of: &Wheel| (of.heading.rad() - first).sin().abs() > PARALLEL_SINE;
+        let differs = |of: &Wheel| Real::sin(of.heading.rad() - first).abs() > PARALLEL_SINE;
         Self {
             sensor: inputs.wheel_sensor,
             reference: inputs.reference,
             latency: file.filter.reference_latency,
-            skid: [free.mean, free.sigma.hypot(SKID_SIGMA)],
+            skid: [free.mean, Real::hypot(free.sigma, SKID_SIGMA)],
             dropout: file.filter.dropout,
             is_omni: wheels.iter().any(differs),
             begin_ns: None,
@@ -155,7 +156,7 @@ impl Gathered {
                 let is_usable =
                     within(forward, MAX_PLACE) && within(left, MAX_PLACE) && turn.is_finite();
                 if let Some(summed) = self.summed.as_mut().filter(|_| is_usable) {
-                    let (sin, cos) = (summed[2] + 0.5 * turn).sin_cos();
+                    let (sin, cos) = Real::sin_cos(summed[2] + 0.5 * turn);
                     summed[0] += cos * forward - sin * left;
                     summed[1] += sin * forward + cos * left;
                     summed[2] += turn;
@@ -250,11 +251,13 @@ impl Gathered {
         let swing = steering.swing() * (angle_at(time) - angle_at(time - dt));
         let variance = if self.sensor == WheelSensor::Rate {
             let step = wheel.travel_per_radian();
-            let sigma = wheel.encoder.rate_step.powi(2) / 12.0 + RATE_SIGMA * RATE_SIGMA;
+            let quantum = wheel.encoder.rate_step;
+            let sigma = quantum * quantum / 12.0 + RATE_SIGMA * RATE_SIGMA;
             sigma * step * step * dt * period
         } else {
             // two whole ticks, each uniform
-            wheel.travel_per_tick().unwrap_or(ANGLE_STEP_M).powi(2) / 6.0
+            let tick = wheel.travel_per_tick().unwrap_or(ANGLE_STEP_M);
+            tick * tick / 6.0
         };
         let is_free = wheel.role == WheelRole::Free;
         let [skid, sigma] = if is_free { self.skid } else { [0.0; 2] };

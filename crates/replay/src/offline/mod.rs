@@ -12,7 +12,7 @@ use grouser_slip::Sample;
 use grouser_slip::smooth::fit;
 
 use self::gather::Gathered;
-use self::prior::Prior;
+use self::prior::{Prior, begin};
 use self::smoothed::Smoothed;
 use crate::choice::Inputs;
 use crate::moment::Moment;
@@ -75,9 +75,9 @@ impl Offline {
     fn smooth(&mut self, now: f64, until: f64) -> Vec<Moment> {
         let from = (self.from - BEYOND_S).max(0.0);
         let mut steps = self.gathered.steps(from, now);
-        let begin = self.prior.start(&steps);
+        let first = begin(&steps);
         let (levels, learn) = self.prior.levels(&steps);
-        let found = fit(&mut steps, begin, levels, learn);
+        let found = fit(&mut steps, first, levels, learn);
         let smoothed = Smoothed::new(&found, &steps, self.gathered.scale_sigma());
         let mut done = Vec::new();
         while let Some(mut moment) = self.moments.pop_front() {

@@ -26,24 +26,6 @@ impl Prior {
         }
     }
 
-    /// The belief before the first step: at the first place, with the first heading.
-    pub(super) fn start(&self, steps: &[Step]) -> Belief {
-        let values = || (steps.iter().flat_map(|step| &step.readings)).map(|of| of.value);
-        let place = values().find_map(|value| match value {
-            Value::Place(place) => Some(place),
-            Value::Heading(_) | Value::Speed(_) => None,
-        });
-        let heading = values().find_map(|value| match value {
-            Value::Heading(heading) => Some(heading),
-            Value::Place(_) | Value::Speed(_) => None,
-        });
-        start(
-            place.unwrap_or_default(),
-            heading.unwrap_or_default(),
-            has_gyro(steps),
-        )
-    }
-
     /// Variances of the kinds of noise before the log, and which of them the log teaches.
     pub(super) fn levels(&self, steps: &[Step]) -> (Levels, [bool; KINDS]) {
         let by_displacement = self.reference == Reference::Displacement;
@@ -81,4 +63,22 @@ impl Prior {
 
 fn has_gyro(steps: &[Step]) -> bool {
     steps.iter().any(|step| step.turn.is_some())
+}
+
+/// The belief before the first step: at the first place, with the first heading.
+pub(super) fn begin(steps: &[Step]) -> Belief {
+    let values = || (steps.iter().flat_map(|step| &step.readings)).map(|of| of.value);
+    let place = values().find_map(|value| match value {
+        Value::Place(place) => Some(place),
+        Value::Heading(_) | Value::Speed(_) => None,
+    });
+    let heading = values().find_map(|value| match value {
+        Value::Heading(heading) => Some(heading),
+        Value::Place(_) | Value::Speed(_) => None,
+    });
+    start(
+        place.unwrap_or_default(),
+        heading.unwrap_or_default(),
+        has_gyro(steps),
+    )
 }

@@ -1,5 +1,6 @@
 //! The smoothed steps, as what is known at any time between them.
 
+use grouser_real::Real;
 use grouser_slip::motion::{DRIFT, Row, SPEED, Step, TURN_BIAS};
 use grouser_slip::smooth::{Fit, wheel_slips};
 use grouser_slip::{BodyMotion, Health, Invalid, Slip};
@@ -22,7 +23,7 @@ impl Smoothed {
         let motions = steps.iter().zip(&found.back.smoothed).zip(&found.common);
         let motions = motions.map(|((step, belief), common)| {
             let mean = &belief.mean;
-            let (sin, cos) = common.direction.sin_cos();
+            let (sin, cos) = Real::sin_cos(common.direction);
             let (speed, drift) = (mean[SPEED], mean[DRIFT]);
             let along = [cos - drift * sin, sin + drift * cos];
             let mut rows = [Row::default(); 3];

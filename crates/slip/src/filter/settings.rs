@@ -15,6 +15,7 @@ pub struct SlipPrior {
 impl SlipPrior {
     /// The same prior of x = 1 − v/u, the form in which the filter holds a free wheel's skid: v = u (1 − x) is linear in v
     /// and x, since the rim speed u is measured. The skid s = u/v − 1 would be a product of two unknowns and drift.
+    #[must_use]
     pub fn by_wheel(self) -> Self {
         if self.mean >= 0.0 {
             return self;
