@@ -15,7 +15,6 @@ use std::path::PathBuf;
 
 use grouser_files::columns;
 use grouser_files::robot::{self, RobotFile};
-use grouser_files::topics::Topics;
 use grouser_log::Log;
 use grouser_replay::{Inputs, Options, RobotSamples, WheelSteering};
 use grouser_slip::Reference;
@@ -38,7 +37,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let file = robot::read(&robot.ok_or("--robot is missing")?)?;
     let map = map.map(|map| columns::read(&map)).transpose()?;
-    let log = Log::find_any(&files, map, &Topics::default())?;
+    let map = map.or_else(|| file.columns.clone());
+    let log = Log::find_any(&files, map, &file.topics)?;
     let inputs = Inputs::of(&log, &file, &Options::default())?;
     let mut samples = RobotSamples::new(&log, &file)?;
     let steering = (file.steering.as_ref()).map(|of| WheelSteering::new(of, &file.robot));
