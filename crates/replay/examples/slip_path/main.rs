@@ -17,10 +17,10 @@ use grouser_files::columns;
 use grouser_files::robot::{self, RobotFile};
 use grouser_log::Log;
 use grouser_replay::{Inputs, Options, RobotSamples, WheelSteering};
-use grouser_slip::Reference;
 use grouser_slip::modes::ModeFilter;
 use grouser_slip::motion::{KINDS, Levels, Noise, Step, Value, start};
 use grouser_slip::smooth::{fit, wheel_slips};
+use grouser_slip::{Reference, WheelRole};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut files, mut robot, mut map, mut out) = (Vec::new(), None, None, None);
@@ -71,8 +71,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         heading.unwrap_or_default(),
         has_gyro,
     );
-    let (levels, learn) = prior(&file, &inputs, has_gyro);
+    let (mut levels, learn) = prior(&file, &inputs, has_gyro);
     let text = if is_online {
+        // gravity on slopes is not taken out of the accelerometer, and only whole logs teach how much it is: next to a free wheel,
+        // which measures the speed, all of it may be slopes
+        if (file.robot.wheels().iter()).any(|wheel| wheel.role == WheelRole::Free) {
+            levels.0[Noise::ForceBias as usize] = SLOPES * SLOPES;
+        }
         let filter = ModeFilter::new(begin, levels, file.robot.wheels().len());
         online_table(&file, &steps, &filter, file.filter.reference_latency)?
     } else {
@@ -84,6 +89,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 const HEADER: &str = "time_s,wheel,slip,slip_sigma,motion,health\n";
+/// Random walk of gravity along the robot on rough ground, m/s²/√s: a prior, slopes of 3° within a second.
+const SLOPES: f64 = 0.5;
 /// Limit of the printed probability: slip above it is high.
 const HIGH_SLIP: f64 = 0.6;
 
