@@ -65,7 +65,7 @@ def test_samples_pushed_one_by_one_give_the_same_rows() -> None:
             pytest.fail(name)
     summary = engine.finish()
     pushed = engine.rows()
-    whole = logs.estimate(FIVE / "log.csv", ROBOT, columns=COLUMNS, reference="free-wheel", wheel_sensor="count")
+    whole = logs.estimate(FIVE / "log.csv", ROBOT, columns=COLUMNS, reference="free-wheel", wheel_sensor="count", online=True)
     np.testing.assert_array_equal(pushed.slip, whole.rows.slip)
     np.testing.assert_array_equal(pushed.slip_sigma, whole.rows.slip_sigma)
     assert summary["wheels"][0]["slip"] == whole.summary["wheels"][0]["slip"]
