@@ -17,7 +17,7 @@ fn every_law_is_that_of_the_table() {
         let mut soil = SOIL.to_owned();
         for law in columns[0].split(' ') {
             let (key, name) = law.split_once('=').unwrap();
-            soil += &format!("{key} = \"{name}\"\n");
+            soil.extend([key, " = \"", name, "\"\n"]);
         }
         let numbers: Vec<f64> = columns[1..].iter().map(|x| x.parse().unwrap()).collect();
         let [slip, angle, expected @ ..] = &numbers[..] else {
