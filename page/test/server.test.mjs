@@ -173,7 +173,7 @@ test('an MCAP file that is still written is shown as it grows, to its end', asyn
       await page.waitForFunction(() => document.querySelector('.player input')?.value > 15);
       appendFileSync(log, bytes.subarray(half));
       await page.waitForFunction(() => document.querySelector('.run-status')?.textContent === 'the run has ended', null, { timeout: 20000 });
-      const theirs = commandJson(`grouser estimate ${EXAMPLE}/log.mcap --robot ${EXAMPLE}/robot.toml`);
+      const theirs = commandJson(`grouser estimate ${EXAMPLE}/log.mcap --robot ${EXAMPLE}/robot.toml --online`);
       const run = await page.evaluate(() => {
         const { time_s, wheels } = window.grouser.views.get('run').run;
         return { end: time_s.at(-1), wheels: wheels.map(({ name, median_slip }) => [name, median_slip]) };
