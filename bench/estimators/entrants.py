@@ -15,7 +15,7 @@ COMMON = ["FILES", "--robot", "ROBOT", "--map", "MAP", "-o", "OUT"]
 COMMANDS = {
     "main": [GROUSER, "estimate", *COMMON, "--json", "--online"],
     "main-smooth": [GROUSER, "estimate", *COMMON, "--json"],
-    "online": [SLIP_PATH, *COMMON, "--online"],
+    "online": [SLIP_PATH, *COMMON],
 }
 LIMIT_S = 300  # of one log: a program that hangs is stopped
 

@@ -69,6 +69,8 @@ pub use ground_change::GroundChange;
 pub use intervals::{IntervalCalibration, calibrate_intervals};
 pub use method::Method;
 pub use odometry::Odometry;
+#[doc(hidden)]
+pub use offline::log_steps;
 pub use options::Options;
 pub use quantiles::Quantiles;
 pub use run::{run, run_into};
@@ -76,8 +78,6 @@ pub use samples::RobotSamples;
 pub use sink::{Row, Sink, Step};
 pub use soil_reading::{SoilReading, reference_skid, soil_readings};
 pub use start::check_start;
-#[doc(hidden)]
-pub use steering::WheelSteering;
 pub use summary::{
     AlongSummary, EventAt, FusedSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary,
 };

@@ -35,6 +35,15 @@ pub struct Options {
 }
 
 impl Options {
+    /// Those of a whole log: every slip uses all of it.
+    #[must_use]
+    pub fn whole_log() -> Self {
+        Self {
+            offline: true,
+            ..Self::default()
+        }
+    }
+
     /// Which engine finds the slips of a robot whose speed is measured by `reference`.
     pub(crate) fn method_for(&self, robot: &Robot, reference: Reference) -> Method {
         self.method.unwrap_or_else(|| Method::of(robot, reference))

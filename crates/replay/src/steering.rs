@@ -6,7 +6,7 @@ use grouser_slip::{Measurement, Robot, Sample};
 
 /// Steers the wheels of a robot by one angle.
 #[derive(Clone, Debug)]
-pub struct WheelSteering {
+pub(crate) struct WheelSteering {
     kind: SteeringKind,
     /// Index and position of each steered wheel, m.
     wheels: Vec<(usize, f64, f64)>,
@@ -18,7 +18,7 @@ pub struct WheelSteering {
 impl WheelSteering {
     /// For the steering of a robot file.
     #[must_use]
-    pub fn new(steering: &Steering, robot: &Robot) -> Self {
+    pub(crate) fn new(steering: &Steering, robot: &Robot) -> Self {
         let all = robot.wheels().iter().enumerate();
         let (wheels, others): (Vec<_>, Vec<_>) = all
             .map(|(index, wheel)| (index, wheel.x, wheel.y))
@@ -36,7 +36,7 @@ impl WheelSteering {
     }
 
     /// The angles of the wheels that a sample of the steering means; nothing for other samples.
-    pub fn angles(&self, sample: &Sample) -> impl Iterator<Item = Sample> {
+    pub(crate) fn angles(&self, sample: &Sample) -> impl Iterator<Item = Sample> {
         let angle = match sample.measurement {
             Measurement::Steering { angle } => Some(angle).filter(|angle| angle.is_finite()),
             _ => None,

@@ -95,11 +95,7 @@ impl RecordedRun {
             feed.add(&overview(&log, &self.robot).map_err(|error| error.to_string())?);
         }
         let mut sink = parts.clone();
-        let options = Options {
-            offline: true,
-            ..Options::default()
-        };
-        let summary = run_into(&log, &self.robot, &options, &mut sink)
+        let summary = run_into(&log, &self.robot, &Options::whole_log(), &mut sink)
             .map_err(|error| error.to_string())?;
         let left_out = log.left_out();
         let unread = left_out.problem.map(|problem| {

@@ -7,14 +7,10 @@ use grouser_real::Real;
 use super::exceeds::normal_tail;
 use super::table::{MODES, WALKS, mixed, weighed};
 use crate::motion::{
-    Belief, CREEP, CommonMotion, DRIFT, JITTER, Row, SIZE, SLIP, SPEED, TURN_BIAS, WheelStep,
-    log_density, log_slip, slip_of_log,
+    Belief, CREEP, CommonMotion, DRIFT, JITTER, MIN_SPEED, MIN_SQUARED_SPEED, Row, SIZE, SLIP,
+    SPEED, TURN_BIAS, WheelStep, log_density, log_slip, slip_of_log,
 };
 
-/// A wheel slower than this has no slip of its own to show, m/s.
-const MIN_SPEED: f64 = 0.01;
-/// Variances of a wheel's speed over ground are compared with the square of that speed, which counts as this at least, m²/s².
-const MIN_SQUARED_SPEED: f64 = 1e-4;
 /// Prior of the level: the wheels' own logarithmic slips differ by a tenth (wear, load, ground).
 const PRIOR_VARIANCE: f64 = 0.01;
 
@@ -87,7 +83,7 @@ impl OwnSlip {
         row[DRIFT] = speed * (along_y * cos - along_x * sin);
         row[TURN_BIAS] = -lever;
         let turn = common.turned / dt - belief.mean[TURN_BIAS];
-        let ground = along * speed + lever * turn;
+        let ground = along * speed + lever * turn + wheel.swing / dt;
         let square = (ground * ground).max(MIN_SQUARED_SPEED);
         self.by_motion = belief.variance_of(&row) / square;
         let noise = (wheel.variance + CREEP * CREEP * dt * dt) / (distance * distance)

@@ -27,4 +27,4 @@ pub use noise::{KINDS, Levels, Noise};
 pub use state::*;
 pub use step::{Reading, Step, Value, WheelStep};
 pub use tape::{Entry, Tape};
-pub use wheels::{CommonMotion, common_motion};
+pub use wheels::{CommonMotion, MIN_SPEED, MIN_SQUARED_SPEED, common_motion};

@@ -19,6 +19,11 @@ pub struct CommonMotion {
     pub turned: f64,
 }
 
+/// A wheel slower than this has no slip of its own to show, m/s: a few ticks a second.
+pub const MIN_SPEED: f64 = 0.01;
+/// Variances of a wheel's speed over ground are compared with the square of that speed, which counts as this at least, m²/s².
+pub const MIN_SQUARED_SPEED: f64 = MIN_SPEED * MIN_SPEED;
+
 /// Two headings of wheels differ by less than this where the wheels are parallel: the sine.
 const PARALLEL_SINE: f64 = 0.02;
 

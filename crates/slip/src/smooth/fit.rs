@@ -7,7 +7,9 @@ use grouser_real::Real;
 
 use super::back::{Back, Residual, back};
 use super::jumps::Jumps;
-use crate::motion::{Belief, CommonMotion, KINDS, Levels, Motion, Noise, Step, Tape};
+use crate::motion::{
+    Belief, CommonMotion, KINDS, Levels, Motion, Noise, OUTLIER_SIGMA, OUTLIERS, Step, Tape,
+};
 
 /// The result of [`fit`].
 #[derive(Clone, Debug)]
@@ -24,9 +26,6 @@ pub struct Fit {
     pub evidence: f64,
 }
 
-/// Share of outliers among readings of a reference, and their size in sigma: a prior, two of a hundred GNSS fixes or camera poses.
-const OUTLIERS: f64 = 0.02;
-const OUTLIER_SIGMA: f64 = 30.0;
 /// A first pass takes readings for this many times as noisy as their prior has them.
 const WIDE: f64 = 10.0;
 /// The median of χ² with one degree of freedom.

@@ -6,7 +6,10 @@ use grouser_real::Real;
 
 use super::fit::Fit;
 use super::level::{LevelReading, smoothed_level};
-use crate::motion::{CREEP, DRIFT, SIZE, SLIP, SPEED, Step, TURN_BIAS, log_slip, slip_of_log};
+use crate::motion::{
+    CREEP, DRIFT, MIN_SPEED, MIN_SQUARED_SPEED, SIZE, SLIP, SPEED, Step, TURN_BIAS, log_slip,
+    slip_of_log,
+};
 
 /// A wheel's slip over a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,11 +21,6 @@ pub struct WheelSlip {
     /// Variance of its error.
     pub variance: f64,
 }
-
-/// A wheel slower than this has no slip of its own to show, m/s.
-const MIN_SPEED: f64 = 0.01;
-/// Variances of a wheel's speed over ground are compared with the square of that speed, which counts as this at least, m²/s².
-const MIN_SQUARED_SPEED: f64 = 1e-4;
 
 /// The slips of one wheel in the steps in which it moved.
 #[must_use]

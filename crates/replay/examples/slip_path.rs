@@ -1,14 +1,12 @@
-//! Slips of a log by the one model of the motion, over the whole log or as the robot knew them at each time (`--online`): what
-//! `bench/estimators` judges next to `estimate`.
+//! Slips of a log as the robot knew them at each time, by the online filter over modes: what `bench/estimators` judges next to
+//! `estimate`.
 //!
 //! ```text
-//! cargo run --release -p grouser-replay --example slip_path -- LOG.csv --robot R.toml --map C.toml -o OUT.csv [--online]
+//! cargo run --release -p grouser-replay --example slip_path -- LOG.csv --robot R.toml --map C.toml -o OUT.csv
 //! ```
 //!
-//! It makes steps of 50 ms of the samples. Delays that the robot file does not state and held readings are not found, and
-//! carriers of wheels are ignored. Online, the first place and heading are known from the start.
-
-mod gather;
+//! Delays that the robot file does not state and held readings are not found, and carriers of wheels are ignored. The first place
+//! and heading are known from the start.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -16,22 +14,19 @@ use std::path::PathBuf;
 use grouser_files::columns;
 use grouser_files::robot::{self, RobotFile};
 use grouser_log::Log;
-use grouser_replay::{Inputs, Options, RobotSamples, WheelSteering};
+use grouser_replay::{Inputs, Options, log_steps};
 use grouser_slip::modes::ModeFilter;
-use grouser_slip::motion::{KINDS, Levels, Noise, Step, Value, start};
-use grouser_slip::smooth::{fit, wheel_slips};
+use grouser_slip::motion::{Levels, Noise, Step, Value, start};
 use grouser_slip::{Reference, WheelRole};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut files, mut robot, mut map, mut out) = (Vec::new(), None, None, None);
-    let mut is_online = false;
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--robot" => robot = arguments.next().map(PathBuf::from),
             "--map" => map = arguments.next().map(PathBuf::from),
             "-o" => out = arguments.next().map(PathBuf::from),
-            "--online" => is_online = true,
             _ => files.push(PathBuf::from(argument)),
         }
     }
@@ -40,17 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let map = map.or_else(|| file.columns.clone());
     let log = Log::find_any(&files, map, &file.topics)?;
     let inputs = Inputs::of(&log, &file, &Options::default())?;
-    let mut samples = RobotSamples::new(&log, &file)?;
-    let steering = (file.steering.as_ref()).map(|of| WheelSteering::new(of, &file.robot));
-    let mut gathered = gather::Gathered::new(&file, &inputs);
-    for sample in log.samples(&vec![0; log.clocks()])? {
-        let sample = samples.convert(sample?);
-        gathered.take(&sample);
-        for angle in steering.iter().flat_map(|of| of.angles(&sample)) {
-            gathered.take(&angle);
-        }
-    }
-    let mut steps = gathered.steps();
+    let steps = log_steps(&log, &file, &inputs)?;
     let values = || {
         steps
             .iter()
@@ -71,24 +56,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         heading.unwrap_or_default(),
         has_gyro,
     );
-    let (mut levels, learn) = prior(&file, &inputs, has_gyro);
-    let text = if is_online {
-        // gravity on slopes is not taken out of the accelerometer, and only whole logs teach how much it is: next to a free wheel,
-        // which measures the speed, all of it may be slopes
-        if (file.robot.wheels().iter()).any(|wheel| wheel.role == WheelRole::Free) {
-            levels.0[Noise::ForceBias as usize] = SLOPES * SLOPES;
-        }
-        let filter = ModeFilter::new(begin, levels, file.robot.wheels().len());
-        online_table(&file, &steps, &filter, file.filter.reference_latency)?
-    } else {
-        let found = fit(&mut steps, begin, levels, learn);
-        table(&file, &steps, &found)?
-    };
+    let mut levels = prior(&file, &inputs, has_gyro);
+    // gravity on slopes is not taken out of the accelerometer: next to a free wheel, which measures the speed, all of it may be slopes
+    if (file.robot.wheels().iter()).any(|wheel| wheel.role == WheelRole::Free) {
+        levels.0[Noise::ForceBias as usize] = SLOPES * SLOPES;
+    }
+    let filter = ModeFilter::new(begin, levels, file.robot.wheels().len());
+    let text = table(&file, &steps, &filter, file.filter.reference_latency)?;
     std::fs::write(out.ok_or("-o is missing")?, text)?;
     Ok(())
 }
 
-const HEADER: &str = "time_s,wheel,slip,slip_sigma,motion,health\n";
 /// Random walk of gravity along the robot on rough ground, m/s²/√s: a prior, slopes of 3° within a second.
 const SLOPES: f64 = 0.5;
 /// Limit of the printed probability: slip above it is high.
@@ -98,7 +76,7 @@ const HIGH_SLIP: f64 = 0.6;
 ///
 /// A step ends between two rows of the wheels, so that it is known when the second of them is: up to one row later than its time.
 /// A reading counts from its arrival on, `latency` after it was taken.
-fn online_table(
+fn table(
     file: &RobotFile,
     steps: &[Step],
     begin: &ModeFilter,
@@ -106,7 +84,7 @@ fn online_table(
 ) -> Result<String, Box<dyn std::error::Error>> {
     let wheels = file.robot.wheels();
     let (mut settled, mut ahead) = (begin.clone(), begin.clone());
-    let mut text = HEADER.replace('\n', ",exceeds\n");
+    let mut text = String::from("time_s,wheel,slip,slip_sigma,motion,health,exceeds\n");
     let mut done = 0;
     for (now, step) in steps.iter().enumerate() {
         // the filter waits for the readings of a step, and a copy of it goes on without them
@@ -137,8 +115,8 @@ fn online_table(
     Ok(text)
 }
 
-/// Sigmas of the kinds of noise before the log, in the order of [`Noise::ALL`], and which of them the log teaches.
-fn prior(file: &RobotFile, inputs: &Inputs, has_gyro: bool) -> (Levels, [bool; KINDS]) {
+/// Sigmas of the kinds of noise before the log, in the order of [`Noise::ALL`].
+fn prior(file: &RobotFile, inputs: &Inputs, has_gyro: bool) -> Levels {
     let by_displacement = inputs.reference == Reference::Displacement;
     let settings = &file.settings;
     // a cheap gyro's, or what wheels make of a turn
@@ -164,28 +142,5 @@ fn prior(file: &RobotFile, inputs: &Inputs, has_gyro: bool) -> (Levels, [bool; K
         settings.speed_sigma,
         1.0,
     ];
-    let mut learn = [true; KINDS];
-    learn[Noise::Wheel as usize] = false;
-    learn[Noise::Wander as usize] = by_displacement;
-    (Levels(sigmas.map(|sigma| sigma * sigma)), learn)
-}
-
-fn table(
-    file: &RobotFile,
-    steps: &[Step],
-    found: &grouser_slip::smooth::Fit,
-) -> Result<String, std::fmt::Error> {
-    let mut text = HEADER.to_owned();
-    for (index, wheel) in file.robot.wheels().iter().enumerate() {
-        for slip in wheel_slips(found, steps, index) {
-            let step = &steps[slip.step];
-            let (middle, sigma) = (step.time - 0.5 * step.dt, slip.variance.sqrt());
-            writeln!(
-                text,
-                "{middle:.4},{},{:.5},{sigma:.5},,Ok",
-                wheel.name, slip.slip
-            )?;
-        }
-    }
-    Ok(text)
+    Levels(sigmas.map(|sigma| sigma * sigma))
 }
