@@ -69,10 +69,10 @@ pub use ground_change::GroundChange;
 pub use intervals::{IntervalCalibration, calibrate_intervals};
 pub use method::Method;
 pub use odometry::Odometry;
-#[doc(hidden)]
-pub use offline::log_steps;
 pub use options::Options;
 pub use quantiles::Quantiles;
+#[doc(hidden)]
+pub use run::log_steps;
 pub use run::{run, run_into};
 pub use samples::RobotSamples;
 pub use sink::{Row, Sink, Step};

@@ -10,9 +10,11 @@ use crate::clocks::Clocks;
 use crate::engine::Engine;
 use crate::error::Result;
 use crate::method::Method;
+use crate::offline::Offline;
 use crate::options::Options;
 use crate::samples::RobotSamples;
 use crate::sink::{Row, Rows, Sink};
+use crate::steering::WheelSteering;
 use crate::summary::Summary;
 
 /// Runs a log through the estimator; `take` gets a row for every wheel whenever that wheel was read.
@@ -121,4 +123,29 @@ fn run_once(
     summary.clock_offset_s = clocks.gyro_offset_s;
     summary.reference_delay = clocks.reference_delay;
     Ok(summary)
+}
+
+/// The steps of a log as it is stamped, which the online filter is judged by.
+///
+/// # Errors
+/// What is wrong with the log.
+#[doc(hidden)]
+pub fn log_steps(
+    log: &Log,
+    file: &RobotFile,
+    inputs: &Inputs,
+) -> Result<Vec<grouser_slip::motion::Step>> {
+    let mut samples = RobotSamples::new(log, file)?;
+    let steering = (file.steering.as_ref()).map(|of| WheelSteering::new(of, &file.robot));
+    let mut whole = Offline::new(file, inputs);
+    let mut last_ns = 0;
+    for sample in log.samples(&[])? {
+        let sample = samples.convert(sample?);
+        for steered in steering.iter().flat_map(|of| of.angles(&sample)) {
+            whole.take(&steered);
+        }
+        whole.take(&sample);
+        last_ns = sample.time_ns;
+    }
+    Ok(whole.steps(last_ns))
 }

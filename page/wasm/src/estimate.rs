@@ -37,7 +37,8 @@ pub(crate) fn solve(
     let glance = overview(&log, &robot).map_err(Problem::from_error)?;
     let mut run = LogParts::new(name, &robot, &mut *take);
     run.add(glance);
-    let summary = run_into(&log, &robot, &Options::whole_log(), &mut run).map_err(Problem::from_error)?;
+    let summary =
+        run_into(&log, &robot, &Options::whole_log(), &mut run).map_err(Problem::from_error)?;
     Ok(run.end(&summary))
 }
 

@@ -8,7 +8,6 @@ mod track;
 use std::collections::VecDeque;
 
 use grouser_files::robot::RobotFile;
-use grouser_log::Log;
 use grouser_slip::Sample;
 use grouser_slip::motion::Step;
 use grouser_slip::smooth::fit;
@@ -17,10 +16,7 @@ use self::gather::Gathered;
 use self::prior::{Prior, begin};
 use self::smoothed::Smoothed;
 use crate::choice::Inputs;
-use crate::error::Result;
 use crate::moment::Moment;
-use crate::samples::RobotSamples;
-use crate::steering::WheelSteering;
 
 /// A log is smoothed in blocks of this time, which bounds the memory to about 80 MB, s; each begins and ends this time beyond what
 /// is used of it, which is more than the slip remembers.
@@ -67,6 +63,11 @@ impl Offline {
         done
     }
 
+    /// The steps of all samples up to a time.
+    pub(crate) fn steps(&self, until_ns: i64) -> Vec<Step> {
+        self.gathered.steps(0.0, self.gathered.seconds(until_ns))
+    }
+
     /// The log is over: gives what is left.
     pub(crate) fn finish(mut self) -> Vec<Moment> {
         let last = self
@@ -96,25 +97,4 @@ impl Offline {
         }
         done
     }
-}
-
-/// The steps of a log as it is stamped, which the online filter is judged by.
-///
-/// # Errors
-/// What is wrong with the log.
-#[doc(hidden)]
-pub fn log_steps(log: &Log, file: &RobotFile, inputs: &Inputs) -> Result<Vec<Step>> {
-    let mut samples = RobotSamples::new(log, file)?;
-    let steering = (file.steering.as_ref()).map(|of| WheelSteering::new(of, &file.robot));
-    let mut gathered = Gathered::new(file, inputs);
-    let mut last = 0.0;
-    for sample in log.samples(&[])? {
-        let sample = samples.convert(sample?);
-        for steered in steering.iter().flat_map(|of| of.angles(&sample)) {
-            gathered.take(&steered);
-        }
-        gathered.take(&sample);
-        last = gathered.seconds(sample.time_ns);
-    }
-    Ok(gathered.steps(0.0, last))
 }
