@@ -95,8 +95,14 @@ impl RecordedRun {
             feed.add(&overview(&log, &self.robot).map_err(|error| error.to_string())?);
         }
         let mut sink = parts.clone();
-        let summary = run_into(&log, &self.robot, &Options::whole_log(), &mut sink)
-            .map_err(|error| error.to_string())?;
+        // a log that grows is shown as the robot knows it, one that is done by all of it
+        let options = if self.is_live {
+            Options::default()
+        } else {
+            Options::whole_log()
+        };
+        let summary =
+            run_into(&log, &self.robot, &options, &mut sink).map_err(|error| error.to_string())?;
         let left_out = log.left_out();
         let unread = left_out.problem.map(|problem| {
             let count = left_out.undecoded;
