@@ -30,6 +30,7 @@ export async function withPage(options, use) {
   const { hash = '', width = 1400, height = 900, dark = false, address = PAGE, allow = () => false } = options;
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', acceptDownloads: true });
   const page = await context.newPage();
+  page.setDefaultTimeout(120000); // a loaded machine is slow, and the runner has its own limit
   const errors = [];
   page.on('console', (message) => ['error', 'warning'].includes(message.type()) && errors.push(message.text()));
   page.on('pageerror', (error) => errors.push(String(error)));
@@ -39,7 +40,7 @@ export async function withPage(options, use) {
   });
   try {
     await page.goto(address + hash);
-    await page.waitForSelector('[data-ready]', { state: 'attached', timeout: 30000 });
+    await page.waitForSelector('[data-ready]', { state: 'attached' });
     const result = await use(page);
     assert.deepEqual(errors, [], 'errors of the console');
     return result;
