@@ -72,7 +72,7 @@ pub use odometry::Odometry;
 pub use options::Options;
 pub use quantiles::Quantiles;
 #[doc(hidden)]
-pub use run::log_steps;
+pub use run::log_samples;
 pub use run::{run, run_into};
 pub use samples::RobotSamples;
 pub use sink::{Row, Sink, Step};

@@ -4,13 +4,13 @@ use std::io;
 
 use grouser_files::robot::RobotFile;
 use grouser_log::Log;
+use grouser_slip::Sample;
 
 use crate::choice::Inputs;
 use crate::clocks::Clocks;
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::method::Method;
-use crate::offline::Offline;
+use crate::method::{Method, reaches_filter};
 use crate::options::Options;
 use crate::samples::RobotSamples;
 use crate::sink::{Row, Rows, Sink};
@@ -125,27 +125,34 @@ fn run_once(
     Ok(summary)
 }
 
-/// The steps of a log as it is stamped, which the online filter is judged by.
+/// The samples that an online estimator is given of a log, delays and held readings taken out, and the reference's latency, s.
 ///
 /// # Errors
 /// What is wrong with the log.
 #[doc(hidden)]
-pub fn log_steps(
-    log: &Log,
-    file: &RobotFile,
-    inputs: &Inputs,
-) -> Result<Vec<grouser_slip::motion::Step>> {
+pub fn log_samples(log: &Log, file: &RobotFile, inputs: &Inputs) -> Result<(Vec<Sample>, f64)> {
     let mut samples = RobotSamples::new(log, file)?;
+    let mut file = file.clone();
+    let mut clocks = Clocks::of(log, &file, &Options::default())?;
+    let mut postponed = clocks.apply_delay(&mut file, Method::Filter);
+    let shifts = clocks.shifts(log);
+    let mut held = clocks.held;
     let steering = (file.steering.as_ref()).map(|of| WheelSteering::new(of, &file.robot));
-    let mut whole = Offline::new(file, inputs);
-    let mut last_ns = 0;
-    for sample in log.samples(&[])? {
-        let sample = samples.convert(sample?);
-        for steered in steering.iter().flat_map(|of| of.angles(&sample)) {
-            whole.take(&steered);
+    let mut out = Vec::new();
+    let mut give = |sample: Sample| {
+        let steered = steering.iter().flat_map(|of| of.angles(&sample));
+        let of_robot = steered.chain([sample]);
+        out.extend(of_robot.filter(|sample| {
+            inputs.wheel_sensor.uses(&sample.measurement)
+                && reaches_filter(&sample.measurement, inputs.reference, &file.robot)
+        }));
+    };
+    for sample in log.samples(&shifts)? {
+        let sample = sample?;
+        if held.keeps(&sample) {
+            postponed.take(samples.convert(sample)).for_each(&mut give);
         }
-        whole.take(&sample);
-        last_ns = sample.time_ns;
     }
-    Ok(whole.steps(last_ns))
+    postponed.finish().for_each(&mut give);
+    Ok((out, file.filter.reference_latency))
 }

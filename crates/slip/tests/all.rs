@@ -33,6 +33,7 @@ mod motion_model;
 mod names;
 mod onboard;
 mod onboard_start;
+mod online;
 mod prior;
 mod promises;
 mod robot_description;

@@ -9,7 +9,6 @@ use std::collections::VecDeque;
 
 use grouser_files::robot::RobotFile;
 use grouser_slip::Sample;
-use grouser_slip::motion::Step;
 use grouser_slip::smooth::fit;
 
 use self::gather::Gathered;
@@ -61,11 +60,6 @@ impl Offline {
         self.from = until;
         self.gathered.forget(until - BEYOND_S);
         done
-    }
-
-    /// The steps of all samples up to a time.
-    pub(crate) fn steps(&self, until_ns: i64) -> Vec<Step> {
-        self.gathered.steps(0.0, self.gathered.seconds(until_ns))
     }
 
     /// The log is over: gives what is left.

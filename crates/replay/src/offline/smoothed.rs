@@ -1,7 +1,7 @@
 //! The smoothed steps, as what is known at any time between them.
 
-use grouser_real::Real;
-use grouser_slip::motion::{DRIFT, Row, SPEED, Step, TURN_BIAS};
+use grouser_slip::modes::body_motion;
+use grouser_slip::motion::Step;
 use grouser_slip::smooth::{Fit, wheel_slips};
 use grouser_slip::{BodyMotion, Health, Invalid, Slip};
 
@@ -21,29 +21,8 @@ impl Smoothed {
     pub(super) fn new(found: &Fit, steps: &[Step], scale_sigma: f64) -> Self {
         let middle = |step: &Step| step.time - 0.5 * step.dt;
         let motions = steps.iter().zip(&found.back.smoothed).zip(&found.common);
-        let motions = motions.map(|((step, belief), common)| {
-            let mean = &belief.mean;
-            let (sin, cos) = Real::sin_cos(common.direction);
-            let (speed, drift) = (mean[SPEED], mean[DRIFT]);
-            let along = [cos - drift * sin, sin + drift * cos];
-            let mut rows = [Row::default(); 3];
-            (rows[0][SPEED], rows[0][DRIFT]) = (along[0], -speed * sin);
-            (rows[1][SPEED], rows[1][DRIFT]) = (along[1], speed * cos);
-            rows[2][TURN_BIAS] = -1.0;
-            let covariance = rows.map(|a| {
-                let spread = belief.spread(&a);
-                rows.map(|b| grouser_slip::motion::dot(&b, &spread))
-            });
-            let turn = common.turned / step.dt - mean[TURN_BIAS];
-            let velocity = [speed * along[0], speed * along[1], turn];
-            (
-                middle(step),
-                BodyMotion {
-                    velocity,
-                    covariance,
-                },
-            )
-        });
+        let motions = motions
+            .map(|((step, belief), common)| (middle(step), body_motion(belief, common, step.dt)));
         let wheels = steps.first().map_or(0, |step| step.wheels.len());
         let slips = (0..wheels).map(|wheel| {
             let slips = wheel_slips(found, steps, wheel).into_iter();

@@ -17,16 +17,16 @@ const OTHER_SAMPLES: f64 = 4.0;
 
 /// Clocks, reorder buffer and the count of refused samples.
 #[derive(Clone, Debug)]
-pub(super) struct Input {
-    pub(super) clocks: SensorClocks,
+pub(crate) struct Input {
+    pub(crate) clocks: SensorClocks,
     buffer: ReorderBuffer,
     /// Number of each wheel's readings that wait in the buffer.
     waiting: Box<[u16]>,
-    pub(super) rejected: Rejected,
+    pub(crate) rejected: Rejected,
 }
 
 impl Input {
-    pub(super) fn new(wheels: usize, settings: &FilterSettings) -> Self {
+    pub(crate) fn new(wheels: usize, settings: &FilterSettings) -> Self {
         let horizon_s = settings.horizon;
         let sensors = 2.0 * wheels as f64 + OTHER_SAMPLES;
         let capacity = whole(horizon_s * settings.max_rate * sensors);
@@ -43,29 +43,29 @@ impl Input {
     }
 
     /// Checks a sample's time against its sensor's clock.
-    pub(super) fn check_clock(&mut self, sample: &Sample) -> Result<ClockOutcome, Fault> {
+    pub(crate) fn check_clock(&mut self, sample: &Sample) -> Result<ClockOutcome, Fault> {
         let (newest, used) = (self.buffer.newest_ns(), self.buffer.released_ns());
         self.clocks.check(sample, newest, used)
     }
 
     /// Forgets what waits: the clock was set.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.buffer.clear();
         self.waiting.fill(0);
     }
 
     /// Is it a reading of the reference behind the samples that have been used?
-    pub(super) fn is_late(&self, sample: &Sample) -> bool {
+    pub(crate) fn is_late(&self, sample: &Sample) -> bool {
         let used = self.buffer.released_ns();
         is_reference(&sample.measurement) && used.is_some_and(|used| sample.time_ns < used)
     }
 
-    pub(super) fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         self.buffer.is_full()
     }
 
     /// Puts a sample in its place; `false` where later ones have been used already.
-    pub(super) fn offer(&mut self, sample: Sample) -> bool {
+    pub(crate) fn offer(&mut self, sample: Sample) -> bool {
         if self.buffer.offer(sample) == Offered::TooLate {
             return false;
         }
@@ -76,7 +76,7 @@ impl Input {
     }
 
     /// The oldest sample, if the horizon has passed it or `force` is set.
-    pub(super) fn release(&mut self, force: bool) -> Option<Sample> {
+    pub(crate) fn release(&mut self, force: bool) -> Option<Sample> {
         let sample = self.buffer.release(force)?;
         if let Some(wheel) = rotation_of(&sample.measurement) {
             let waiting = &mut self.waiting[wheel];
@@ -85,12 +85,12 @@ impl Input {
         Some(sample)
     }
 
-    pub(super) const fn newest_ns(&self) -> Option<i64> {
+    pub(crate) const fn newest_ns(&self) -> Option<i64> {
         self.buffer.newest_ns()
     }
 
     /// The time up to which a wheel's silence is known: where none of its readings waits, the newest time of any sensor.
-    pub(super) fn received_until(&self, wheel: usize, now_ns: i64) -> i64 {
+    pub(crate) fn received_until(&self, wheel: usize, now_ns: i64) -> i64 {
         match self.buffer.newest_ns() {
             Some(newest) if self.waiting[wheel] == 0 => newest.max(now_ns),
             _ => now_ns,
@@ -99,7 +99,7 @@ impl Input {
 }
 
 /// Is it a measured motion of the robot?
-pub(super) const fn is_reference(measurement: &Measurement) -> bool {
+pub(crate) const fn is_reference(measurement: &Measurement) -> bool {
     matches!(
         measurement,
         Measurement::Displacement { .. }
@@ -110,7 +110,7 @@ pub(super) const fn is_reference(measurement: &Measurement) -> bool {
 }
 
 /// The wheel whose rotation a measurement is.
-pub(super) const fn rotation_of(measurement: &Measurement) -> Option<usize> {
+pub(crate) const fn rotation_of(measurement: &Measurement) -> Option<usize> {
     match *measurement {
         Measurement::WheelCount { wheel, .. }
         | Measurement::WheelEdge { wheel, .. }

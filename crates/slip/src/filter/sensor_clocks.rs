@@ -24,7 +24,7 @@ const MAX_MISSING: f64 = 1e6;
 
 /// The meaning of a sample's time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ClockOutcome {
+pub(crate) enum ClockOutcome {
     /// It continues the samples before.
     Continues,
     /// The clock has been set: time restarts with this sample.
@@ -42,19 +42,19 @@ struct Sensor {
 
 /// The clock of each sensor.
 #[derive(Clone, Debug)]
-pub(super) struct SensorClocks {
+pub(crate) struct SensorClocks {
     wheels: usize,
     sensors: Box<[Sensor]>,
     /// Has any sensor a refused time?
     has_refused: bool,
     /// Number of missing samples.
-    pub(super) dropped: u64,
+    pub(crate) dropped: u64,
     /// Number of clock steps followed.
-    pub(super) steps: u64,
+    pub(crate) steps: u64,
 }
 
 impl SensorClocks {
-    pub(super) fn new(wheels: usize) -> Self {
+    pub(crate) fn new(wheels: usize) -> Self {
         Self {
             wheels,
             sensors: vec![Sensor::default(); ROBOT_SENSORS + WHEEL_SENSORS * wheels]
@@ -106,7 +106,7 @@ impl SensorClocks {
     ///
     /// A time that does not fit is refused. A second one of the same sensor that follows it is a clock that was set, if
     /// no sample that fits came in between.
-    pub(super) fn check(
+    pub(crate) fn check(
         &mut self,
         sample: &Sample,
         newest_ns: Option<i64>,

@@ -4,13 +4,22 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::array;
 
+use grouser_real::Real;
+
+use super::learnt::LEARNT as READINGS;
 use super::learnt::LearntNoise;
 use super::refused::Refused;
 use super::table::{MODES, WALKS, mixed, weighed};
 use super::wheel::{OwnSlip, WheelSlip};
+use crate::body::BodyMotion;
 use crate::motion::{
-    Belief, CommonMotion, Evidence, Levels, Motion, Noise, Record, Row, SIZE, Step,
+    Belief, CommonMotion, DRIFT, Evidence, Levels, Motion, Noise, Reading, Record, Row, SIZE, SLOW,
+    SPEED, Step, TURN_BIAS, Value, dot,
 };
+
+/// Turns by wheels in place of a gyro: white noise of the turn, rad/√s, and random walk of its error, rad/s/√s. A prior: wheels of a
+/// differential robot scrub by tenths of a rad/s.
+const TURN_BY_WHEELS: [f64; 2] = [0.02, 0.04];
 
 /// The filter over the modes. Its size is fixed once it is made.
 #[derive(Clone, Debug)]
@@ -21,6 +30,11 @@ pub struct ModeFilter {
     noise: LearntNoise,
     own: Vec<OwnSlip>,
     scratch: Vec<f64>,
+    /// Number of readings in the last step, and how many of them are probably good.
+    trusted: [f64; 2],
+    /// Length of the last step, and for how much of it the slip may change, s.
+    dt: f64,
+    moved: f64,
 }
 
 impl ModeFilter {
@@ -34,7 +48,33 @@ impl ModeFilter {
             noise: LearntNoise::new(levels),
             own: vec![OwnSlip::default(); wheels],
             scratch: vec![0.0; wheels],
+            trusted: [0.0; 2],
+            dt: 1.0,
+            moved: 0.0,
         }
+    }
+
+    /// Becomes a copy of another filter of the same robot, in its own memory.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.motions.clone_from(&other.motions);
+        self.weights = other.weights;
+        self.belief = other.belief;
+        self.noise = other.noise;
+        self.own.copy_from_slice(&other.own);
+        (self.trusted, self.dt, self.moved) = (other.trusted, other.dt, other.moved);
+    }
+
+    /// Sets the level of the reference's own wandering, m²/s.
+    pub const fn set_wander(&mut self, level: f64) {
+        self.noise.set_wander(level);
+    }
+
+    /// Changes the belief of every mode; the merged one follows.
+    pub fn change(&mut self, change: impl Fn(&mut Belief)) {
+        for motion in &mut self.motions {
+            change(&mut motion.belief);
+        }
+        self.belief = self.merged(&self.weights);
     }
 
     /// Passes over one step. A step that is refused changes nothing.
@@ -43,13 +83,23 @@ impl ModeFilter {
     /// [`Refused`] where a number is not finite or not positive, or the number of wheels is another one.
     pub fn advance(&mut self, step: &Step) -> Result<(), Refused> {
         Refused::check(step, self.own.len())?;
-        let (weights, shares) = mixed(&self.weights, step.dt);
+        // where wheels are slow or stationary, slip does not change by time
+        let powered = step.wheels.iter().filter(|wheel| !wheel.is_free);
+        let distances = powered.filter_map(|wheel| wheel.distance);
+        let farthest = distances.fold(0.0, |most: f64, distance| most.max(distance.abs()));
+        self.moved = (farthest / SLOW).min(step.dt);
+        let (weights, shares) = mixed(&self.weights, self.moved);
         let beliefs: [Belief; MODES] = array::from_fn(|to| self.merged(&shares[to]));
         let mut evidence = [Evidence::default(); MODES];
         for (mode, motion) in self.motions.iter_mut().enumerate() {
             motion.belief = beliefs[mode];
             let mut levels = *self.noise.levels();
             levels.0[Noise::Slip as usize] = WALKS[mode] * WALKS[mode];
+            if step.turn.is_none() {
+                let [turn, bias] = TURN_BY_WHEELS;
+                levels.0[Noise::Turn as usize] = turn * turn;
+                levels.0[Noise::TurnBias as usize] = bias * bias;
+            }
             let record = Record::Evidence(&mut evidence[mode]);
             motion.pass(step, &levels, 0.0, &mut self.scratch, record);
             motion.belief.floor_variances();
@@ -57,6 +107,22 @@ impl ModeFilter {
         self.weights = weighed(&weights, &evidence.map(|of| of.likelihood));
         self.noise.learn(&evidence, &self.weights);
         self.belief = self.merged(&self.weights);
+        let good = evidence.iter().zip(&self.weights).map(|(of, weight)| {
+            let sum: f64 = READINGS
+                .iter()
+                .map(|kind| of.noise[*kind as usize][0])
+                .sum();
+            weight * sum
+        });
+        let scalars = |of: &Reading| {
+            if matches!(of.value, Value::Place(_)) {
+                2.0
+            } else {
+                1.0
+            }
+        };
+        self.trusted = [step.readings.iter().map(scalars).sum(), good.sum()];
+        self.dt = step.dt;
         let common = *self.common();
         // without a gyro the turn is that of the wheels themselves
         let turn = step
@@ -122,6 +188,24 @@ impl ModeFilter {
         &self.motions[likeliest].common
     }
 
+    /// Number of scalars that references read in the last step, and how many of them are probably no outliers.
+    #[must_use]
+    pub const fn trusted(&self) -> [f64; 2] {
+        self.trusted
+    }
+
+    /// For how much of the last step the slip may have changed, s: slow wheels change it by distance.
+    #[must_use]
+    pub const fn moved(&self) -> f64 {
+        self.moved
+    }
+
+    /// The robot's motion over the last step.
+    #[must_use]
+    pub fn motion(&self) -> BodyMotion {
+        body_motion(&self.belief, self.common(), self.dt)
+    }
+
     /// The slip of a wheel at the last step's end; `None` where it did not move in that step, or there is no such wheel.
     #[must_use]
     pub fn wheel_slip(&self, wheel: usize) -> Option<WheelSlip> {
@@ -138,5 +222,26 @@ impl ModeFilter {
             .map(|(weight, motion)| weight * own.exceeds(&motion.belief, limit))
             .sum();
         (-1.0..=1.0).contains(&limit).then_some(probability)
+    }
+}
+
+/// The robot's motion over a step of `dt` (s) by a belief and the wheels' common motion.
+#[must_use]
+pub fn body_motion(belief: &Belief, common: &CommonMotion, dt: f64) -> BodyMotion {
+    let mean = &belief.mean;
+    let (sin, cos) = Real::sin_cos(common.direction);
+    let (speed, drift) = (mean[SPEED], mean[DRIFT]);
+    let along = [cos - drift * sin, sin + drift * cos];
+    let mut rows = [Row::default(); 3];
+    (rows[0][SPEED], rows[0][DRIFT]) = (along[0], -speed * sin);
+    (rows[1][SPEED], rows[1][DRIFT]) = (along[1], speed * cos);
+    rows[2][TURN_BIAS] = -1.0;
+    let turn = common.turned / dt - mean[TURN_BIAS];
+    BodyMotion {
+        velocity: [speed * along[0], speed * along[1], turn],
+        covariance: rows.map(|a| {
+            let spread = belief.spread(&a);
+            rows.map(|b| dot(&b, &spread))
+        }),
     }
 }

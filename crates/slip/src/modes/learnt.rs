@@ -10,11 +10,12 @@ const PRIOR_READINGS: f64 = 2.0;
 const WIDE: f64 = 2.0;
 /// The level follows the last readings, this many.
 const MEMORY_READINGS: f64 = 100.0;
-/// A level is within this factor of its prior: a sensor is not a hundred times better or worse than described.
-const MAX_FACTOR: f64 = 1e4;
+/// A level is within these factors of its prior: a sensor is not ten times better nor a hundred times worse than described. Outliers
+/// are 30 times as large, so that one which stays is followed.
+const FACTORS: [f64; 2] = [1e-2, 1e4];
 
 /// The kinds that are learnt.
-const LEARNT: [Noise; 3] = [Noise::Place, Noise::Heading, Noise::SpeedReading];
+pub(super) const LEARNT: [Noise; 3] = [Noise::Place, Noise::Heading, Noise::SpeedReading];
 
 /// The levels of noise. Those of readings are the mean of the squared noise that each reading is expected to have after its update
 /// (Särkkä and Nummenmaa 2009), weighed by the probability that it is no outlier, next to a prior.
@@ -46,6 +47,10 @@ impl LearntNoise {
         &self.levels
     }
 
+    pub(super) const fn set_wander(&mut self, level: f64) {
+        self.levels.0[Noise::Wander as usize] = level;
+    }
+
     /// Learns from the evidence of each mode.
     pub(super) fn learn(&mut self, evidence: &[Evidence; MODES], weights: &[f64; MODES]) {
         for kind in LEARNT {
@@ -63,7 +68,7 @@ impl LearntNoise {
             *sums = [kept * sums[0] + count, kept * sums[1] + squares];
             let prior = self.prior.0[kind];
             let level = sums[1] / sums[0];
-            self.levels.0[kind] = level.clamp(prior / MAX_FACTOR, prior * MAX_FACTOR);
+            self.levels.0[kind] = level.clamp(prior * FACTORS[0], prior * FACTORS[1]);
         }
     }
 }

@@ -19,7 +19,7 @@ mod table;
 mod wheel;
 
 pub use exceeds::{Exceeds, normal_tail};
-pub use filter::ModeFilter;
+pub use filter::{ModeFilter, body_motion};
 pub use refused::Refused;
 pub use table::{JUMPING, MODES, WALKS};
 pub use wheel::WheelSlip;

@@ -22,7 +22,7 @@ mod wheels;
 
 pub use belief::{Belief, Correction, Row, dot};
 pub use evidence::{Evidence, Judgement, OUTLIER_SIGMA, OUTLIERS, log_density};
-pub use model::{CREEP, JITTER, Motion, Record, start};
+pub use model::{CREEP, JITTER, Motion, Record, SLOW, start};
 pub use noise::{KINDS, Levels, Noise};
 pub use state::*;
 pub use step::{Reading, Step, Value, WheelStep};

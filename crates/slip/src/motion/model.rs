@@ -15,7 +15,7 @@ use super::wheels::{CommonMotion, common_motion};
 /// A robot without an accelerometer changes its speed by this at most, m/s²: half of gravity, what wheels carry on firm ground.
 const MAX_ACCELERATION: f64 = 5.0;
 /// Slower wheels change their slip by distance and not by time, m/s.
-const SLOW: f64 = 0.05;
+pub const SLOW: f64 = 0.05;
 /// Wheel speed and speed over ground differ by this for other reasons than slip, m/s: what a count or a rate of a slow wheel leaves
 /// open at the usual resolution.
 pub const CREEP: f64 = 5e-4;
@@ -366,9 +366,7 @@ impl Pass<'_> {
             self.correct(noise, row, innovation, variance, Some(index));
             return outliers;
         };
-        let found = self
-            .belief
-            .update_mixed(row, innovation, variance, outliers);
+        let found = (self.belief).update_mixed(row, innovation, variance, outliers);
         evidence.likelihood += found.likelihood;
         let sums = &mut evidence.noise[noise as usize];
         sums[0] += found.good;

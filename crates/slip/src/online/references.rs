@@ -1,0 +1,227 @@
+//! Readings of places, headings and speeds, and the frame in which they are.
+
+use alloc::vec::Vec;
+
+use grouser_real::{Real, wrap_angle};
+
+use crate::fault::Fault;
+use crate::history::seconds_between;
+use crate::motion::{Belief, HEADING, Reading, Value, X, Y};
+use crate::sample::{Measurement, Sample};
+
+/// Readings that wait: those of two references at 100 Hz over the longest delay would be more; the oldest gives way.
+const CAPACITY: usize = 64;
+/// A reading that is older than what it could still be used for is refused, s.
+pub(super) const MAX_DELAY_S: f64 = 1.0;
+/// What no ground robot reaches: a place (m), a heading (rad), a step of a displacement (m, rad).
+const MAX_PLACE: f64 = 1e8;
+const MAX_DISPLACEMENT: f64 = 1e3;
+/// The way between two places shows a heading where it is this many of their sigmas.
+const COURSE_SIGMAS: f64 = 10.0;
+
+/// What a reference read.
+#[derive(Clone, Copy, Debug)]
+enum Read {
+    /// A pose or a place in the reference's frame.
+    Fixed {
+        place: [f64; 2],
+        yaw: Option<f64>,
+    },
+    /// A displacement in the robot's own frame.
+    Moved {
+        by: [f64; 2],
+        turn: Option<f64>,
+    },
+    Speed(f64),
+}
+
+/// How the reference's frame lies in that of the start.
+#[derive(Clone, Copy, Debug)]
+enum Frame {
+    Unknown,
+    /// A place of the reference and the same one in the frame of the start; its rotation is not known yet.
+    Anchored([[f64; 2]; 2]),
+    /// Rotation, and a place in both.
+    Known(f64, [[f64; 2]; 2]),
+}
+
+/// Readings of references on their way to the filter.
+#[derive(Clone, Debug)]
+pub(super) struct References {
+    waiting: Vec<(i64, Read)>,
+    latency: f64,
+    frame: Frame,
+    /// The sum of the displacements in the frame of the start; `None` before the first.
+    sum: Option<[f64; 3]>,
+    has_places: bool,
+}
+
+impl References {
+    pub(super) fn new(latency: f64) -> Self {
+        Self {
+            waiting: Vec::with_capacity(CAPACITY),
+            latency,
+            frame: Frame::Unknown,
+            sum: None,
+            has_places: false,
+        }
+    }
+
+    /// The clock was set.
+    pub(super) fn restart_clock(&mut self) {
+        self.waiting.clear();
+    }
+
+    /// Takes a reading; the motion up to `settled_ns` cannot be changed by much any more.
+    pub(super) fn take(&mut self, sample: &Sample, settled_ns: Option<i64>) -> Result<(), Fault> {
+        let range = |field, value: f64, limit: f64, unit| {
+            Fault::check_range(field, value, -limit, limit, unit)
+        };
+        let read = match sample.measurement {
+            Measurement::Pose { x, y, yaw } => {
+                range("pose x", x, MAX_PLACE, "m")?;
+                range("pose y", y, MAX_PLACE, "m")?;
+                range("pose yaw", yaw, MAX_PLACE, "rad")?;
+                let place = [x, y];
+                Read::Fixed {
+                    place,
+                    yaw: Some(yaw),
+                }
+            }
+            Measurement::Position { x, y } => {
+                range("position x", x, MAX_PLACE, "m")?;
+                range("position y", y, MAX_PLACE, "m")?;
+                let place = [x, y];
+                Read::Fixed { place, yaw: None }
+            }
+            Measurement::Displacement {
+                forward,
+                left,
+                turn,
+            } => {
+                range("displacement forward", forward, MAX_DISPLACEMENT, "m")?;
+                range("displacement left", left, MAX_DISPLACEMENT, "m")?;
+                range(
+                    "displacement turn",
+                    turn.unwrap_or(0.0),
+                    MAX_DISPLACEMENT,
+                    "rad",
+                )?;
+                let by = [forward, left];
+                Read::Moved { by, turn }
+            }
+            Measurement::Speed { forward, .. } => {
+                range("speed forward", forward, MAX_DISPLACEMENT, "m/s")?;
+                Read::Speed(forward)
+            }
+            _ => return Ok(()),
+        };
+        let time_ns = sample
+            .time_ns
+            .saturating_sub(crate::history::nanoseconds(self.latency));
+        if let Some(last_ns) = settled_ns.filter(|of| seconds_between(time_ns, *of) > MAX_DELAY_S) {
+            return Err(Fault::NotLater { time_ns, last_ns });
+        }
+        if self.waiting.len() == CAPACITY {
+            self.waiting.remove(0);
+        }
+        let after = self.waiting.partition_point(|of| of.0 <= time_ns);
+        self.waiting.insert(after, (time_ns, read));
+        Ok(())
+    }
+
+    /// Gives the readings up to a step's end to it, as the belief before the step has the frame; `sigmas` are those of a place and a
+    /// heading. Where the frame is found, place and heading are known to the variances that it returns.
+    pub(super) fn give(
+        &mut self,
+        end_ns: i64,
+        belief: &Belief,
+        [place_sigma, yaw_sigma]: [f64; 2],
+        out: &mut Vec<Reading>,
+    ) -> Option<[f64; 2]> {
+        let mut found = None;
+        let of_place = place_sigma * place_sigma;
+        let ripe = self.waiting.partition_point(|of| of.0 <= end_ns);
+        for (time_ns, read) in self.waiting.drain(..ripe) {
+            let since = seconds_between(time_ns, end_ns);
+            let mut push = |value: Value| {
+                if out.len() < out.capacity() {
+                    out.push(Reading {
+                        value,
+                        since,
+                        scale: 1.0,
+                    });
+                }
+            };
+            let mean = &belief.mean;
+            let here = [mean[X], mean[Y]];
+            match read {
+                Read::Speed(speed) => push(Value::Speed(speed)),
+                Read::Moved { .. } if self.has_places => {}
+                Read::Moved {
+                    by: [forward, left],
+                    turn,
+                } => {
+                    let Some(sum) = self.sum.as_mut() else {
+                        self.sum = Some([here[0], here[1], mean[HEADING]]);
+                        continue;
+                    };
+                    // a sensor that does not measure the turn moves in the heading that is known
+                    let half = match turn {
+                        Some(turn) => sum[2] + 0.5 * turn,
+                        None => mean[HEADING],
+                    };
+                    let (sin, cos) = Real::sin_cos(half);
+                    sum[0] += cos * forward - sin * left;
+                    sum[1] += sin * forward + cos * left;
+                    push(Value::Place([sum[0], sum[1]]));
+                    if let Some(turn) = turn {
+                        sum[2] += turn;
+                        push(Value::Heading(sum[2]));
+                    }
+                }
+                Read::Fixed { place, yaw } => {
+                    self.has_places = true;
+                    self.frame = match (self.frame, yaw) {
+                        (Frame::Unknown, Some(yaw)) => {
+                            found = Some([of_place, yaw_sigma * yaw_sigma]);
+                            Frame::Known(wrap_angle(mean[HEADING] - yaw), [place, here])
+                        }
+                        (Frame::Unknown, None) => Frame::Anchored([place, here]),
+                        (Frame::Anchored([from, start]), None) => {
+                            let [a, b] = [sub(place, from), sub(here, start)];
+                            let way = Real::hypot(a[0], a[1]).min(Real::hypot(b[0], b[1]));
+                            if way <= COURSE_SIGMAS * place_sigma {
+                                continue;
+                            }
+                            let angle = |of: [f64; 2]| Real::atan2(of[1], of[0]);
+                            found = Some([of_place, 2.0 * of_place / (way * way)]);
+                            Frame::Known(wrap_angle(angle(b) - angle(a)), [from, start])
+                        }
+                        (frame, _) => frame,
+                    };
+                    if let Frame::Known(rotation, [from, start]) = self.frame {
+                        let (sin, cos) = Real::sin_cos(rotation);
+                        let off = sub(place, from);
+                        let x = start[0] + cos * off[0] - sin * off[1];
+                        let y = start[1] + sin * off[0] + cos * off[1];
+                        push(Value::Place([x, y]));
+                        if let Some(yaw) = yaw {
+                            push(Value::Heading(yaw + rotation));
+                        }
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// The kind of noise of a place: of a displacement's sum it wanders.
+    pub(super) const fn is_by_displacements(&self) -> bool {
+        self.sum.is_some() && !self.has_places
+    }
+}
+
+fn sub(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}

@@ -1,0 +1,95 @@
+//! The estimator over modes on a robot whose slips are known, and on samples that no sensor makes.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a test fails by panicking and may say what it measured; counts are small"
+)]
+
+use grouser_slip::online::{EstimatorSettings, SlipEstimator};
+use grouser_slip::{Measurement, Robot, Sample, Wheel};
+use proptest::prelude::*;
+
+use crate::wild;
+use crate::world;
+use crate::world::{Truth, World};
+
+/// Root mean square error of the powered wheels' slips from 2 s on, and the mean squared error over variance.
+fn errors(world: &World) -> [f64; 2] {
+    let mut estimator = SlipEstimator::new(&world.robot(), EstimatorSettings::default()).unwrap();
+    let mut truths: Vec<Truth> = Vec::new();
+    let (mut squares, mut scaled, mut count) = (0.0, 0.0, 0.0);
+    world.run(|truth, samples| {
+        truths.push(truth.clone());
+        for sample in samples {
+            let _ = estimator.update(*sample);
+        }
+        let known = estimator.latest();
+        let row = (known.time_ns / world::STEP_NS) as usize;
+        let then = &truths[row.min(truths.len() - 1)];
+        for (estimate, truth) in known.wheels.iter().zip(&then.slips).take(world.powered) {
+            let (Some(slip), Some(sigma), Some(truth)) = (estimate.slip, estimate.sigma, truth)
+            else {
+                continue;
+            };
+            if then.time >= 2.0 && then.speed > 0.05 {
+                let error = slip.value() - truth;
+                squares += error * error;
+                scaled += (error / sigma).powi(2);
+                count += 1.0;
+            }
+        }
+    });
+    assert!(count > 1000.0, "{count} estimates");
+    [(squares / count).sqrt(), scaled / count]
+}
+
+#[test]
+fn slips_of_a_five_wheeled_robot_are_found_by_modes() {
+    for (camera, accelerometer) in [(0, false), (0, true), (25, false), (25, true)] {
+        let world = World {
+            accelerometer,
+            camera,
+            ..World::default()
+        };
+        let [rms, scaled] = errors(&world);
+        println!("camera {camera} Hz, accelerometer {accelerometer}: {rms:.4}, {scaled:.2}");
+        assert!(
+            rms < 0.025 && scaled < 2.0,
+            "{camera} {accelerometer}: {rms} {scaled}"
+        );
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
+
+    #[test]
+    fn any_samples_leave_finite_estimates(
+        samples in prop::collection::vec((0..50_000_000_i64, wild::measurement()), 1..300),
+    ) {
+        let wheels = vec![
+            Wheel::powered("left").at(0.1, 0.2).radius(0.1).ticks_per_turn(1000),
+            Wheel::powered("right").at(0.1, -0.2).radius(0.1).ticks_per_turn(1000),
+            Wheel::free("fifth").at(-0.3, 0.0).radius(0.1).ticks_per_turn(1000),
+        ];
+        let robot = Robot::new("cart".into(), wheels).unwrap();
+        let mut estimator = SlipEstimator::new(&robot, EstimatorSettings::default()).unwrap();
+        let mut time_ns = 0;
+        for (step, measurement) in samples {
+            time_ns += step;
+            let _ = estimator.update(Sample { time_ns, measurement });
+            let measurement = Measurement::WheelCount { wheel: 0, raw: 3 };
+            let _ = estimator.update(Sample { time_ns, measurement });
+            let known = estimator.latest();
+            for wheel in known.wheels {
+                prop_assert!(wheel.slip.is_none_or(|slip| slip.value().abs() <= 1.0));
+                prop_assert!(wheel.sigma.is_none_or(|sigma| sigma.is_finite() && sigma > 0.0));
+            }
+            let body = known.body;
+            for speed in [body.forward, body.left, body.yaw_rate, body.common_slip] {
+                prop_assert!(speed.value.is_finite() && speed.variance >= 0.0);
+            }
+            prop_assert!(body.odometry.covariance.iter().flatten().all(|v| v.is_finite()));
+        }
+    }
+}
