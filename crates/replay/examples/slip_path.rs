@@ -15,7 +15,7 @@ use grouser_replay::{Inputs, Options, log_samples};
 use grouser_slip::Health;
 use grouser_slip::online::{EstimatorSettings, SlipEstimator};
 
-/// Limit of the printed probability: slip above it is high.
+/// Slip above this is high: the limit of the row `high-slip` of `bench/estimators`.
 const HIGH_SLIP: f64 = 0.6;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -125,7 +125,8 @@ fn run_once(
     Ok(summary)
 }
 
-/// The samples that an online estimator is given of a log, delays and held readings taken out, and the reference's latency, s.
+/// The samples of a log for an online estimator, without held readings and with delays removed, and the reference's latency, s. The
+/// robot file's corrections of yaw and yaw rate are not applied.
 ///
 /// # Errors
 /// What is wrong with the log.

@@ -11,7 +11,7 @@ const WIDE: f64 = 2.0;
 /// The level follows the last readings, this many.
 const MEMORY_READINGS: f64 = 100.0;
 /// A level is within these factors of its prior: a sensor is not ten times better nor a hundred times worse than described. Outliers
-/// are 30 times as large, so that one which stays is followed.
+/// are 30 times as large, so that a reference that stays elsewhere is followed.
 const FACTORS: [f64; 2] = [1e-2, 1e4];
 
 /// The kinds that are learnt.

@@ -21,29 +21,31 @@ use crate::wheel_estimate::WheelEstimate;
 const MAX_STEPS_PER_SAMPLE: usize = 4;
 /// Readings of references in one step.
 const READINGS: usize = 32;
-/// The speed is known for this long after a reading of it, s, and for so many of the reference's periods, which are at most this
-/// long, s, and follow each new one by this share.
+/// A reference is lost after this time without a reading, s, or after this number of its periods if that is longer. A prior: slips of
+/// soft ground change within half a second, and one lost reading is usual.
 const REFERENCE_TIMEOUT_S: f64 = 0.5;
-const PERIODS: f64 = 3.0;
-const MAX_PERIOD_S: f64 = 2.0;
-const PERIOD_SHARE: f64 = 0.1;
-/// Without a reading of the speed the slip returns to its prior within this time, s.
+const REFERENCE_TIMEOUT_PERIODS: f64 = 3.0;
+/// Maximum period of a reference, s: that of slow GNSS receivers.
+const MAX_REFERENCE_PERIOD_S: f64 = 2.0;
+/// Weight of a new period in the mean one: that of about ten readings.
+const PERIOD_WEIGHT: f64 = 0.1;
+/// Time constant with which the slip returns to its prior without a reading of the speed, s. A prior: 6 m at 0.3 m/s, a patch of ground.
 const SLIP_MEMORY_S: f64 = 20.0;
 /// Random walks of the reference's frame, m/√s: a sum of displacements of 10 Hz visual odometry wanders by
 /// a centimetre in a second or two, a pose does not.
 const WANDER: [f64; 2] = [1e-5, 6e-3];
-/// Other sigmas before the start: random walks of slip and drift (1/√s), of the speed next to an accelerometer (m/s/√s), of a
+/// Priors of the other random walks: random walks of slip and drift (1/√s), of the speed next to an accelerometer (m/s/√s), of a
 /// gyro's turn (rad/√s) and its bias (rad/s/√s).
 const WALKS: [f64; 5] = [0.03, 0.03, 0.03, 2e-3, 2e-4];
-/// How much of the share of good readings is new with a step.
-const TRUST_SHARE: f64 = 0.1;
+/// Weight of a step in the mean share of good readings: that of about ten steps with readings.
+const TRUST_WEIGHT: f64 = 0.1;
 
 /// What estimates, step by step.
 #[derive(Clone, Debug)]
 pub(super) struct Core {
     pub(super) gather: Gather,
     pub(super) references: References,
-    /// With the readings up to its time, and with those steps besides whose readings are still to come.
+    /// The filter after the last step whose readings are complete, and after the last step.
     settled: ModeFilter,
     ahead: ModeFilter,
     /// The steps between the two, in a ring.
@@ -226,12 +228,12 @@ impl Core {
             self.readings[1] + readings - good,
         ];
         if readings > 0.0 {
-            self.trust += TRUST_SHARE * (good / readings - self.trust);
+            self.trust += TRUST_WEIGHT * (good / readings - self.trust);
         }
         if has_free_wheel || good > 0.5 * readings && readings > 0.0 {
             if let Some(passed) = age_of(self.speed_known_ns, end_ns) {
-                let passed = passed.min(MAX_PERIOD_S);
-                self.reference_period += PERIOD_SHARE * (passed - self.reference_period);
+                let passed = passed.min(MAX_REFERENCE_PERIOD_S);
+                self.reference_period += PERIOD_WEIGHT * (passed - self.reference_period);
             }
             self.speed_known_ns = Some(end_ns);
         } else if self.is_lost(end_ns) {
@@ -252,7 +254,7 @@ impl Core {
 
     /// Has the speed not been measured for long?
     pub(super) fn is_lost(&self, now_ns: i64) -> bool {
-        let timeout = REFERENCE_TIMEOUT_S.max(PERIODS * self.reference_period);
+        let timeout = REFERENCE_TIMEOUT_S.max(REFERENCE_TIMEOUT_PERIODS * self.reference_period);
         (self.speed_age(now_ns)).is_none_or(|age| age > timeout + self.settings.reference_latency)
     }
 

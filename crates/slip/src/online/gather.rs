@@ -17,22 +17,23 @@ use crate::wheel_track::{TrackSettings, WheelTrack};
 
 /// A step is at least this long, s: the slip of wheels does not change within it.
 pub(super) const MIN_STEP_S: f64 = 0.05;
-/// The longest step, s: after a silence of all sensors one step leads to the time at which they are back.
+/// Maximum step length, s: one step spans a silence of all sensors.
 const MAX_STEP_S: f64 = 60.0;
-/// A longer silence is one step, s.
+/// Silence of all sensors beyond which a single step spans the gap, s.
 const SILENCE_S: f64 = 1.0;
-/// A sensor has dropped out after so many of its periods, if that is longer than the dropout time.
+/// A sensor is silent after this number of its periods, or after the dropout time if that is longer. A prior: one lost reading is
+/// usual, two in a row are not.
 const GAP_PERIODS: f64 = 3.0;
-/// A wheel's period is known after so many readings; older ones count less.
+/// Number of readings over which a wheel's period is averaged; half of them give a first value.
 const PERIOD_READINGS: f64 = 8.0;
-/// The step follows the slowest wheel where their times differ by more than this share.
+/// The step length changes when it differs from the slowest wheel's period by more than this share: stamps scatter by less.
 const PERIOD_SHARE: f64 = 0.05;
 /// Noise of a wheel's rate, rad/s, and resolution of an angle without ticks, m, where the robot's description states none.
 const RATE_SIGMA: f64 = 0.01;
 const ANGLE_STEP_M: f64 = 1e-4;
 /// Headings of wheels that differ by more than this make an omnidirectional robot: the sine.
 const PARALLEL_SINE: f64 = 0.02;
-/// Sigma of a free wheel's skid on ground that nobody knows, besides that of its prior: published laws of soft soil differ by a few
+/// Sigma of a free wheel's skid on unknown ground, in addition to that of its prior: published laws of soft soil differ by a few
 /// hundredths in it.
 const SKID_SIGMA: f64 = 0.03;
 /// What no ground robot reaches: turn rate (rad/s), acceleration (m/s²), rate (rad/s) and speed (m/s) of a carrier.
@@ -48,9 +49,11 @@ const KEPT_S: f64 = 0.5;
 struct WheelInput {
     track: WheelTrack<History<2>>,
     steering: Steering,
-    /// Its carrier's turn, and its centre's way forwards and upwards by it.
+    /// Rotation of its carrier, rad, and displacement of its centre by the carrier, forwards and upwards, m.
     carrier: Rates<3>,
     radius: f64,
+    /// Travel for a radian of the sensor's shaft, m.
+    per_radian: f64,
     is_free: bool,
     is_rate: bool,
     has_ticks: bool,
@@ -89,6 +92,7 @@ impl WheelInput {
             steering: Steering::new(wheel),
             carrier: Rates::new(KEPT / 2, nanoseconds(KEPT_S)),
             radius: wheel.radius,
+            per_radian: wheel.travel_per_radian(),
             is_free: wheel.role == WheelRole::Free,
             is_rate: false,
             has_ticks: wheel.travel_per_tick().is_some(),
@@ -135,7 +139,7 @@ impl WheelInput {
         self.steering.mark();
         let speed = self.track.speed(from_ns, to_ns);
         let floor = if self.is_rate {
-            let sigma = RATE_SIGMA * self.radius;
+            let sigma = RATE_SIGMA * self.per_radian;
             sigma * sigma * dt * self.period().max(1e-3)
         } else if self.has_ticks {
             0.0
@@ -145,7 +149,7 @@ impl WheelInput {
         let variance = speed.map_or(0.0, |of| of.variance * dt * dt) + floor;
         let distance = speed.map(|of| {
             let rolled = of.value * dt + self.radius * rocked;
-            // what rises or falls beside the robot rolls further than it comes
+            // a wheel that moves up or down relative to the robot rolls along a slope
             let along = Real::sqrt((rolled * rolled - up * up).max(0.0));
             along.copysign(rolled)
         });
@@ -251,15 +255,11 @@ impl Gather {
             }
             _ => {}
         }
-        if self.from_ns.is_none() && (sample.measurement.is_rotation()) {
-            self.begin(time_ns);
+        if self.from_ns.is_none() && sample.measurement.is_rotation() {
+            self.from_ns = Some(time_ns);
+            self.origin_ns = time_ns;
         }
         Ok(())
-    }
-
-    fn begin(&mut self, time_ns: i64) {
-        self.from_ns = Some(time_ns);
-        self.origin_ns = time_ns;
     }
 
     /// Steers a wheel; false where there is no such wheel.
@@ -268,7 +268,7 @@ impl Gather {
         found.map(|wheel| wheel.steering.turn(angle)).is_some()
     }
 
-    /// The clock was set: time begins anew.
+    /// The clock was set: forgets all readings.
     pub(super) fn restart_clock(&mut self) {
         for wheel in &mut self.wheels {
             wheel.track.restart_clock();
@@ -347,7 +347,7 @@ impl Gather {
         }
     }
 
-    /// The rim travel of a wheel's newest window up to its newest reading: its speed, and when that was.
+    /// For how long a wheel has been silent, and from which silence on it counts as dropped out, s; `None` before its first reading.
     pub(super) fn silence(&self, wheel: usize, now_ns: i64) -> Option<(f64, f64)> {
         let wheel = &self.wheels[wheel];
         let known = wheel.track.known_until(now_ns)?;

@@ -2,7 +2,7 @@
 
 use super::estimator::{Core, reset};
 use crate::error::{Result, check_range};
-use crate::motion::{FORCE_BIAS, SLIP, TURN_BIAS};
+use crate::motion::{FORCE_BIAS, MAX_LOG_SLIP, SLIP, TURN_BIAS};
 use crate::speed::Measured;
 
 /// A restored variance is at least this: the robot may have stood for long in between.
@@ -10,8 +10,6 @@ const MIN_VARIANCE: f64 = 1e-12;
 /// Limits of a bias, rad/s and m/s²: a larger one is a broken sensor, which nothing is learnt of.
 const MAX_GYRO_BIAS_RAD_PER_S: f64 = 0.5;
 const MAX_ACCELEROMETER_BIAS_M_PER_S2: f64 = 5.0;
-/// Limit of the common logarithmic slip.
-const MAX_LOG_SLIP: f64 = crate::motion::MAX_LOG_SLIP;
 const OF: &str = "learnt";
 const VARIANCE: (f64, f64) = (0.0, 1e6);
 

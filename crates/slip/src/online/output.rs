@@ -137,8 +137,8 @@ impl Core {
             rejected: input.rejected,
             dropped: input.clocks.dropped,
             clock_steps: input.clocks.steps,
-            reference_readings: count(self.readings[0]),
-            reference_refused: count(self.readings[1]),
+            reference_readings: count(self.readings[0]).saturating_add(self.references.lost),
+            reference_refused: count(self.readings[1]).saturating_add(self.references.lost),
             reference_age: self.speed_age(time_ns),
             core: self,
         }

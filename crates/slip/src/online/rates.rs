@@ -21,7 +21,7 @@ impl<const K: usize> Rates<K> {
         }
     }
 
-    /// Takes a reading; one after a silence of more than `gap` (s) begins anew.
+    /// Takes a reading; after a silence of more than `gap` (s) the sums restart.
     pub(super) fn take(&mut self, time_ns: i64, rates: [f64; K], gap: f64) -> Result<(), Fault> {
         let passed = self.last.map(|(then, _)| seconds_between(then, time_ns));
         match (self.last, passed) {

@@ -5,18 +5,19 @@ use alloc::vec::Vec;
 use grouser_real::{Real, wrap_angle};
 
 use crate::fault::Fault;
-use crate::history::seconds_between;
+use crate::history::{nanoseconds, seconds_between, whole};
 use crate::motion::{Belief, HEADING, Reading, Value, X, Y};
 use crate::sample::{Measurement, Sample};
 
-/// Readings that wait: those of two references at 100 Hz over the longest delay would be more; the oldest gives way.
-const CAPACITY: usize = 64;
-/// A reading that is older than what it could still be used for is refused, s.
+/// Readings that can wait: a burst, and those of two references at 100 Hz during the latency. Beyond, the oldest is counted as refused.
+const BURST: usize = 32;
+const MAX_RATE_HZ: f64 = 200.0;
+/// Readings older than this are refused, s: a robot of 1 m/s has moved by a metre since.
 pub(super) const MAX_DELAY_S: f64 = 1.0;
 /// What no ground robot reaches: a place (m), a heading (rad), a step of a displacement (m, rad).
 const MAX_PLACE: f64 = 1e8;
 const MAX_DISPLACEMENT: f64 = 1e3;
-/// The way between two places shows a heading where it is this many of their sigmas.
+/// Two places show a heading when their distance is at least this many of their sigmas: then it is known to 0.14 rad.
 const COURSE_SIGMAS: f64 = 10.0;
 
 /// What a reference read.
@@ -45,7 +46,7 @@ enum Frame {
     Known(f64, [[f64; 2]; 2]),
 }
 
-/// Readings of references on their way to the filter.
+/// Readings of references until their step is complete.
 #[derive(Clone, Debug)]
 pub(super) struct References {
     waiting: Vec<(i64, Read)>,
@@ -54,16 +55,21 @@ pub(super) struct References {
     /// The sum of the displacements in the frame of the start; `None` before the first.
     sum: Option<[f64; 3]>,
     has_places: bool,
+    /// Readings that found no room.
+    pub(super) lost: u64,
 }
 
 impl References {
     pub(super) fn new(latency: f64) -> Self {
         Self {
-            waiting: Vec::with_capacity(CAPACITY),
+            waiting: Vec::with_capacity(
+                BURST + usize::try_from(whole(latency * MAX_RATE_HZ)).unwrap_or(0),
+            ),
             latency,
             frame: Frame::Unknown,
             sum: None,
             has_places: false,
+            lost: 0,
         }
     }
 
@@ -116,14 +122,13 @@ impl References {
             }
             _ => return Ok(()),
         };
-        let time_ns = sample
-            .time_ns
-            .saturating_sub(crate::history::nanoseconds(self.latency));
+        let time_ns = sample.time_ns.saturating_sub(nanoseconds(self.latency));
         if let Some(last_ns) = settled_ns.filter(|of| seconds_between(time_ns, *of) > MAX_DELAY_S) {
             return Err(Fault::NotLater { time_ns, last_ns });
         }
-        if self.waiting.len() == CAPACITY {
+        if self.waiting.len() == self.waiting.capacity() {
             self.waiting.remove(0);
+            self.lost = self.lost.saturating_add(1);
         }
         let after = self.waiting.partition_point(|of| of.0 <= time_ns);
         self.waiting.insert(after, (time_ns, read));
@@ -144,8 +149,11 @@ impl References {
         let ripe = self.waiting.partition_point(|of| of.0 <= end_ns);
         for (time_ns, read) in self.waiting.drain(..ripe) {
             let since = seconds_between(time_ns, end_ns);
+            let lost = &mut self.lost;
             let mut push = |value: Value| {
-                if out.len() < out.capacity() {
+                if out.len() == out.capacity() {
+                    *lost = lost.saturating_add(1);
+                } else {
                     out.push(Reading {
                         value,
                         since,
@@ -190,12 +198,12 @@ impl References {
                         (Frame::Unknown, None) => Frame::Anchored([place, here]),
                         (Frame::Anchored([from, start]), None) => {
                             let [a, b] = [sub(place, from), sub(here, start)];
-                            let way = Real::hypot(a[0], a[1]).min(Real::hypot(b[0], b[1]));
-                            if way <= COURSE_SIGMAS * place_sigma {
+                            let length = Real::hypot(a[0], a[1]).min(Real::hypot(b[0], b[1]));
+                            if length <= COURSE_SIGMAS * place_sigma {
                                 continue;
                             }
                             let angle = |of: [f64; 2]| Real::atan2(of[1], of[0]);
-                            found = Some([of_place, 2.0 * of_place / (way * way)]);
+                            found = Some([of_place, 2.0 * of_place / (length * length)]);
                             Frame::Known(wrap_angle(angle(b) - angle(a)), [from, start])
                         }
                         (frame, _) => frame,

@@ -1,4 +1,4 @@
-//! Settings of the slip filter.
+//! Settings of the online estimator.
 
 use grouser_real::Real;
 
@@ -106,7 +106,7 @@ impl EstimatorSettings {
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) with field, value, limits and unit.
     pub fn check(&self) -> Result<()> {
-        check_fields("filter", self, Self::FIELDS)
+        check_fields("estimator", self, Self::FIELDS)
     }
 }
 
