@@ -79,9 +79,9 @@ fn assert_split(rows: &[Row], bracket: &str) {
 fn assert_ding_lugs(data: &Path, rows: &[Row]) {
     if data.join(ding::LUGGED).is_file() {
         for (quantity, limit) in [
-            (Quantity::Pull, 2.7),
-            (Quantity::Torque, 0.45),
-            (Quantity::Sinkage, 2.5),
+            (Quantity::Pull, 3.6),
+            (Quantity::Torque, 0.5),
+            (Quantity::Sinkage, 1.9),
         ] {
             let key = ("ding-2011", "grouser", 0.0, quantity);
             assert!(
@@ -89,6 +89,38 @@ fn assert_ding_lugs(data: &Path, rows: &[Row]) {
                 "{key:?}"
             );
         }
+    }
+}
+
+/// Lugged wheels of other laboratories at published soil numbers, nothing fitted, pull over load; and the wheel of the
+/// test bed nearly spinning. Lugs that add thrust have 0.063, 0.143; none 0.098, 0.101.
+fn assert_lugs_elsewhere(rows: &[Row]) {
+    for (data_set, load, limit) in [
+        ("ding-2011", ding::WHEEL.2, 0.05),
+        ("nasa-trec", 171.7, 0.075),
+    ] {
+        let lugged =
+            |row: &&Row| row.data_set == data_set && row.wheel == "grouser" && row.fit == "nothing";
+        if let Some(row) = rows
+            .iter()
+            .filter(lugged)
+            .find(|row| row.quantity == Quantity::Pull)
+        {
+            println!("{data_set}: pull over load {:.3}", row.score.rmse / load);
+            assert!(row.score.rmse / load < limit, "{row:?}");
+        }
+    }
+    let spins = |row: &&Row| {
+        row.wheel == "grouser"
+            && row.model == ModelName::Grouser
+            && row.fit == "slip angle 0"
+            && row.slips == SlipGroup::Spinning
+            && row.quantity == Quantity::Pull
+    };
+    for row in rows.iter().filter(spins) {
+        // at 30° the pull of the smooth wheel is 1 N too small there too
+        let limit = if row.slip_angle_deg == 0.0 { 2.5 } else { 4.6 };
+        assert!(row.score.bias.abs() < limit, "{row:?}");
     }
 }
 
@@ -103,6 +135,8 @@ fn assert_ends(rows: &[Row]) {
     }) {
         assert_eq!(row.hub_buried, 0, "{row:?}");
         let limit = match (row.quantity, row.slips, row.slip_angle_deg < 60.0) {
+            // carried soil adds all of its depth: 1.3 mm too much while it took pressure away from the whole arc
+            (Quantity::Sinkage, SlipGroup::Spinning, true) if row.wheel == "grouser" => 5.5,
             (Quantity::Sinkage, SlipGroup::Spinning, true) => 3.7,
             (Quantity::Sinkage, SlipGroup::Spinning, false) => 5.8,
             (Quantity::Sinkage, _, _) | (Quantity::Side, SlipGroup::Locked, _) => 4.5,
@@ -146,7 +180,7 @@ fn measured_wheels_are_predicted() {
         (smooth(60.0, Quantity::Pull), 1.7),
         (smooth(60.0, Quantity::Side), 2.0),
         (smooth(60.0, Quantity::Sinkage), 2.0),
-        (lugged("cmu-wheel", 0.0, Quantity::Pull), 0.9),
+        (lugged("cmu-wheel", 0.0, Quantity::Pull), 0.85),
         (lugged("cmu-wheel", 0.0, Quantity::Sinkage), 1.5),
     ] {
         assert!(
@@ -157,9 +191,9 @@ fn measured_wheels_are_predicted() {
     }
     if data.join("cmu-lugs/trials.csv").is_file() {
         for (quantity, limit) in [
-            (Quantity::Pull, 1.2),
+            (Quantity::Pull, 1.4),
             (Quantity::Side, 1.65),
-            (Quantity::Sinkage, 1.1),
+            (Quantity::Sinkage, 0.9),
         ] {
             let key = lugged("cmu-lugs", 30.0, quantity);
             assert!(
@@ -170,6 +204,7 @@ fn measured_wheels_are_predicted() {
         }
     }
     assert_ding_lugs(&data, &validation.rows);
+    assert_lugs_elsewhere(&validation.rows);
     assert_ends(&validation.rows);
     for angle in [15.0, 30.0, 60.0] {
         for quantity in [Quantity::Pull, Quantity::Side, Quantity::Sinkage] {

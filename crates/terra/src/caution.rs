@@ -32,6 +32,9 @@ pub enum Caution {
     /// The lugs are further apart than Skonieczny's rule allows at this slip and sinkage: the rim between them
     /// pushes soil forwards ([`lug_spacing_skonieczny`](crate::lug_spacing_skonieczny)).
     LugSpacing,
+    /// The lugs are higher than a tenth of the radius, beyond every wheel that their law was chosen on
+    /// ([`lug_mobilisation`](crate::lug_mobilisation)).
+    LugHeight,
     /// Slip, slip angle, width or load lie outside the tests that the soil's numbers were fitted on.
     OutsideFit,
     /// The hub lies below the ground: axle and motor, which are not in the model, touch the soil.
@@ -42,7 +45,7 @@ pub enum Caution {
 }
 
 impl Caution {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 13] = [
         Self::NoNormalStress,
         Self::MaximumStressHeld,
         Self::DeepSinkage,
@@ -52,6 +55,7 @@ impl Caution {
         Self::SeveralSinkages,
         Self::WorkGained,
         Self::LugSpacing,
+        Self::LugHeight,
         Self::OutsideFit,
         Self::HubInSoil,
         Self::LoadBelowResolution,
@@ -70,6 +74,7 @@ impl Caution {
             Self::SeveralSinkages => "several-sinkages",
             Self::WorkGained => "work-gained",
             Self::LugSpacing => "lug-spacing",
+            Self::LugHeight => "lug-height",
             Self::OutsideFit => "outside-fit",
             Self::HubInSoil => "hub-in-soil",
             Self::LoadBelowResolution => "load-below-resolution",
@@ -98,6 +103,9 @@ impl fmt::Display for Caution {
             Self::WorkGained => "the contact gives energy back, which soil cannot",
             Self::LugSpacing => {
                 "lugs are so far apart that the rim between them pushes soil forwards"
+            }
+            Self::LugHeight => {
+                "lugs are higher than a tenth of the radius, beyond the wheels that their law was chosen on"
             }
             Self::LoadBelowResolution => {
                 "the load is smaller than the search for the sinkage resolves: the vertical force differs from it"

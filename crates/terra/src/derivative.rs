@@ -3,7 +3,7 @@
 use grouser_real::Dual;
 
 use crate::bulldozing::Bulldozing;
-use crate::contact::{Contact, Motion, WheelSize, sinkage_from_entry_angle};
+use crate::contact::{Contact, Motion, WheelSize};
 use crate::error::{Error, Result};
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
@@ -142,7 +142,7 @@ impl<const N: usize> DualInputs<N> {
             beside += disc.side;
         }
         DualSolution {
-            sinkage: sinkage_from_entry_angle(theta_1, self.size.radius),
+            sinkage: self.soil.sinkage_at(theta_1, &self.motion, &self.size),
             theta_1,
             forces,
             side_force: Dual::constant(self.side) * (forces.side_shear + beside),

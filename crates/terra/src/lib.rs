@@ -78,7 +78,7 @@ pub use lanes::{
     BatchColumns, BatchInput, BatchKernel, BatchPoints, BestOf, BestSlipColumns, LaneMask, Lanes,
     SoilColumns, instructions,
 };
-pub use lugs::{LugPassage, lug_spacing_skonieczny, lug_thrust_gain, lug_transport_layer};
+pub use lugs::{LugPassage, lug_mobilisation, lug_spacing_skonieczny, lug_transport_layer};
 pub use multi_pass::{MultiPass, PassChange};
 pub use open_soil::OpenSoil;
 pub use operating_point::OperatingPoint;

@@ -3,7 +3,6 @@
 use grouser_real::Real;
 
 use crate::caution::Caution;
-use crate::contact::sinkage_from_entry_angle;
 use crate::error::{Error, Result};
 use crate::kinematics::Kinematics;
 use crate::operating_point::OperatingPoint;
@@ -21,6 +20,9 @@ pub const MAX_MISS: f64 = 1e-6;
 
 /// Secant steps and bisections before giving up. The secant takes 4 to 7; 80 halvings reach rounding anyway.
 const STEPS: u32 = 80;
+
+/// Least depth of a contact over the radius that is searched: where soil is carried away down to the hub, nothing is left.
+const MIN_DEPTH: f64 = 1e-12;
 
 /// Entry angles of the coarse scan where the vertical force may fall with sinkage, less one.
 pub(crate) const SCAN_STEPS: i32 = 10;
@@ -155,8 +157,8 @@ struct Search {
 impl WheelOnSoil {
     /// The operating point at which the wheel carries `load` (N).
     ///
-    /// Of several sinkages it takes the lowest on a rising branch of the vertical force, and cautions. Only a braked wheel, one with
-    /// lugs and one on soil that springs back have several. They are sought at eleven entry angles: a top or a valley
+    /// Of several sinkages it takes the lowest on a rising branch of the vertical force, and cautions. Only a braked wheel and one
+    /// on soil that springs back have several. They are sought at eleven entry angles: a top or a valley
     /// between two of them is missed, without a caution (`tests/properties.rs` has the share).
     ///
     /// # Errors
@@ -235,7 +237,7 @@ impl WheelOnSoil {
         search
             .secant(load, (start, slope), &force)
             .map(|theta_1| Sinkage {
-                sinkage: sinkage_from_entry_angle(theta_1, self.size().radius),
+                sinkage: self.sinkage_at(theta_1, kinematics),
                 several,
                 theta_1,
             })
@@ -245,16 +247,17 @@ impl WheelOnSoil {
     /// wheel it cannot: every angle of the contact is positive and every stress grows with θ_1.
     pub(crate) fn may_fall(&self, kinematics: &Kinematics) -> bool {
         let params = self.soil().params();
-        params.rebound > 0.0
-            || params.transport_layer > 0.0
-            || self.size().lug_layer > 0.0
-            || !kinematics.slip().is_driving()
+        params.rebound > 0.0 || !kinematics.slip().is_driving()
     }
 
-    /// The entry angle just below which the hub, or the soil behind the wheel, is reached: z max(1, λ) = r, with the law for a buried hub
+    /// The entry angle just below which the hub, or the soil behind the wheel, is reached: z max(1, λ) = r less what is carried away, with the law for a buried hub
     /// z max(2/3, λ) = r.
     pub(crate) fn entry_limit(&self, kinematics: &Kinematics) -> f64 {
-        self.angle_limit(1.0 / self.depth_limit(kinematics))
+        let carried = self
+            .laws()
+            .transport_depth(&self.motion_of(kinematics), self.size());
+        let left = (self.depth_limit(kinematics) - carried / self.size().radius).max(MIN_DEPTH);
+        self.angle_limit(1.0 / left)
     }
 
     /// The entry angle just below which z max(`least`, λ) = r.

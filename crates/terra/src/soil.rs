@@ -5,11 +5,12 @@ use grouser_real::{Real, Scalar};
 use crate::angle::Angle;
 use crate::bulldozing::Bulldozing;
 use crate::contact::{
-    ExponentTables, Motion, StressPosition, WheelSize, rear_share, sinkage_from_entry_angle,
+    ExponentTables, Motion, StressPosition, WheelSize, entry_angle, rear_share,
+    sinkage_from_entry_angle,
 };
 use crate::error::{Error, Result};
 use crate::fitted_range::FittedRange;
-use crate::pressure::{Pressure, SinkageExponent, SlipSinkage, share_left, transport_depth_reece};
+use crate::pressure::{Pressure, SinkageExponent, SlipSinkage, transport_depth_reece};
 use crate::shear::{MohrCoulomb, ShearLaw};
 use crate::side_disc::sideways_weight;
 use crate::slip_velocity::{SlipNorm, SlipVelocity};
@@ -81,7 +82,7 @@ pub struct SoilParams<N = f64, A = Angle> {
     pub rear_driving: f64,
     /// Loss of the rear contact with drift, ε_2; 0 for none.
     pub rear_drift: f64,
-    /// Thickness δ of the layer that a driving rim carries backwards, m; 0 for none.
+    /// Thickness δ of the layer that a driving wheel carries backwards, m; 0 for none.
     pub transport_layer: f64,
     /// Share of the rim's pressure that is left where the wheel moves sideways (slip angle 90°); 1 for all of it. The
     /// pressure is multiplied by 1 − (1 − this) sin²⁴β: a rim that does not roll onto the soil does not compact it.
@@ -351,21 +352,32 @@ impl<R: Scalar> SoilLaws<R> {
         R::ONE - (R::ONE - self.sideways_support) * sideways_weight(motion)
     }
 
-    /// What soil carried away leaves of the pressure at the entry angle `theta_1`.
+    /// The depth to which a driving wheel carries soil away, m ([`transport_depth_reece`]): its sinkage is this and the
+    /// depth of its contact.
     #[inline]
-    pub(crate) fn share_left(
-        &self,
-        motion: &Motion<R>,
-        theta_1: R,
-        size: &WheelSize<R>,
-        n: R,
-    ) -> R {
+    pub fn transport_depth(&self, motion: &Motion<R>, size: &WheelSize<R>) -> R {
         let layer = self.transport_layer + size.lug_layer;
         if layer.value() == 0.0 {
-            return R::ONE;
+            return R::ZERO;
         }
-        let dug = transport_depth_reece(layer, motion);
-        share_left(dug, sinkage_from_entry_angle(theta_1, size.radius), n)
+        transport_depth_reece(layer, motion)
+    }
+
+    /// The sinkage of a contact that begins at `theta_1` (rad), m.
+    #[inline]
+    pub fn sinkage_at(&self, theta_1: R, motion: &Motion<R>, size: &WheelSize<R>) -> R {
+        sinkage_from_entry_angle(theta_1, size.radius) + self.transport_depth(motion, size)
+    }
+
+    /// The entry angle of a sinkage (m), rad: 0 where the soil is carried away deeper than that.
+    #[inline]
+    pub fn entry_at(&self, sinkage: R, motion: &Motion<R>, size: &WheelSize<R>) -> R {
+        let depth = sinkage - self.transport_depth(motion, size);
+        if depth.value() > 0.0 {
+            entry_angle(depth, size.radius)
+        } else {
+            R::ZERO
+        }
     }
 }
 

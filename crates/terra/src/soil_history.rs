@@ -125,10 +125,16 @@ impl WheelOnSoil {
         history: &SoilHistory,
         side: SideForce,
     ) -> Result<(Forces, f64)> {
-        self.check_sinkage(entry.sinkage, kinematics)?;
+        let dug_by = self.motion_of(&history.dug_by);
+        self.check_sinkage(entry.sinkage, kinematics, &dug_by)?;
         self.check_exponent(&history.dug_by)?;
         Error::check_range("k_shear_factor", history.k_shear_factor, 1e-3, 1e3, "1")?;
-        let contact = self.contact_after(entry.theta_1, kinematics, history);
+        let theta_1 = if self.laws().transport_depth(&dug_by, self.size()) == 0.0 {
+            entry.theta_1
+        } else {
+            self.laws().entry_at(entry.sinkage, &dug_by, self.size())
+        };
+        let contact = self.contact_after(theta_1, kinematics, history);
         let forces = self.forces_of(&contact, kinematics);
         let side = match side {
             SideForce::Shear if kinematics.q_y() == 0.0 => 0.0,

@@ -45,9 +45,9 @@ pub enum GrouserRule {
         /// The share μ of the surface that is grouser tip, in [0, 1].
         tips: f64,
     },
-    /// r everywhere; lugs carry soil backwards ([`lug_transport_layer`](crate::lug_transport_layer)) and add
-    /// thrust where the rim drives ([`lug_thrust_gain`](crate::lug_thrust_gain)). The rule that was held
-    /// against measured wheels.
+    /// r everywhere; where the wheel drives, lugs carry soil backwards
+    /// ([`lug_transport_layer`](crate::lug_transport_layer)) and mobilise its strength sooner
+    /// ([`lug_mobilisation`](crate::lug_mobilisation)). The rule that was held against measured wheels.
     Lugs {
         /// How many around the rim, N ≥ 1; an optimiser may pass between whole numbers.
         count: f64,

@@ -3,7 +3,6 @@
 use crate::caution::{Caution, Cautions, Judged};
 use crate::contact::{
     Contact, ContactAngles, ContactConstants, Dug, ExponentTables, Motion, Order, WheelSize,
-    entry_angle, sinkage_from_entry_angle,
 };
 use crate::error::{Error, Result};
 use crate::forces::Forces;
@@ -166,20 +165,35 @@ impl WheelOnSoil {
     /// The entry angle of a sinkage inside the model.
     #[inline]
     pub(crate) fn entry_angle(&self, sinkage: f64, kinematics: &Kinematics) -> Result<f64> {
-        self.check_sinkage(sinkage, kinematics)?;
-        Ok(entry_angle(sinkage, self.size.radius))
+        let motion = self.motion_of(kinematics);
+        self.check_sinkage(sinkage, kinematics, &motion)?;
+        Ok(self.laws.entry_at(sinkage, &motion, &self.size))
     }
 
-    /// Is a sinkage inside the model?
+    /// The sinkage of a contact, m.
     #[inline]
-    pub(crate) fn check_sinkage(&self, sinkage: f64, kinematics: &Kinematics) -> Result<()> {
+    pub(crate) fn sinkage_at(&self, theta_1: f64, kinematics: &Kinematics) -> f64 {
+        let motion = self.motion_of(kinematics);
+        self.laws.sinkage_at(theta_1, &motion, &self.size)
+    }
+
+    /// Is a sinkage inside the model, where the slip of `dug_by` has carried soil away?
+    #[inline]
+    pub(crate) fn check_sinkage(
+        &self,
+        sinkage: f64,
+        kinematics: &Kinematics,
+        dug_by: &Motion,
+    ) -> Result<()> {
         let radius = self.size.radius;
         Error::check_range("sinkage", sinkage, 0.0, f64::MAX, "m")?;
         if sinkage >= radius * self.depth_limit(kinematics) {
             return Err(Error::HubBuried { sinkage, radius });
         }
         let rebound = self.soil.params().rebound;
-        if rebound * sinkage >= radius {
+        if rebound > 0.0
+            && rebound * (sinkage - self.laws.transport_depth(dug_by, &self.size)) >= radius
+        {
             return Err(Error::ReboundAboveHub {
                 rebound,
                 sinkage,
@@ -212,7 +226,7 @@ impl WheelOnSoil {
 
     /// The motion as the contact's laws take it: steps in time are spared an arc tangent each where none takes the slip angle.
     #[inline]
-    fn motion_of(&self, kinematics: &Kinematics) -> Motion {
+    pub(crate) fn motion_of(&self, kinematics: &Kinematics) -> Motion {
         if self.takes_slip_angle {
             return kinematics.motion();
         }
@@ -302,7 +316,7 @@ impl WheelOnSoil {
             .max((forces.torque - check.torque).abs() / radius);
         let mut cautions = Cautions::default();
         let side_force = self.side_force(&contact, &forces, kinematics, &mut cautions);
-        let sinkage = sinkage_from_entry_angle(theta_1, radius);
+        let sinkage = self.sinkage_at(theta_1, kinematics);
         self.add_cautions(&contact, &forces, kinematics, &mut cautions);
         let angles = contact.angles();
         let angles = if kinematics.is_reversed() {
@@ -373,7 +387,7 @@ impl WheelOnSoil {
         cautions: &mut Cautions,
     ) {
         let angles = contact.angles();
-        let sinkage = sinkage_from_entry_angle(angles.theta_1, self.size.radius);
+        let sinkage = self.sinkage_at(angles.theta_1, kinematics);
         let outside_fit = self.soil.params().fitted.is_some_and(|fitted| {
             !fitted.holds(kinematics, self.wheel.width(), forces.vertical_force)
         });
@@ -393,6 +407,7 @@ impl WheelOnSoil {
             self.lugs_are_sparse(sinkage, kinematics.slip().value()),
             Caution::LugSpacing,
         );
+        cautions.insert_if(self.wheel.lugs_are_high(), Caution::LugHeight);
     }
 }
 

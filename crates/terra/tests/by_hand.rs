@@ -8,7 +8,7 @@ use grouser_terra::{
     Kinematics, Mobilised, ModelOutcome, MohrCoulomb, MultiPass, OpenSoil, OperatingPoint,
     RigidWheel, Settings, ShearLaw, SinkageExponent, Slip, SlipNorm, SlipSinkage, Soil, SoilParams,
     SolveStatus, StressPosition, WheelMotion, WheelOnSoil, bulldozing_hegedus, catalogue,
-    entry_angle, gravity_of, level_off, lug_spacing_skonieczny, lug_thrust_gain,
+    entry_angle, gravity_of, level_off, lug_mobilisation, lug_spacing_skonieczny,
     lug_transport_layer, passive_pressure_coulomb, sinkage_from_entry_angle, slip_ani, slip_model,
     transition_angle_wong_reece, transport_depth_reece,
 };
@@ -76,6 +76,7 @@ fn cautions_are_a_set() {
         (Caution::SeveralSinkages, "several-sinkages"),
         (Caution::WorkGained, "work-gained"),
         (Caution::LugSpacing, "lug-spacing"),
+        (Caution::LugHeight, "lug-height"),
         (Caution::OutsideFit, "outside-fit"),
         (Caution::HubInSoil, "hub-in-soil"),
         (Caution::LoadBelowResolution, "load-below-resolution"),
@@ -278,7 +279,7 @@ fn lugs_enter_before_the_rim() {
         lug_transport_layer(0.01, 20.0, 0.002, 0.1),
         0.005 * (1.0 - 0.2 / PI),
     );
-    near(lug_thrust_gain(0.01, 20.0, 0.1), 1.0 / PI);
+    near(lug_mobilisation(0.01, 20.0, 0.1), 1.75 / PI);
 }
 
 fn lugged(height: f64, count: f64) -> WheelOnSoil {
@@ -304,6 +305,11 @@ fn lugs_that_are_too_far_apart_are_cautioned_of() {
         assert!(is_sparse(0.99 * TAU / spacing, s) && !is_sparse(1.01 * TAU / spacing, s));
         // a braked wheel may
         assert!(!is_sparse(0.99 * TAU / spacing, -0.1));
+    }
+    // up to a tenth of the radius they were tried
+    for (height, high) in [(0.01, false), (0.0101, true)] {
+        let point = lugged(height, 24.0).at_sinkage(z, &straight(0.3)).unwrap();
+        assert_eq!(point.cautions.contains(Caution::LugHeight), high);
     }
     let flat = lugged(0.0, 10.0).at_sinkage(z, &straight(0.3)).unwrap();
     assert!(!flat.cautions.contains(Caution::LugSpacing));

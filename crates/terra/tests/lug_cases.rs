@@ -183,10 +183,10 @@ fn derivatives_in_the_lugs_agree_with_differences() {
     }
 }
 
-/// What lugs do and do not: nothing when braking straight ahead behind the turning point, more thrust and more
+/// What lugs do and do not: nothing when braking straight ahead behind the turning point, more pull and more
 /// sinkage when driving, and no height is no lug.
 #[test]
-fn lugs_add_thrust_and_sinkage_when_driving() {
+fn lugs_add_pull_and_sinkage_when_driving() {
     let all = cases(Accuracy::Standard);
     let bare = |case: &Case| {
         let (r, b) = (case.on_soil.wheel().radius(), case.on_soil.wheel().width());
@@ -213,7 +213,7 @@ fn lugs_add_thrust_and_sinkage_when_driving() {
     assert!(with.forces.lost_work > 0.0);
     let (with, without) = (at(&lugged.on_soil, -0.6), at(&smooth, -0.6));
     assert!((with.sinkage - without.sinkage).abs() < 1e-12);
-    // steps in time know the thrust of lugs too
+    // steps in time know lugs too
     let mut params = *lugged.on_soil.soil().params();
     params.laws.shear = Some(ShearLaw::Coupled);
     let soil = Soil::new(params).unwrap();

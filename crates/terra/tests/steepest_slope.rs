@@ -76,8 +76,10 @@ fn agrees_with_halving() {
                     continue;
                 };
                 let off = found.slope.rad() - truth;
-                // forces at standard accuracy are known to 1e-9, and a whole search picks the best of its noise
-                assert!(off.abs() < 1e-8, "{case}: {found:?} for {truth}, {off:e}");
+                // forces at standard accuracy are known to 1e-9, and a whole search picks the best of its noise; the pull of
+                // lugs rises up to the slip that buries the hub, which both searches come to within 1e-6
+                let close = if height > 0.0 { 1e-6 } else { 1e-8 };
+                assert!(off.abs() < close, "{case}: {found:?} for {truth}, {off:e}");
                 inside += u32::from(found.slip.value() < 0.99);
                 // it holds the slope there
                 let load = weight * found.slope.cos();

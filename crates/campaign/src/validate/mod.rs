@@ -10,6 +10,7 @@ mod rows;
 mod run;
 mod score;
 mod text;
+pub mod trec;
 
 pub use rows::{
     FitReport, Found, MeasuredPoint, ModelName, Row, Series, SlipGroup, Split, Validation,

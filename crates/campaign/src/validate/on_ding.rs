@@ -1,11 +1,11 @@
-//! Ding's wheel against the model.
+//! Ding's wheels, and NASA's, against the model.
 
 use grouser_terra::{Kinematics, OpenSoil, RigidWheel, Slip, catalogue};
 
-use super::ding;
 use super::fitting::{Fitted, Job, law_error};
 use super::rows::{MeasuredPoint, ModelName, Row, Series, SlipGroup, Split, Validation};
 use super::score::Score;
+use super::{ding, trec};
 use grouser_files::soil::SoilNumber;
 use grouser_identify::Parameter;
 use grouser_identify::wheel::{Quantity, Scatter, WheelTest};
@@ -15,6 +15,7 @@ const DING_ALL: &str = "all six slips";
 const NOTHING: &str = "nothing";
 
 const DING: &str = "ding-2011";
+const TREC: &str = "nasa-trec";
 
 /// What residuals of points read off Ding's figures are divided by.
 const DIGITISED: Scatter = Scatter {
@@ -87,6 +88,25 @@ impl Validation {
     }
 }
 
+impl Validation {
+    /// The row of NASA's lugged wheel: published numbers of its soil, nothing fitted.
+    pub(super) fn add_trec(&mut self, tests: &[WheelTest]) -> Result<()> {
+        let job = Job {
+            data_set: TREC,
+            model: ModelName::WongReece,
+            fit: NOTHING,
+            wheel: trec::wheel()?,
+            soil: trec::soil(),
+            scatter: DIGITISED,
+            tests,
+            parameters: &[],
+        };
+        let row = row(&job.unfitted(), tests, Quantity::Pull, "grouser")?;
+        self.rows.extend(row);
+        Ok(())
+    }
+}
+
 /// Ours, fitted, and plain Wong-Reece without a fit.
 fn models(tests: &[WheelTest]) -> Result<[Fitted; 2]> {
     let (radius, width, _) = ding::WHEEL;
@@ -133,7 +153,7 @@ fn row(
     let smooth = wheel == "smooth";
     let published = CHRONO.iter().find(|(q, _)| smooth && *q == quantity);
     Ok(Score::from_errors(&errors).map(|score| Row {
-        data_set: DING,
+        data_set: one.report.data_set,
         wheel,
         slip_angle_deg: 0.0,
         slips: SlipGroup::Steady,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::rows::Validation;
-use super::{cmu, ding};
+use super::{cmu, ding, trec};
 use grouser_identify::Result;
 use grouser_identify::plate::{
     BagSource, DepthColumn, Plate, PlateRecord, PlateSettings, PlateTest, fit_plates, read_bag,
@@ -61,6 +61,10 @@ pub fn validate(data: &Path) -> Result<Validation> {
     };
     out.add_trials(&trials, &grouser, &more)?;
     out.add_ding(lugged_ding.as_ref())?;
+    let readings = data.join(trec::READINGS);
+    if readings.is_file() {
+        out.add_trec(&trec::tests(&readings)?)?;
+    }
     Ok(out)
 }
 

@@ -226,6 +226,20 @@ impl<'i, R: Scalar> Evaluation<'i, R> {
 
     /// The sinkage: given, or under the load.
     fn sinkage(&mut self) -> Result<R, NoValue> {
+        let depth = self.depth()?;
+        if !self.inputs.has(Parameter::Load) {
+            return Ok(depth);
+        }
+        let motion = Inputs::motion(self.point()?.slip);
+        Ok(depth
+            + self
+                .inputs
+                .laws()
+                .transport_depth(&motion, &self.inputs.size()))
+    }
+
+    /// The depth of the contact: the given sinkage, or under the load the sinkage less what is carried away.
+    fn depth(&mut self) -> Result<R, NoValue> {
         if self.inputs.has(Parameter::Load) {
             let point = self.point()?;
             Ok(sinkage_from_entry_angle(point.theta_1, point.radius))
@@ -292,11 +306,11 @@ impl<'i, R: Scalar> Evaluation<'i, R> {
             Quantity::MaxEfficiency => self.inputs.greatest_efficiency()?,
             Quantity::MaxGradeability => self.inputs.greatest_slope()?,
             Quantity::SigmaMax => {
-                let z = self.sinkage()?;
+                let z = self.depth()?;
                 self.pressure(z)
             }
             Quantity::TauMax => {
-                let z = self.sinkage()?;
+                let z = self.depth()?;
                 let sigma = self.pressure(z);
                 self.inputs.strength().strength(sigma)
             }

@@ -7,7 +7,7 @@
 use grouser_real::Real;
 use grouser_real::{Dual, Scalar};
 use grouser_terra::{
-    Cautions, Contact, Forces, Kinematics, Settings, Slip, SlopeOutcome, WheelOnSoil, entry_angle,
+    Cautions, Contact, Forces, Kinematics, Settings, Slip, SlopeOutcome, WheelOnSoil,
 };
 
 use super::inputs::Inputs;
@@ -114,7 +114,10 @@ impl<R: Scalar> Inputs<R> {
             plain
                 .wheel_on_soil()?
                 .forces_at(plain.get(Parameter::Sinkage), &kinematics)?;
-            let theta_1 = entry_angle(self.get(Parameter::Sinkage), self.radius());
+            let sinkage = self.get(Parameter::Sinkage);
+            let theta_1 = self
+                .laws()
+                .entry_at(sinkage, &Self::motion(slip), &self.size());
             Ok(self.at(slip, theta_1))
         }
     }
@@ -145,10 +148,10 @@ impl<R: Scalar> Inputs<R> {
         let plain = self.plain();
         let kinematics = Kinematics::straight(Slip::new(slip.value())?);
         let solution = wheel_on_soil.sinkage_under(load.value(), &kinematics)?;
-        let Some(sinkage) = solution.sinkage() else {
+        let Some(solved) = solution.outcome.solved() else {
             return Err(NoValue::NotCarried(load.value()));
         };
-        let root = entry_angle(sinkage, plain.radius());
+        let root = solved.theta_1;
         if root == 0.0 {
             return Ok(self.at(slip, R::ZERO));
         }

@@ -67,6 +67,15 @@ impl Taped<'_> {
 
     /// The sinkage, given or under the load.
     fn sinkage(&mut self) -> Option<Node> {
+        let depth = self.contact_depth()?;
+        match self.contact.and_then(|contact| contact.carried_away) {
+            Some(carried_away) => Some(self.two(Binary::Add, depth, carried_away)),
+            None => Some(depth),
+        }
+    }
+
+    /// The depth of the contact: the given sinkage, or under the load the sinkage less what is carried away.
+    fn contact_depth(&mut self) -> Option<Node> {
         match (self.contact, self.get(Parameter::Load)) {
             (Some(contact), _) => Some(self.depth_of(contact.theta_1, contact.radius)),
             (None, Some(_)) => None,
@@ -79,7 +88,7 @@ impl Taped<'_> {
         if let Some(contact) = self.contact {
             return Some(contact.theta_1);
         }
-        let (z, r) = (self.sinkage()?, self.radius()?);
+        let (z, r) = (self.contact_depth()?, self.radius()?);
         let two = self.number(2.0);
         let twice = self.two(Binary::Mul, two, r);
         let ratio = self.two(Binary::Div, z, twice);
@@ -139,7 +148,7 @@ impl Taped<'_> {
 
     /// The depth of the rim below the surface at θ, z − r (1 − cos θ), 0 above it: 2 r sin²(θ/2) for r (1 − cos θ).
     fn depth(&mut self) -> Option<Node> {
-        let (z, r) = (self.sinkage()?, self.radius()?);
+        let (z, r) = (self.contact_depth()?, self.radius()?);
         let theta = self.radians(Parameter::Theta)?;
         let (half, two, zero) = (self.number(0.5), self.number(2.0), self.number(0.0));
         let angle = self.two(Binary::Mul, half, theta);
@@ -177,11 +186,11 @@ impl Taped<'_> {
             }
             Quantity::Sinkage => self.sinkage(),
             Quantity::SigmaMax => {
-                let z = self.sinkage()?;
+                let z = self.contact_depth()?;
                 self.pressure(z)
             }
             Quantity::TauMax => {
-                let z = self.sinkage()?;
+                let z = self.contact_depth()?;
                 let sigma = self.pressure(z)?;
                 self.strength(sigma)
             }

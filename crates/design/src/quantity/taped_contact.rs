@@ -33,6 +33,8 @@ pub(crate) struct TapedContact {
     theta_m: Node,
     slip: Node,
     pub(super) radius: Node,
+    /// The depth to which soil is carried away.
+    pub(super) carried_away: Option<Node>,
     pub(crate) load: Node,
     vertical_force: Node,
     thrust: Node,
@@ -147,17 +149,17 @@ impl Taped<'_> {
         let front = self.mul(rest, theta_1);
         let rear_share = exit.map_or(position, |exit| self.sub(position, exit));
         let rear = self.mul(rear_share, theta_1);
-        let mut amplitude = self.amplitude(radius, n)?;
-        let left = self.share_left((theta_1, radius, slip), q, n);
-        if let Some(left) = left {
-            amplitude = self.mul(amplitude, left);
-        }
+        let amplitude = self.amplitude(radius, n)?;
+        let carried_away = self.carried_away(radius, (slip, q));
         let cohesion = self.cohesion()?;
         let tan_phi = self.tan_phi()?;
         let k_shear = self.get(Parameter::KShear)?;
         let sheared = self.shear_radius(radius)?;
-        let stiffness = self.div(sheared, k_shear);
-        let gain = self.thrust_gain(radius);
+        let mut stiffness = self.div(sheared, k_shear);
+        // a driving wheel drags the soil backwards everywhere
+        if let Some(sooner) = self.lug_mobilisation(radius) {
+            stiffness = self.mul(stiffness, sooner);
+        }
         let mut sums = [zero; INTEGRALS];
         // of an integral whose parts before and behind the axle have different signs
         let mut resisted = zero;
@@ -172,11 +174,7 @@ impl Taped<'_> {
             let power = self.tape.binary(Binary::Power, drop, n);
             let sigma = self.mul(amplitude, power);
             let friction = self.mul(sigma, tan_phi);
-            let mut strength = self.add(cohesion, friction);
-            // a driving wheel drags the soil backwards everywhere, where lugs add to the thrust
-            if let Some(gain) = gain {
-                strength = self.mul(strength, gain);
-            }
+            let strength = self.add(cohesion, friction);
             for (share, arc, length) in [(ahead, ahead_arc, front), (behind, behind_arc, rear)] {
                 let theta = self.mul(share, theta_1);
                 let (sin, cos) = self.sin_cos(theta);
@@ -218,6 +216,7 @@ impl Taped<'_> {
             theta_m,
             slip,
             radius,
+            carried_away,
             load,
             vertical_force: sums[0],
             thrust: sums[1],

@@ -92,38 +92,27 @@ impl Taped<'_> {
         Some(self.tape.unary(Unary::Neg, share))
     }
 
-    /// What soil that is carried away leaves of the pressure: (1 − δ s/(1 − s)/z)ⁿ; `None` where none is carried.
-    pub(super) fn share_left(
-        &mut self,
-        contact: (Node, Node, Node),
-        q: Node,
-        n: Node,
-    ) -> Option<Node> {
-        let (theta_1, radius, slip) = contact;
+    /// The depth to which soil is carried away, δ s/(1 − s); `None` where none is.
+    pub(super) fn carried_away(&mut self, radius: Node, (slip, q): (Node, Node)) -> Option<Node> {
         let soil_layer = self.fixed.transport_layer();
         let lugs = self.lugs();
         if soil_layer == 0.0 && lugs.is_none() {
             return None;
         }
-        let (one, zero) = (self.tape.constant(1.0), self.tape.constant(0.0));
         let mut layer = self.tape.constant(soil_layer);
         if let Some((height, count)) = lugs {
             let thickness = self.get(Parameter::GrouserThickness)?;
             let around = self.times(std::f64::consts::TAU, radius);
             let taken = self.mul(count, thickness);
             let taken = self.div(taken, around);
+            let one = self.tape.constant(1.0);
             let free = self.sub(one, taken);
             let carried = self.mul(height, free);
             let carried = self.times(0.5, carried);
             layer = self.add(layer, carried);
         }
         let ratio = self.div(slip, q);
-        let dug = self.mul(layer, ratio);
-        let sinkage = self.depth_of(theta_1, radius);
-        let share = self.div(dug, sinkage);
-        let left = self.sub(one, share);
-        let left = self.tape.binary(Binary::Max, left, zero);
-        Some(self.tape.binary(Binary::Power, left, n))
+        Some(self.mul(layer, ratio))
     }
 
     /// A = k rⁿ, with the tips' share where only a part of the stress acts there.
@@ -139,13 +128,18 @@ impl Taped<'_> {
         Some(self.mul(modulus, reach))
     }
 
-    /// 1 + N h/(2π r), by which lugs add to the thrust; `None` without lugs.
-    pub(super) fn thrust_gain(&mut self, radius: Node) -> Option<Node> {
+    /// 1 + 1.75 N h/(2π r), by which lugs multiply the shear displacement; `None` without lugs.
+    pub(super) fn lug_mobilisation(&mut self, radius: Node) -> Option<Node> {
         let (height, count) = self.lugs()?;
         let one = self.tape.constant(1.0);
         let faces = self.mul(count, height);
         let around = self.times(std::f64::consts::TAU, radius);
-        let gain = self.div(faces, around);
+        let ratio = self.div(faces, around);
+        // the law's own number, of a ratio of 1
+        let gain = self.times(
+            grouser_terra::lug_mobilisation(std::f64::consts::TAU, 1.0, 1.0),
+            ratio,
+        );
         Some(self.add(one, gain))
     }
 

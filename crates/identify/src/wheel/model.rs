@@ -2,9 +2,7 @@
 
 use grouser_opt::{Jacobian, Model};
 use grouser_real::Dual;
-use grouser_terra::{
-    DualInputs, DualSolution, OpenSoil, RigidWheel, Settings, WheelOnSoil, entry_angle,
-};
+use grouser_terra::{DualInputs, DualSolution, OpenSoil, RigidWheel, Settings, WheelOnSoil};
 
 use super::test::{Quantity, Scatter, Support, WheelTest};
 use crate::error::{Error, Result};
@@ -187,8 +185,9 @@ fn solve<const N: usize>(
 ) -> Option<(DualSolution<N>, bool)> {
     let radius = contact.wheel().running_radius();
     let at = |sinkage: f64| {
-        let theta_1 = entry_angle(sinkage.clamp(0.0, HUB_SINKAGE_PER_RADIUS * radius), radius);
-        inputs.at_entry_angle(Dual::constant(theta_1))
+        let sinkage = Dual::constant(sinkage.clamp(0.0, HUB_SINKAGE_PER_RADIUS * radius));
+        let theta_1 = inputs.soil.entry_at(sinkage, &inputs.motion, &inputs.size);
+        inputs.at_entry_angle(theta_1)
     };
     match test.support {
         Support::Sinkage(sinkage) => Some((at(sinkage), sinkage >= radius)),

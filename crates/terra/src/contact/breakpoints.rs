@@ -155,6 +155,7 @@ impl<R: Scalar> ShearState<R> {
                 displacement: restart.displacement.value(),
                 front: restart.front.map(Scalar::value),
             }),
+            lugs: self.lugs.value(),
         }
     }
 
@@ -218,10 +219,10 @@ impl<R: Scalar> ShearState<R> {
 }
 
 impl ShearState<f64> {
-    /// The least and the greatest of 1 − q cos θ over the arc: at its ends or at θ = 0.
+    /// The least and the greatest of 1 − q cos θ over the arc, with lugs: at its ends or at θ = 0.
     fn slope_range(&self, arc: f64) -> (f64, f64) {
         let bottom = self.displacement.theta_1.min(arc);
-        let slopes = [0.0, bottom, arc].map(|w| self.displacement.slope(w));
+        let slopes = [0.0, bottom, arc].map(|w| self.with_lugs(self.displacement.slope(w)));
         slopes
             .into_iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), slope| {

@@ -188,7 +188,7 @@ impl<R: Real> Integrals<R> {
     pub(super) fn add(&mut self, contact: &Contact<R>, w: R, sigma: R, strength: R) {
         let (sin, cos) = (contact.angles.theta_1 - w).sin_cos();
         let (along, across) = contact.shear.mobilised(w);
-        let tau = contact.with_lugs(strength * along);
+        let tau = strength * along;
         self.sigma_cos += sigma * cos;
         self.sigma_sin += sigma * sin;
         self.tau_cos += tau * cos;

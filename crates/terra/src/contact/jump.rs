@@ -35,11 +35,8 @@ impl<R: Scalar> Integrals<R> {
                 continue;
             }
             let share = mobilised_janosi(shear.along(w), shear.k_shear);
-            // from −τ to τ, and to τ (1 + ρ) with lugs
-            let jump = R::from_f64(sign)
-                * (R::from_f64(2.0) + contact.size.lug_gain)
-                * share
-                * contact.strength_at(theta);
+            // from −τ to τ
+            let jump = R::from_f64(2.0 * sign) * share * contact.strength_at(theta);
             let moved = jump * (w - cut(contact, w));
             let (sin, cos) = theta.sin_cos();
             self.tau += moved;

@@ -24,7 +24,7 @@ pub(crate) use rear::rear_share;
 pub use stress_position::StressPosition;
 
 use crate::kinematics::Kinematics;
-use crate::lugs::{lug_thrust_gain, lug_transport_layer};
+use crate::lugs::{lug_mobilisation, lug_transport_layer};
 use crate::shear::{Displacement, Restart, ShearLaw, ShearState, transition_angle_wong_reece};
 use crate::side_disc::SideDisc;
 use crate::soil::SoilLaws;
@@ -45,8 +45,8 @@ pub struct WheelSize<R = f64> {
     pub width: R,
     /// Layer of soil that lugs carry backwards ([`lug_transport_layer`]); 0 without lugs.
     pub lug_layer: R,
-    /// Share of thrust that lugs add where the rim drives ([`lug_thrust_gain`]), a pure number; 0 without lugs.
-    pub lug_gain: R,
+    /// What lugs add to the shear displacement where the wheel drives ([`lug_mobilisation`]), per unit; 0 without lugs.
+    pub lug_mobilisation: R,
 }
 
 impl<R: Real> WheelSize<R> {
@@ -59,7 +59,7 @@ impl<R: Real> WheelSize<R> {
             tip_share: R::ONE,
             width,
             lug_layer: R::ZERO,
-            lug_gain: R::ZERO,
+            lug_mobilisation: R::ZERO,
         }
     }
 
@@ -69,7 +69,7 @@ impl<R: Real> WheelSize<R> {
     pub fn with_lugs(self, height: R, count: R, thickness: R) -> Self {
         Self {
             lug_layer: lug_transport_layer(height, count, thickness, self.radius),
-            lug_gain: lug_thrust_gain(height, count, self.radius),
+            lug_mobilisation: lug_mobilisation(height, count, self.radius),
             ..self
         }
     }
@@ -260,10 +260,7 @@ impl<R: Scalar> Contact<R> {
         };
         Self {
             angles,
-            amplitude: soil.modulus(size.width, n)
-                * radius_power
-                * soil.share_left(dug_by, theta_1, size, n)
-                * soil.support_at(motion),
+            amplitude: soil.modulus(size.width, n) * radius_power * soil.support_at(motion),
             n,
             cohesion: soil.strength.cohesion,
             tan_phi: constants.tan_phi,
@@ -278,6 +275,7 @@ impl<R: Scalar> Contact<R> {
                 locked,
                 sideways,
                 restart,
+                lugs: size.lug_mobilisation,
             },
             size: *size,
             p,
@@ -326,7 +324,7 @@ impl<R: Scalar> Contact<R> {
         }
         let strength = self.strength_at(theta);
         let (along, across) = self.shear.mobilised(theta_1 - theta);
-        (self.with_lugs(strength * along), strength * across)
+        (strength * along, strength * across)
     }
 
     /// Shear strength c + σ tan φ at `theta` (rad), Pa: T(θ) of (P7).
@@ -372,6 +370,7 @@ impl Contact<f64> {
                     }),
                     None => None,
                 },
+                lugs: c(shear.lugs),
             },
             size: WheelSize {
                 radius: c(size.radius),
@@ -380,7 +379,7 @@ impl Contact<f64> {
                 tip_share: c(size.tip_share),
                 width: c(size.width),
                 lug_layer: c(size.lug_layer),
-                lug_gain: c(size.lug_gain),
+                lug_mobilisation: c(size.lug_mobilisation),
             },
             p: c(self.p),
             pq: c(self.pq),
@@ -391,12 +390,6 @@ impl Contact<f64> {
 }
 
 impl<R: Real> Contact<R> {
-    /// τ along the wheel with what lugs add where it drives.
-    #[inline(always)]
-    pub(crate) fn with_lugs(&self, tau: R) -> R {
-        tau + self.size.lug_gain * R::select(R::ZERO.lt(tau), tau, R::ZERO)
-    }
-
     /// cos(θ_1 − u) − cos θ_1 = 2 sin(θ_1 − u/2) sin(u/2), without cancellation.
     #[inline(always)]
     pub(crate) fn drop(&self, u: R) -> R {

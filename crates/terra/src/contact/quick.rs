@@ -55,7 +55,7 @@ pub(crate) struct QuickContact<R> {
     amplitude: R,
     cohesion: R,
     tan_phi: R,
-    /// Factor of a forward shear stress: 1 + what lugs add.
+    /// Factor of a displacement along the wheel where it drives: 1 + what lugs add.
     lugs: R,
     sin_1: R,
     cos_1: R,
@@ -100,7 +100,7 @@ impl Contact<f64> {
         let across = shear.q_y.abs() * r_over_k;
         let one_minus_q = shear.displacement.one_minus_q;
         let fastest = (1.0 - q * cos_1).abs().max(one_minus_q.abs());
-        let stiffness = per_k * arc * (fastest + shear.q_y.abs());
+        let stiffness = per_k * arc * ((1.0 + shear.lugs) * fastest + shear.q_y.abs());
         if !(stiffness <= MAX_STIFFNESS[1]) {
             return None;
         }
@@ -122,7 +122,7 @@ impl Contact<f64> {
                 amplitude: if front > 0.0 { self.amplitude } else { 0.0 },
                 cohesion: self.cohesion,
                 tan_phi: self.tan_phi,
-                lugs: 1.0 + self.size.lug_gain,
+                lugs: 1.0 + shear.lugs,
                 sin_1,
                 cos_1,
             },
@@ -439,12 +439,12 @@ impl<R: Short> QuickContact<R> {
         let sigma = weight * self.amplitude * shape.power;
         let strength = self.tan_phi.mul_add(sigma, weight * self.cohesion);
         let along = self.r_over_k * (w - self.q * (self.sin_1 - sin));
+        let along = R::select(R::ZERO.lt(along), along * self.lugs, along);
         let across = self.across * w;
         let both = along.mul_add(along, across * across).sqrt();
         let both = R::select(R::from_f64(1e-150).lt(both), both, R::from_f64(1e-150));
         let scale = strength * (R::ONE - (-both).exp2_short()) / both;
         let tau = scale * along;
-        let tau = R::select(R::ZERO.lt(tau), tau * self.lugs, tau);
         sums.sigma_cos = sigma.mul_add(cos, sums.sigma_cos);
         sums.sigma_sin = sigma.mul_add(sin, sums.sigma_sin);
         sums.tau_cos = tau.mul_add(cos, sums.tau_cos);

@@ -14,7 +14,6 @@ use crate::kernel::Kernel;
 pub use bekker::Bekker;
 pub use reece::Reece;
 pub use slip_sinkage::{SinkageExponent, SlipSinkage, level_off};
-pub(crate) use soil_transport::share_left;
 pub use soil_transport::transport_depth_reece;
 
 /// The pressure-sinkage law of a soil.

@@ -111,10 +111,25 @@ pub(crate) struct ShearState<R> {
     pub(crate) sideways: bool,
     /// Where the displacement starts anew.
     pub(crate) restart: Option<Restart<R>>,
+    /// What lugs add to displacement and slip speed along the wheel where its circumference drives, per unit
+    /// ([`lug_mobilisation`](crate::lug_mobilisation)); 0 without lugs.
+    pub(crate) lugs: R,
 }
 
 impl<R: Real> ShearState<R> {
-    /// j at the arc `w` behind the entry, m (not for a locked wheel).
+    /// `x` along the wheel with what lugs add to it where it drives.
+    #[inline(always)]
+    pub(crate) fn with_lugs(&self, x: R) -> R {
+        x + self.lugs * R::select(R::ZERO.lt(x), x, R::ZERO)
+    }
+
+    /// 1 − q cos θ along the wheel at the arc `w` behind the entry, with lugs.
+    #[inline(always)]
+    fn speed(&self, w: R) -> R {
+        self.with_lugs(self.displacement.slope(w))
+    }
+
+    /// j at the arc `w` behind the entry with lugs, m (not for a locked wheel).
     #[inline(always)]
     pub(crate) fn along(&self, w: R) -> R {
         let j = self.displacement.at(w);
@@ -128,7 +143,7 @@ impl<R: Real> ShearState<R> {
             }
             None => j,
         };
-        self.radius * j
+        self.radius * self.with_lugs(j)
     }
 
     /// j_y at the arc `w` behind the entry, m.
@@ -148,9 +163,9 @@ impl<R: Real> ShearState<R> {
             let share = mobilised_janosi(along, self.k_shear);
             let sign = match self.law {
                 ShearLaw::SlipVelocityRegular => {
-                    return self.regular(share, self.displacement.slope(w), R::ZERO);
+                    return self.regular(share, self.speed(w), R::ZERO);
                 }
-                ShearLaw::SlipVelocity => self.displacement.slope(w),
+                ShearLaw::SlipVelocity => self.speed(w),
                 ShearLaw::Coupled
                 | ShearLaw::Independent
                 | ShearLaw::TowedRestart
@@ -166,12 +181,11 @@ impl<R: Real> ShearState<R> {
             ),
             ShearLaw::SlipVelocity => {
                 let share = mobilised_janosi(along.hypot(across), self.k_shear);
-                let speed = self.displacement.slope(w);
-                directed(share, speed, self.q_y)
+                directed(share, self.speed(w), self.q_y)
             }
             ShearLaw::SlipVelocityRegular => {
                 let share = mobilised_janosi(along.hypot(across), self.k_shear);
-                self.regular(share, self.displacement.slope(w), self.q_y)
+                self.regular(share, self.speed(w), self.q_y)
             }
             ShearLaw::Coupled | ShearLaw::TowedRestart | ShearLaw::TowedWongReece => {
                 let share = mobilised_janosi(along.hypot(across), self.k_shear);
@@ -253,6 +267,7 @@ mod tests {
             locked,
             sideways: q_y != 0.0,
             restart: None,
+            lugs: 0.0,
         }
     }
 

@@ -17,6 +17,7 @@ fn state(law: ShearLaw, theta_1: f64, q: f64, q_y: f64) -> ShearState<f64> {
         locked: false,
         sideways: q_y != 0.0,
         restart: None,
+        lugs: 0.0,
     }
 }
 

@@ -229,7 +229,7 @@ fn a_single_piece() {
     let parts = |slip: f64, theta_m: fn(&Contact<f64>) -> f64| {
         let mut contact = contact(0.1, 0.0, slip, 0.0, 0.6);
         contact.angles.theta_m = theta_m(&contact);
-        contact.size.lug_gain = 0.25;
+        contact.shear.lugs = 0.25;
         let plan = plan_of(&contact).unwrap();
         assert_eq!(plan.contact.lugs, 1.25);
         // without a front there is no normal stress
