@@ -117,7 +117,7 @@ impl Sample {
         Ok((slf.get_type().getattr("_of")?, (slf.get().kind(), values)))
     }
 
-    /// Every kind, of which `grouser._samples` makes functions.
+    /// Every kind, of which `grouser._declared` makes functions.
     #[staticmethod]
     fn _kinds() -> Vec<Kind> {
         let kinds = MeasurementKind::ALL.iter().map(|kind| {
@@ -173,8 +173,7 @@ impl Sample {
             *part = number;
         }
         let measurement = Measurement::from_parts(kind, parts);
-        let measurement =
-            measurement.ok_or_else(|| PyKeyError::new_err("a number is missing"))?;
+        let measurement = measurement.ok_or_else(|| PyKeyError::new_err("a number is missing"))?;
         Ok(Self(slip::Sample {
             time_ns,
             measurement,

@@ -38,7 +38,7 @@ from typing import Any, NamedTuple
 
 from . import _core
 from ._core import Robot
-from ._samples import Sample
+from ._declared import Sample
 
 __all__ = [
     "Estimate",

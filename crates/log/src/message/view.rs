@@ -5,7 +5,7 @@
 use super::covariance::Trust;
 use super::definition::short;
 use super::elements::Elements;
-use super::types::{Layout, layout};
+use super::types::{Layout, TYPES, layout};
 use super::{Value, known};
 
 /// A view of a well-known message. Texts and arrays stay in the message's [`Value`]: a view allocates nothing.
@@ -226,6 +226,11 @@ fn contact(state: &Value) -> Option<[Option<f64>; 2]> {
 }
 
 impl<'a> View<'a> {
+    /// The types that have a view.
+    pub fn types() -> impl Iterator<Item = &'static str> {
+        TYPES.iter().map(|(name, _)| *name)
+    }
+
     /// Is there a view for messages of that type?
     ///
     /// ```

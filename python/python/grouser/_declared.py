@@ -1,4 +1,4 @@
-"""`Sample` with a function for each kind of measurement, as the library declares them."""
+"""Kinds of measurements and fields of results, as the library declares them: functions of `Sample`, properties of results."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Callable
 from inspect import Parameter, Signature
 from typing import Any
 
-from ._core import Sample
+from ._core import OperatingPoint, Sample
 
-__all__ = ["Sample"]
+__all__ = ["OperatingPoint", "Sample"]
 
 
 def _function(kind: str, words: str, parameters: list[Parameter]) -> Callable[..., Sample]:
@@ -35,3 +35,11 @@ for _kind, _words, _of_a_wheel, _fields in Sample._kinds():
     ]
     _made = staticmethod(_function(_kind, _words.strip(), _parameters))
     setattr(Sample, _kind.replace("-", "_"), _made)
+
+
+def _property(key: str, words: str) -> property:
+    return property(lambda result: result._value(key), doc=f"{words[0].upper()}{words[1:]}.")
+
+
+for _key, _field_words in OperatingPoint._fields():
+    setattr(OperatingPoint, _key, _property(_key, _field_words))
