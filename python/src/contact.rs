@@ -8,6 +8,7 @@ use grouser::terra::{
 };
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::argument::{self, choice};
 use crate::batch::{Column, part, write_codes};

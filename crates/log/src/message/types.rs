@@ -5,44 +5,22 @@ use super::known;
 /// Where a type has what its view shows. An empty path is the message itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Layout {
-    /// Arrays by joint; the last may be missing.
-    Joints {
-        names: &'static str,
-        position: &'static str,
-        velocity: &'static str,
-        effort: &'static str,
-    },
-    /// Counters of joints in an array.
-    Counters {
-        names: &'static str,
-        counts: &'static str,
-    },
-    /// Counters of joints in a field for each: the joints, and their fields.
+    /// Arrays by joint: their names; position, velocity and effort, of which the last may be missing.
+    Joints(&'static str, [&'static str; 3]),
+    /// Arrays of joints' names and counters.
+    Counters(&'static str, &'static str),
+    /// A counter in a field for each joint: the joints, and their fields.
     CounterFields(&'static [&'static str], &'static [&'static str]),
-    /// State interfaces of joints, of which some are sinkages and entry angles.
-    Contacts {
-        names: &'static str,
-        interfaces: &'static str,
-    },
-    /// A pose, and what holds its `covariance`, if anything does.
-    Pose {
-        position: &'static str,
-        orientation: &'static str,
-        around: &'static str,
-    },
+    /// Joints' names, and their state interfaces, of which some are sinkages and entry angles.
+    Contacts(&'static str, &'static str),
+    /// Position and orientation, and what holds their `covariance`, if anything does.
+    Pose([&'static str; 2], &'static str),
     /// A place.
     Point(&'static str),
     /// A twist, and what holds its `covariance`, if anything does.
-    Twist {
-        twist: &'static str,
-        around: &'static str,
-    },
-    /// A displacement since the message before.
-    Displacement {
-        forward: &'static str,
-        left: &'static str,
-        turn: &'static str,
-    },
+    Twist(&'static str, &'static str),
+    /// Forwards, to the left, turn: since the message before.
+    Displacement([&'static str; 3]),
     /// Transforms of frames.
     Transforms(&'static str),
     Odometry,
@@ -50,94 +28,51 @@ pub(super) enum Layout {
     NavSatFix,
 }
 
+use Layout::{
+    Contacts, CounterFields, Counters, Displacement, Imu, Joints, NavSatFix, Odometry, Point, Pose,
+    Transforms, Twist,
+};
+
+const JOINTS: [&str; 3] = ["position", "velocity", "effort"];
+const POSE: [&str; 2] = ["pose.position", "pose.orientation"];
+const COVARIANT: [&str; 2] = ["pose.pose.position", "pose.pose.orientation"];
+const TRANSFORM: [&str; 2] = ["transform.translation", "transform.rotation"];
+const CREATE: [&str; 2] = ["ticks_left", "ticks_right"];
+
 /// Every type that has a view.
 pub(super) const TYPES: &[(&str, Layout)] = &[
-    (
-        "sensor_msgs/JointState",
-        Layout::Joints {
-            names: "name",
-            position: "position",
-            velocity: "velocity",
-            effort: "effort",
-        },
-    ),
-    (
-        known::WHEEL_TICKS,
-        Layout::Counters {
-            names: "name",
-            counts: "ticks",
-        },
-    ),
+    ("sensor_msgs/JointState", Joints("name", JOINTS)),
+    (known::WHEEL_TICKS, Counters("name", "ticks")),
     (
         "irobot_create_msgs/WheelTicks",
-        Layout::CounterFields(&["left", "right"], &["ticks_left", "ticks_right"]),
+        CounterFields(&["left", "right"], &CREATE),
     ),
     (
         known::JOINT_INTERFACES,
-        Layout::Contacts {
-            names: "joint_names",
-            interfaces: "interface_values",
-        },
+        Contacts("joint_names", "interface_values"),
     ),
-    ("sensor_msgs/Imu", Layout::Imu),
-    ("sensor_msgs/NavSatFix", Layout::NavSatFix),
-    ("nav_msgs/Odometry", Layout::Odometry),
-    (
-        "geometry_msgs/PoseStamped",
-        Layout::Pose {
-            position: "pose.position",
-            orientation: "pose.orientation",
-            around: "",
-        },
-    ),
+    ("sensor_msgs/Imu", Imu),
+    ("sensor_msgs/NavSatFix", NavSatFix),
+    ("nav_msgs/Odometry", Odometry),
+    ("geometry_msgs/PoseStamped", Pose(POSE, "")),
     (
         "geometry_msgs/PoseWithCovarianceStamped",
-        Layout::Pose {
-            position: "pose.pose.position",
-            orientation: "pose.pose.orientation",
-            around: "pose",
-        },
+        Pose(COVARIANT, "pose"),
     ),
-    (
-        "geometry_msgs/TransformStamped",
-        Layout::Pose {
-            position: "transform.translation",
-            orientation: "transform.rotation",
-            around: "",
-        },
-    ),
-    ("geometry_msgs/PointStamped", Layout::Point("point")),
-    (
-        "geometry_msgs/Twist",
-        Layout::Twist {
-            twist: "",
-            around: "",
-        },
-    ),
-    (
-        "geometry_msgs/TwistStamped",
-        Layout::Twist {
-            twist: "twist",
-            around: "",
-        },
-    ),
+    ("geometry_msgs/TransformStamped", Pose(TRANSFORM, "")),
+    ("geometry_msgs/PointStamped", Point("point")),
+    ("geometry_msgs/Twist", Twist("", "")),
+    ("geometry_msgs/TwistStamped", Twist("twist", "")),
     (
         "geometry_msgs/TwistWithCovarianceStamped",
-        Layout::Twist {
-            twist: "twist.twist",
-            around: "twist",
-        },
+        Twist("twist.twist", "twist"),
     ),
     (
         known::DISPLACEMENT,
-        Layout::Displacement {
-            forward: "forward",
-            left: "left",
-            turn: "turn",
-        },
+        Displacement(["forward", "left", "turn"]),
     ),
-    ("tf2_msgs/TFMessage", Layout::Transforms("transforms")),
-    ("tf/tfMessage", Layout::Transforms("transforms")),
+    ("tf2_msgs/TFMessage", Transforms("transforms")),
+    ("tf/tfMessage", Transforms("transforms")),
 ];
 
 /// The layout of a type that has a view.

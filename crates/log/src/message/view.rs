@@ -248,37 +248,29 @@ impl<'a> View<'a> {
     #[allow(clippy::too_many_lines, reason = "one arm a layout")]
     pub fn new(type_name: &str, value: &'a Value) -> Option<Self> {
         match layout(&short(type_name))? {
-            Layout::Joints {
-                names,
-                position,
-                velocity,
-                effort,
-            } => Some(Self::JointState(JointState {
-                names: texts(value, names)?,
-                position: numbers(value, position)?,
-                velocity: numbers(value, velocity)?,
-                effort: numbers(value, effort).unwrap_or_default(),
-            })),
-            Layout::Twist { twist, around } => Some(Self::Twist {
+            Layout::Joints(names, [position, velocity, effort]) => {
+                Some(Self::JointState(JointState {
+                    names: texts(value, names)?,
+                    position: numbers(value, position)?,
+                    velocity: numbers(value, velocity)?,
+                    effort: numbers(value, effort).unwrap_or_default(),
+                }))
+            }
+            Layout::Twist(twist, around) => Some(Self::Twist {
                 linear: vector(inside(value, twist)?, "linear")?,
                 angular: vector(inside(value, twist)?, "angular")?,
                 trust: trust(inside(value, around)?, "covariance", [0, 7, 35]),
             }),
-            Layout::Pose {
-                position,
-                orientation,
-                around,
-            } => Some(Self::Pose {
+            Layout::Pose([position, orientation], around) => Some(Self::Pose {
                 position: vector(value, position)?,
                 orientation: quaternion(value, orientation)?,
                 trust: trust(inside(value, around)?, "covariance", [0, 7, 35]),
             }),
             Layout::Point(point) => vector(value, point).map(Self::Point),
             Layout::Transforms(all) => {
-                let all = Elements::new(value.at(all)?, transform);
-                all.map(Self::Transforms)
+                Elements::new(value.at(all)?, transform).map(Self::Transforms)
             }
-            Layout::Counters { names, counts } => Some(Self::WheelTicks {
+            Layout::Counters(names, counts) => Some(Self::WheelTicks {
                 names: texts(value, names)?,
                 ticks: Elements::new(value.at(counts)?, count)?,
             }),
@@ -286,7 +278,7 @@ impl<'a> View<'a> {
                 names: Elements::given(names),
                 ticks: Elements::of_fields(value, fields, count)?,
             }),
-            Layout::Contacts { names, interfaces } => {
+            Layout::Contacts(names, interfaces) => {
                 let contacts = Elements::new(value.at(interfaces)?, contact)?;
                 let measures = contacts.iter().flatten().any(|value| value.is_some());
                 measures.then_some(Self::WheelContacts {
@@ -294,11 +286,7 @@ impl<'a> View<'a> {
                     contacts,
                 })
             }
-            Layout::Displacement {
-                forward,
-                left,
-                turn,
-            } => Some(Self::Displacement {
+            Layout::Displacement([forward, left, turn]) => Some(Self::Displacement {
                 forward: value.number_at(forward)?,
                 left: value.number_at(left)?,
                 turn: value.number_at(turn).filter(|turn| !turn.is_nan()),
