@@ -225,7 +225,7 @@ def test_points_samples_and_maps_are_picklable() -> None:
         sample = getattr(Sample, kind.replace("-", "_"))(time_ns=1, **({"wheel": 2} if of_wheel else {}), **numbers)
         assert (sample.kind, sample.wheel) == (kind, 2 if of_wheel else None)
         flat = [x for value in numbers.values() for x in (value if isinstance(value, list) else [value])]
-        assert sample.numbers == [-1.0 if x is False else x for x in flat]
+        assert sample.numbers == [-1.0 if x is False else float(x) for x in flat]
         samples.append(sample)
     assert [pickle.loads(pickle.dumps(sample)) for sample in samples] == samples
     again = pickle.loads(pickle.dumps(MAP))

@@ -16,7 +16,12 @@ fn a_wheel_has_the_keys_of_the_command() {
     });
     let found = grouser_page_wasm::answer(&request.to_string());
     let found: Value = serde_json::from_str(&found).unwrap();
-    let found: BTreeSet<&str> = found.as_object().unwrap().keys().map(|key| &**key).collect();
+    let found: BTreeSet<&str> = found
+        .as_object()
+        .unwrap()
+        .keys()
+        .map(|key| &**key)
+        .collect();
     let wheel = &list["wheel"];
     let of = |key: &str| -> BTreeSet<&str> {
         let exceptions = wheel["page"][key].as_object().unwrap();

@@ -150,7 +150,9 @@ impl Field for [f64; 3] {
     const PART: MeasurementPart = MeasurementPart::Vector;
 
     fn write(self, to: &mut Cursor) {
-        self.into_iter().for_each(|number| number.write(to));
+        for number in self {
+            number.write(to);
+        }
     }
 
     fn read(from: &mut Cursor) -> Option<Self> {
