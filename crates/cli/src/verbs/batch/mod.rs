@@ -355,7 +355,7 @@ impl Counts {
             SolveStatus::Solved => &mut self.ok,
             SolveStatus::NoSolution => &mut self.no_solution,
             SolveStatus::BadInput => &mut self.bad_input,
-            _ => &mut self.not_converged,
+            SolveStatus::NotConverged => &mut self.not_converged,
         } += 1;
     }
 
