@@ -7,7 +7,7 @@
 ///
 /// struct Wheel { radius: f64 }
 /// const FIELDS: &[ResultField<Wheel>] =
-///     &[ResultField::number("radius_m", "radius", |wheel| wheel.radius).shown("mm")];
+///     &[ResultField::number("radius_m", "radius", |wheel: &Wheel| wheel.radius).shown("mm")];
 /// assert_eq!(FIELDS[0].value(&Wheel { radius: 0.125 }), FieldValue::Number(0.125));
 /// ```
 pub struct ResultField<T> {
