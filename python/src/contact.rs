@@ -8,10 +8,11 @@ use grouser::terra::{
 };
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::argument::{self, choice};
 use crate::batch::{Column, part, write_codes};
-use crate::error::raised;
+use crate::error::{Details, input_error, raised};
 use crate::operating_point::{Given, OperatingPoint};
 use crate::rows::{BAD, Codes, Floats, at, blocks, column, rows};
 use crate::soil::Soil;
@@ -174,6 +175,35 @@ impl WheelOnSoil {
             slip_angle_deg,
         };
         OperatingPoint::solved(slf, given)
+    }
+
+    /// All numbers of `grouser wheel --json` at a load or a sinkage, by their keys; with `status` and `max_load_n` also where
+    /// no sinkage carries the load.
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     Neither or both of `load_n` and `sinkage_m`; a value outside its limits, or NaN.
+    #[pyo3(signature = (*, load_n=None, sinkage_m=None, slip, slip_angle_deg=0.0))]
+    fn result<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = argument::optional_number)] load_n: Option<f64>,
+        #[pyo3(from_py_with = argument::optional_number)] sinkage_m: Option<f64>,
+        #[pyo3(from_py_with = argument::number)] slip: f64,
+        #[pyo3(from_py_with = argument::number)] slip_angle_deg: f64,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        if load_n.is_some() == sinkage_m.is_some() {
+            let message = "exactly one of load_n and sinkage_m is needed".to_owned();
+            return Err(input_error(message, Details::field("load_n")));
+        }
+        let given = Given {
+            load_n,
+            sinkage_m: sinkage_m.unwrap_or(f64::NAN),
+            slip,
+            slip_angle_deg,
+        };
+        given.fields(py, self)
     }
 
     /// The slip in [0, 1] of the greatest drawbar pull under a load (N), and that pull (N); `None` where no

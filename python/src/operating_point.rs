@@ -1,7 +1,9 @@
 //! One wheel on one soil at one sinkage and motion.
 
-use grouser::terra;
+use grouser::terra::{self, FieldValue, ReadField, ResultField};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::argument;
 use crate::contact::{WheelOnSoil, kinematics};
@@ -18,6 +20,7 @@ type State<'py> = (Bound<'py, WheelOnSoil>, Option<f64>, f64, f64, f64);
 #[derive(Debug)]
 pub(crate) struct OperatingPoint {
     point: terra::OperatingPoint,
+    solution: terra::LoadSolution,
     /// What it was computed from; pickled instead of it.
     made: (Py<WheelOnSoil>, Given),
 }
@@ -34,14 +37,59 @@ pub(crate) struct Given {
 impl OperatingPoint {
     /// The point that a load or a sinkage has; `None` where nothing carries the load.
     pub(crate) fn solved(contact: &Bound<'_, WheelOnSoil>, given: Given) -> PyResult<Option<Self>> {
-        let motion = raised(kinematics(given.slip, given.slip_angle_deg))?;
-        let own = &contact.get().contact;
-        let point = match given.load_n {
-            Some(load) => raised(own.under_load(load, &motion))?.point(),
-            None => Some(raised(own.at_sinkage(given.sinkage_m, &motion))?),
-        };
+        let solution = given.solve(contact.get())?;
         let made = (contact.clone().unbind(), given);
-        Ok(point.map(|point| Self { point, made }))
+        Ok(solution.point().map(|point| Self {
+            point,
+            solution,
+            made,
+        }))
+    }
+}
+
+impl Given {
+    fn solve(self, contact: &WheelOnSoil) -> PyResult<terra::LoadSolution> {
+        let motion = raised(kinematics(self.slip, self.slip_angle_deg))?;
+        let sinkage = terra::Prescribed::Sinkage(self.sinkage_m);
+        let prescribed = self.load_n.map_or(sinkage, terra::Prescribed::Load);
+        raised(contact.contact.solve(prescribed, &motion))
+    }
+
+    /// All declared fields, as the command prints them.
+    pub(crate) fn fields<'py>(
+        self,
+        py: Python<'py>,
+        contact: &WheelOnSoil,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let solution = self.solve(contact)?;
+        let dict = PyDict::new(py);
+        for field in terra::LoadSolution::FIELDS {
+            dict.set_item(field.key, value(py, field, &solution)?)?;
+        }
+        let point = solution.point();
+        if let Some(lugs) = point.and_then(|point| contact.contact.lug_passage(&point)) {
+            for field in terra::LugPassage::FIELDS {
+                dict.set_item(field.key, value(py, field, &lugs)?)?;
+            }
+        }
+        Ok(dict)
+    }
+}
+
+/// The value of a declared field.
+fn value<'py, T>(py: Python<'py>, field: &ResultField<T>, of: &T) -> PyResult<Bound<'py, PyAny>> {
+    match field.value(of) {
+        FieldValue::Missing => Ok(py.None().into_bound(py)),
+        FieldValue::Number(number) => number.into_bound_py_any(py),
+        FieldValue::Whole(number) => number.into_bound_py_any(py),
+        FieldValue::Text(text) => text.into_bound_py_any(py),
+        FieldValue::Texts => {
+            let mut all = Vec::new();
+            if let ReadField::Texts(read) = field.read {
+                read(of, &mut |text| all.push(text));
+            }
+            all.into_bound_py_any(py)
+        }
     }
 }
 
@@ -82,92 +130,27 @@ impl OperatingPoint {
         self.point.kinematics.slip().value()
     }
 
-    /// Sinkage, m.
-    #[getter]
-    fn sinkage_m(&self) -> f64 {
-        self.point.sinkage
-    }
-
-    /// Entry angle, degrees.
-    #[getter]
-    fn theta_1_deg(&self) -> f64 {
-        self.point.angles.theta_1.to_degrees()
-    }
-
-    /// Exit angle, degrees.
-    #[getter]
-    fn theta_2_deg(&self) -> f64 {
-        self.point.angles.theta_2.to_degrees()
-    }
-
-    /// Angle of the greatest normal stress, degrees.
-    #[getter]
-    fn theta_m_deg(&self) -> f64 {
-        self.point.angles.theta_m.to_degrees()
-    }
-
-    /// Vertical force, N.
-    #[getter]
-    fn vertical_force_n(&self) -> f64 {
-        self.point.forces.vertical_force
-    }
-
-    /// Drawbar pull, N.
-    #[getter]
-    fn drawbar_pull_n(&self) -> f64 {
-        self.point.forces.drawbar_pull
-    }
-
-    /// Side force, N.
-    #[getter]
-    fn side_force_n(&self) -> f64 {
-        self.point.side_force
-    }
-
-    /// Torque, N m.
-    #[getter]
-    fn torque_nm(&self) -> f64 {
-        self.point.forces.torque
-    }
-
-    /// Compaction resistance, N.
-    #[getter]
-    fn compaction_resistance_n(&self) -> f64 {
-        self.point.forces.compaction_resistance
-    }
-
-    /// The share of the motor's work that pulls; `None` unless the wheel is driven and pulls.
-    #[getter]
-    fn tractive_efficiency(&self) -> Option<f64> {
-        self.point.tractive_efficiency()
-    }
-
-    /// Energy per metre of travel, J/m; `None` for a wheel that spins on the spot.
-    #[getter]
-    fn energy_j_per_m(&self) -> Option<f64> {
-        self.point.energy_per_metre()
-    }
-
-    /// Drawbar pull over vertical force; `None` where nothing is carried.
-    #[getter]
-    fn pull_coefficient(&self) -> Option<f64> {
-        self.point.pull_coefficient()
-    }
-
-    /// The error of the integrals at most, N.
-    #[getter]
-    fn error_estimate_n(&self) -> f64 {
-        self.point.error_estimate
-    }
-
-    /// What to keep in mind, by the keys that the command prints.
-    #[getter]
-    fn cautions(&self) -> Vec<&'static str> {
-        self.point
-            .cautions
-            .iter()
-            .map(terra::Caution::key)
+    /// Key and words of each declared field, of which `grouser._declared` makes properties.
+    #[staticmethod]
+    fn _fields() -> Vec<(&'static str, &'static str)> {
+        let own = terra::LoadSolution::FIELDS.iter();
+        let lugs = terra::LugPassage::FIELDS.iter();
+        own.map(|field| (field.key, field.words))
+            .chain(lugs.map(|field| (field.key, field.words)))
             .collect()
+    }
+
+    /// A declared field by its key; `None` where it has no value.
+    fn _value<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        if let Some(field) = terra::LoadSolution::FIELDS.iter().find(|f| f.key == key) {
+            return value(py, field, &self.solution);
+        }
+        let lugs = terra::LugPassage::FIELDS.iter().find(|f| f.key == key);
+        let passage = self.made.0.get().contact.lug_passage(&self.point);
+        match lugs.zip(passage) {
+            Some((field, lugs)) => value(py, field, &lugs),
+            None => Ok(py.None().into_bound(py)),
+        }
     }
 
     /// Normal stress at an angle (degrees from the vertical, towards the front), Pa.
@@ -187,11 +170,15 @@ impl OperatingPoint {
         format!(
             "OperatingPoint(slip={}, sinkage_m={}, vertical_force_n={}, drawbar_pull_n={}, torque_nm={}, cautions={:?})",
             self.slip(),
-            self.sinkage_m(),
-            self.vertical_force_n(),
-            self.drawbar_pull_n(),
-            self.torque_nm(),
-            self.cautions()
+            self.point.sinkage,
+            self.point.forces.vertical_force,
+            self.point.forces.drawbar_pull,
+            self.point.forces.torque,
+            self.point
+                .cautions
+                .iter()
+                .map(terra::Caution::key)
+                .collect::<Vec<_>>()
         )
     }
 }

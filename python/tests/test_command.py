@@ -131,3 +131,19 @@ def test_one_table_of_cases_through_every_door(tmp_path: Path) -> None:
 
 def test_the_version_is_that_of_the_distribution() -> None:
     assert grouser.__version__ == importlib.metadata.version("grouser")
+
+
+def test_a_wheel_has_the_keys_of_the_command() -> None:
+    listed = json.loads((ROOT / "crates" / "cli" / "tests" / "result_keys.json").read_text())["wheel"]
+    lugged = wheel.Wheel(radius_m=0.125, width_m=0.1, grouser_height_m=0.01, grouser_count=12)
+    contact = wheel.WheelOnSoil(lugged, soils.find("dry-sand"))
+    result = contact.result(load_n=60.0, slip=0.2)
+    assert set(listed["keys"]) - set(result) == set(listed["python"]["lacks"])
+    assert set(result) - set(listed["keys"]) == set(listed["python"]["adds"])
+    # the attributes of a point are the same numbers
+    point = contact.under_load(load_n=60.0, slip=0.2)
+    assert point is not None and {key: getattr(point, key) for key in result} == result
+    # without a sinkage that carries the load there is no point, but a result
+    heavy = contact.result(load_n=1e9, slip=0.2)
+    assert contact.under_load(load_n=1e9, slip=0.2) is None
+    assert heavy["status"] == "no-solution" and heavy["sinkage_m"] is None and 0.0 < heavy["max_load_n"] < 1e9

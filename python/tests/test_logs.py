@@ -73,6 +73,32 @@ def test_samples_pushed_one_by_one_give_the_same_rows() -> None:
         engine.push(Sample.yaw_rate(time_ns=0, rate_rad_per_s=0.0))
 
 
+def test_fixes_are_read_as_the_places_they_are(tmp_path: Path) -> None:
+    table = tmp_path / "run.csv"
+    rows = [f"{0.5 * k:.1f},{10 * k},{48.0 + 1e-5 * k:.7f},11.0" for k in range(20)]
+    table.write_text("\n".join(["t,ticks,lat,lon", *rows]) + "\n")
+    columns = tmp_path / "columns.toml"
+    columns.write_text(
+        """format = 1
+[[table]]
+time = { column = "t", unit = "s" }
+columns = [
+    { column = "ticks", meaning = "wheel_count", wheel = "front_left", unit = "tick" },
+    { column = "lat", meaning = "latitude", unit = "deg" },
+    { column = "lon", meaning = "longitude", unit = "deg" },
+]
+"""
+    )
+    samples = logs.read(table, ROBOT, columns=columns)
+    _, wheels, numbers = samples.of_kind("position")
+    assert len(numbers) >= 19 and set(wheels) == {-1}
+    # a ten-millionth of 1e-5 degrees to the north is 1.1 m
+    step = np.hypot(*np.diff(numbers[:, :2], axis=0).T)
+    np.testing.assert_allclose(step, 1.11, atol=0.02)
+    # no sample of any log is without its numbers
+    assert not np.isnan(samples.numbers[:, 0]).any() and "other" not in samples.kinds
+
+
 def test_the_filter_finds_a_slip_and_refuses_nonsense() -> None:
     slip_filter = SlipFilter(ROBOT)
     fifth = ROBOT.powered.index(False)

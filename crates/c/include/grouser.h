@@ -94,6 +94,12 @@ extern "C" {
 #define GROUSER_ACCELERATION 13u
 /* Place in a fixed frame without a heading, such as a fix or a tag: x m, y m. */
 #define GROUSER_POSITION 14u
+/* Angle by which a wheel is steered beside its heading: wheel, rad, left positive. */
+#define GROUSER_STEERING_ANGLE 15u
+/* Depth of a wheel's lowest point below the ground in front of it: wheel, m. */
+#define GROUSER_SINKAGE 16u
+/* Angle from a wheel's lowest point to where the ground in front meets its rim: wheel, rad. */
+#define GROUSER_ENTRY_ANGLE 17u
 
 /* The sample's turn is measured. */
 #define GROUSER_HAS_TURN 1u

@@ -73,6 +73,12 @@ pub const GROUSER_WHEEL_TORQUE: u32 = 12;
 pub const GROUSER_ACCELERATION: u32 = 13;
 /// Place in a fixed frame without a heading, such as a fix or a tag: x m, y m.
 pub const GROUSER_POSITION: u32 = 14;
+/// Angle by which a wheel is steered beside its heading: `wheel`, rad, left positive.
+pub const GROUSER_STEERING_ANGLE: u32 = 15;
+/// Depth of a wheel's lowest point below the ground in front of it: `wheel`, m.
+pub const GROUSER_SINKAGE: u32 = 16;
+/// Angle from a wheel's lowest point to where the ground in front meets its rim: `wheel`, rad.
+pub const GROUSER_ENTRY_ANGLE: u32 = 17;
 
 /// The sample's turn is measured.
 pub const GROUSER_HAS_TURN: u32 = 1;

@@ -2,10 +2,7 @@
 
 use grouser_slip::control::Request;
 
-use crate::abi::{
-    GROUSER_ERROR_VALUE, GROUSER_ERROR_WHEEL, GROUSER_INERTIAL, GROUSER_JOINT_ANGLE,
-    GROUSER_MOTOR_CURRENT, GROUSER_SAMPLE_REFUSED, GrouserSample,
-};
+use crate::abi::{GROUSER_ERROR_VALUE, GROUSER_ERROR_WHEEL, GROUSER_SAMPLE_REFUSED, GrouserSample};
 use crate::border::read;
 use crate::create::{GrouserOnBoard, with};
 use crate::sample::parse;
@@ -25,16 +22,16 @@ pub unsafe extern "C" fn grouser_push(
         // SAFETY: by this function's own condition
         let given = unsafe { read(sample) }?;
         let parsed = parse(&given)?;
-        let is_known = (given.wheel as usize) < object.commands.len();
-        match given.kind {
-            // the filter does not see these numbers as they are, so that it cannot refuse them
-            GROUSER_INERTIAL | GROUSER_JOINT_ANGLE | GROUSER_MOTOR_CURRENT
-                if given.values.iter().any(|value| !value.is_finite()) =>
-            {
+        let measurement = &parsed.measurement;
+        // the filter does not see raw numbers as they are, so that it cannot refuse them
+        if measurement.is_raw() {
+            if given.values.iter().any(|value| !value.is_finite()) {
                 return Err(GROUSER_ERROR_VALUE);
             }
-            GROUSER_MOTOR_CURRENT if !is_known => return Err(GROUSER_ERROR_WHEEL),
-            _ => {}
+            let is_unknown = |wheel| wheel >= object.commands.len();
+            if measurement.wheel().is_some_and(is_unknown) {
+                return Err(GROUSER_ERROR_WHEEL);
+            }
         }
         let refused = object.on_board.refused();
         object.on_board.update_at(now_ns, parsed);

@@ -1,67 +1,61 @@
 //! A sample of C as one of the filter.
 
-use grouser_slip::{Measurement, Sample};
+use grouser_slip::{Measurement, MeasurementKind, MeasurementParts, Sample};
 
-use crate::abi::{
-    GROUSER_ACCELERATION, GROUSER_DISPLACEMENT, GROUSER_ERROR_VALUE, GROUSER_HAS_LEFT,
-    GROUSER_HAS_TURN, GROUSER_INERTIAL, GROUSER_JOINT_ANGLE, GROUSER_MOTOR_CURRENT, GROUSER_POSE,
-    GROUSER_POSITION, GROUSER_SPEED, GROUSER_WHEEL_ANGLE, GROUSER_WHEEL_COUNT, GROUSER_WHEEL_EDGE,
-    GROUSER_WHEEL_RATE, GROUSER_WHEEL_TORQUE, GROUSER_YAW_RATE, GrouserSample,
-};
+use crate::abi::{self, GROUSER_ERROR_VALUE, GROUSER_HAS_LEFT, GROUSER_HAS_TURN, GrouserSample};
 use crate::border::Code;
+
+/// A kind's number in C; `None` for what the computer makes itself.
+const fn number(kind: MeasurementKind) -> Option<u32> {
+    Some(match kind {
+        MeasurementKind::WheelCount => abi::GROUSER_WHEEL_COUNT,
+        MeasurementKind::WheelEdge => abi::GROUSER_WHEEL_EDGE,
+        MeasurementKind::WheelAngle => abi::GROUSER_WHEEL_ANGLE,
+        MeasurementKind::WheelRate => abi::GROUSER_WHEEL_RATE,
+        MeasurementKind::YawRate => abi::GROUSER_YAW_RATE,
+        MeasurementKind::Displacement => abi::GROUSER_DISPLACEMENT,
+        MeasurementKind::Pose => abi::GROUSER_POSE,
+        MeasurementKind::Position => abi::GROUSER_POSITION,
+        MeasurementKind::Speed => abi::GROUSER_SPEED,
+        MeasurementKind::Acceleration => abi::GROUSER_ACCELERATION,
+        MeasurementKind::Inertial => abi::GROUSER_INERTIAL,
+        MeasurementKind::JointAngle => abi::GROUSER_JOINT_ANGLE,
+        MeasurementKind::SteeringAngle => abi::GROUSER_STEERING_ANGLE,
+        MeasurementKind::MotorCurrent => abi::GROUSER_MOTOR_CURRENT,
+        MeasurementKind::Sinkage => abi::GROUSER_SINKAGE,
+        MeasurementKind::EntryAngle => abi::GROUSER_ENTRY_ANGLE,
+        MeasurementKind::WheelTorque => abi::GROUSER_WHEEL_TORQUE,
+        // `grouser_tick` has the command, joints move the carriers, and no description in C knows a robot's steering as a whole
+        MeasurementKind::Steering | MeasurementKind::Carrier | MeasurementKind::Command => {
+            return None;
+        }
+    })
+}
 
 /// The sample, or the code of what is wrong with it. Numbers are judged by the filter.
 pub(crate) fn parse(sample: &GrouserSample) -> Result<Sample, Code> {
-    let GrouserSample {
-        kind,
-        time_ns,
-        flags,
-        raw,
-        values: [a, b, c, d, e, f],
-        ..
-    } = *sample;
-    let wheel = sample.wheel as usize;
-    if flags & !(GROUSER_HAS_TURN | GROUSER_HAS_LEFT) != 0 {
+    let mut kinds = MeasurementKind::ALL.iter();
+    let kind = kinds.find(|kind| number(**kind) == Some(sample.kind));
+    let kind = *kind.ok_or(GROUSER_ERROR_VALUE)?;
+    let mut numbers = sample.values.map(Some);
+    if sample.flags & !(GROUSER_HAS_TURN | GROUSER_HAS_LEFT) != 0 {
         return Err(GROUSER_ERROR_VALUE);
     }
-    let measurement = match kind {
-        GROUSER_WHEEL_COUNT => Measurement::WheelCount { wheel, raw },
-        GROUSER_WHEEL_EDGE if raw <= 1 => Measurement::WheelEdge {
-            wheel,
-            forward: raw == 1,
-        },
-        GROUSER_WHEEL_ANGLE => Measurement::WheelAngle { wheel, angle: a },
-        GROUSER_WHEEL_RATE => Measurement::WheelRate { wheel, rate: a },
-        GROUSER_YAW_RATE => Measurement::YawRate { rate: a },
-        GROUSER_DISPLACEMENT => Measurement::Displacement {
-            forward: a,
-            left: b,
-            turn: (flags & GROUSER_HAS_TURN != 0).then_some(c),
-        },
-        GROUSER_POSE => Measurement::Pose { x: a, y: b, yaw: c },
-        GROUSER_SPEED => Measurement::Speed {
-            forward: a,
-            left: (flags & GROUSER_HAS_LEFT != 0).then_some(b),
-        },
-        GROUSER_INERTIAL => Measurement::Inertial {
-            force: [a, b, c],
-            rate: [d, e, f],
-        },
-        GROUSER_JOINT_ANGLE => Measurement::JointAngle {
-            joint: wheel,
-            angle: a,
-        },
-        GROUSER_MOTOR_CURRENT => Measurement::MotorCurrent { wheel, share: a },
-        GROUSER_WHEEL_TORQUE => Measurement::WheelTorque { wheel, torque: a },
-        GROUSER_ACCELERATION => Measurement::Acceleration {
-            forward: a,
-            left: b,
-        },
-        GROUSER_POSITION => Measurement::Position { x: a, y: b },
-        _ => return Err(GROUSER_ERROR_VALUE),
+    match kind {
+        MeasurementKind::WheelEdge if sample.raw > 1 => return Err(GROUSER_ERROR_VALUE),
+        MeasurementKind::WheelEdge => numbers[0] = Some(if sample.raw == 1 { 1.0 } else { -1.0 }),
+        MeasurementKind::Displacement if sample.flags & GROUSER_HAS_TURN == 0 => numbers[2] = None,
+        MeasurementKind::Speed if sample.flags & GROUSER_HAS_LEFT == 0 => numbers[1] = None,
+        _ => {}
+    }
+    let parts = MeasurementParts {
+        index: sample.wheel as usize,
+        count: sample.raw,
+        numbers,
     };
+    let measurement = Measurement::from_parts(kind, parts).ok_or(GROUSER_ERROR_VALUE)?;
     Ok(Sample {
-        time_ns,
+        time_ns: sample.time_ns,
         measurement,
     })
 }

@@ -385,7 +385,7 @@ fn numbers_that_are_none_are_refused_in_every_kind_and_what_comes_out_is_finite(
             // the code may be that of a sample that waited before it
             assert!([GROUSER_OK, GROUSER_SAMPLE_REFUSED].contains(&push(robot, count)));
         }
-        for kind in GROUSER_WHEEL_ANGLE..=GROUSER_POSITION + 1 {
+        for kind in GROUSER_WHEEL_ANGLE..=GROUSER_ENTRY_ANGLE + 1 {
             for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                 let flags = GROUSER_HAS_TURN | GROUSER_HAS_LEFT;
                 let bad = GrouserSample {
@@ -397,7 +397,7 @@ fn numbers_that_are_none_are_refused_in_every_kind_and_what_comes_out_is_finite(
                 };
                 let code = push(robot, bad);
                 // within the horizon the filter judges a sample when its time comes
-                let waits = code == GROUSER_OK && kind <= GROUSER_POSITION;
+                let waits = code == GROUSER_OK && kind <= GROUSER_ENTRY_ANGLE;
                 assert!(code == GROUSER_SAMPLE_REFUSED || code == GROUSER_ERROR_VALUE || waits);
             }
         }
@@ -410,12 +410,14 @@ fn numbers_that_are_none_are_refused_in_every_kind_and_what_comes_out_is_finite(
             GROUSER_OK
         );
     }
-    let unknown = GrouserSample {
-        kind: GROUSER_MOTOR_CURRENT,
-        wheel: 3,
-        ..GrouserSample::default()
-    };
-    assert_eq!(push(robot, unknown), GROUSER_ERROR_WHEEL);
+    for kind in [GROUSER_MOTOR_CURRENT, GROUSER_SINKAGE, GROUSER_ENTRY_ANGLE] {
+        let unknown = GrouserSample {
+            kind,
+            wheel: 3,
+            ..GrouserSample::default()
+        };
+        assert_eq!(push(robot, unknown), GROUSER_ERROR_WHEEL);
+    }
     let body = body(robot);
     assert!(body.rejected_bad_value > 200, "{body:?}");
     assert!(

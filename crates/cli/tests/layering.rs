@@ -94,7 +94,7 @@ const FLOORS: &[(&str, &[&str])] = &[
         &["grouser-terra", "grouser-slip", "grouser-files"],
     ),
     ("grouser-figure", &[]),
-    ("grouser-report", &[]),
+    ("grouser-report", &["grouser-real"]),
     (
         "grouser-page",
         &[

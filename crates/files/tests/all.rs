@@ -7,6 +7,7 @@
 )]
 
 mod any_bytes;
+mod measurements;
 mod path_faults;
 mod soils;
 mod toml_faults;

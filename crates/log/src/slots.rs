@@ -3,7 +3,7 @@
 use grouser_files::columns::{Column, Frame, Meaning};
 use grouser_real::Real;
 
-use grouser_slip::Measurement;
+use grouser_slip::{Measurement, MeasurementKind, MeasurementPart, MeasurementParts};
 
 use crate::error::BadField;
 use crate::message::NavSatFix;
@@ -15,9 +15,8 @@ pub(crate) struct Slots(Vec<Slot>);
 
 #[derive(Clone, Copy, Debug)]
 enum Slot {
-    Wheel(Meaning, usize, Part),
-    Steering(Part),
-    YawRate(Part),
+    /// A measurement of one number or counter, and the wheel's index.
+    One(MeasurementKind, usize, Part),
     /// Forwards, and to the left where that is measured.
     Acceleration(Part, Option<Part>),
     Displacement(Part, Part, Option<Part>, Frame),
@@ -123,12 +122,12 @@ impl Slots {
         for (index, column) in columns.iter().enumerate() {
             let own = of(index);
             let wheel = || {
-                let name = column.wheel.as_ref()?;
+                let Some(name) = &column.wheel else {
+                    return Some(0);
+                };
                 wheels.iter().position(|wheel| wheel == name)
             };
             let slot = match column.meaning {
-                Meaning::SteeringAngle => Some(Slot::Steering(own)),
-                Meaning::YawRate => Some(Slot::YawRate(own)),
                 Meaning::AccelerationForward => {
                     Some(Slot::Acceleration(own, part(Meaning::AccelerationLeft)))
                 }
@@ -153,8 +152,10 @@ impl Slots {
                 Meaning::SpeedForward => Some(Slot::Speed(own, part(Meaning::SpeedLeft))),
                 Meaning::SpeedSize => Some(Slot::Speed(own, None)),
                 Meaning::CommandForward => Some(Slot::Command(own, part(Meaning::CommandLeft))),
-                // second parts of the above have no wheel
-                meaning => wheel().map(|wheel| Slot::Wheel(meaning, wheel, own)),
+                // further parts of the above are read with the first
+                meaning => wheel()
+                    .filter(|_| meaning.kind().fields().len() == 1)
+                    .map(|wheel| Slot::One(meaning.kind(), wheel, own)),
             };
             slots.extend(slot);
         }
@@ -183,31 +184,22 @@ impl Slots {
         let optional = |part: Option<Part>| part.map_or(Ok(None), number);
         for slot in &self.0 {
             let reading = match *slot {
-                Slot::Wheel(Meaning::WheelCount, wheel, part) => {
-                    count(part)?.map(|raw| Measurement::WheelCount { wheel, raw })
+                // A way is an angle once the radius is known, a current a torque once the motor is.
+                Slot::One(kind, index, part) => {
+                    let mut parts = MeasurementParts {
+                        index,
+                        ..MeasurementParts::default()
+                    };
+                    if kind.fields()[0].part == MeasurementPart::Count {
+                        count(part)?.and_then(|count| {
+                            parts.count = count;
+                            Measurement::from_parts(kind, parts)
+                        })
+                    } else {
+                        parts.numbers[0] = number(part)?;
+                        Measurement::from_parts(kind, parts)
+                    }
                 }
-                // A way is an angle once the radius is known.
-                Slot::Wheel(Meaning::WheelAngle | Meaning::WheelDistance, wheel, part) => {
-                    number(part)?.map(|angle| Measurement::WheelAngle { wheel, angle })
-                }
-                // A current is a torque once the motor is known.
-                Slot::Wheel(Meaning::WheelTorque | Meaning::MotorCurrent, wheel, part) => {
-                    number(part)?.map(|torque| Measurement::WheelTorque { wheel, torque })
-                }
-                Slot::Wheel(Meaning::WheelSteering, wheel, part) => {
-                    number(part)?.map(|angle| Measurement::SteeringAngle { wheel, angle })
-                }
-                Slot::Wheel(Meaning::Sinkage, wheel, part) => {
-                    number(part)?.map(|depth| Measurement::Sinkage { wheel, depth })
-                }
-                Slot::Wheel(Meaning::EntryAngle, wheel, part) => {
-                    number(part)?.map(|angle| Measurement::EntryAngle { wheel, angle })
-                }
-                Slot::Wheel(_, wheel, part) => {
-                    number(part)?.map(|rate| Measurement::WheelRate { wheel, rate })
-                }
-                Slot::Steering(part) => number(part)?.map(|angle| Measurement::Steering { angle }),
-                Slot::YawRate(part) => number(part)?.map(|rate| Measurement::YawRate { rate }),
                 Slot::Acceleration(forward, left) => {
                     // Where it is not measured at all, the run puts that of the robot's turn in its place.
                     let left = match left {

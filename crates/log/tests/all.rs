@@ -30,6 +30,7 @@ mod logs;
 mod long_definitions;
 mod mcap_damages;
 mod measured_bags;
+mod message_types;
 mod orientations;
 mod others_files;
 mod readings;

@@ -1,5 +1,8 @@
 //! The list of a result's quantities and its views.
 
+use std::borrow::Borrow;
+
+use grouser_real::{FieldValue, ReadField, ResultField};
 use serde_json::Value;
 
 use crate::datum::Datum;
@@ -34,6 +37,43 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// The quantities of a part, at the same level, as the crate that computes it declares them.
+    ///
+    /// ```
+    /// use grouser_real::ResultField;
+    /// use grouser_report::Fields;
+    ///
+    /// const FIELDS: &[ResultField<f64>] = &[ResultField::number("load_n", "load", |load| *load).shown("N")];
+    /// let fields = Fields::new().declared(FIELDS, |load: &f64| Some(load));
+    /// assert_eq!(fields.object(&80.0)["load_n"], 80.0);
+    /// ```
+    #[must_use]
+    pub fn declared<U: 'static, B: Borrow<U>>(
+        mut self,
+        list: &'static [ResultField<U>],
+        of: impl Fn(T) -> Option<B> + Clone + 'a,
+    ) -> Self {
+        for field in list {
+            let schema = match field.read {
+                ReadField::Number(_) | ReadField::Optional(_) => f64::schema(),
+                ReadField::Whole(_) => u32::schema(),
+                ReadField::Text(_) => String::schema(),
+                ReadField::Texts(_) => Vec::<String>::schema(),
+            };
+            let of = of.clone();
+            self = self.with(field.key, field.words, schema, move |whole| {
+                of(whole).map_or(Value::Null, |part| json(field, part.borrow()))
+            });
+            if let Some((unit, missing)) = field.shown {
+                self = self.shown(unit);
+                if let Some(words) = missing {
+                    self = self.missing(words);
+                }
+            }
+        }
+        self
     }
 
     /// A quantity.
@@ -490,5 +530,22 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
             change(shown);
         }
         self
+    }
+}
+
+/// The value of a declared field as JSON.
+pub(crate) fn json<U>(field: &ResultField<U>, of: &U) -> Value {
+    match field.value(of) {
+        FieldValue::Missing => Value::Null,
+        FieldValue::Number(number) => number.json(),
+        FieldValue::Whole(number) => number.into(),
+        FieldValue::Text(text) => text.into(),
+        FieldValue::Texts => {
+            let mut all = Vec::new();
+            if let ReadField::Texts(read) = field.read {
+                read(of, &mut |text| all.push(Value::from(text)));
+            }
+            all.into()
+        }
     }
 }

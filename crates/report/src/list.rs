@@ -8,6 +8,7 @@
 /// - `"key" "words" rows(fields) = parts;` is a list of objects, `named(fields)` are objects by name.
 /// - `"key" "words" values = named_values;` are values by name, `null` for `None`.
 /// - `join(fields) = part;` has the quantities of a part at the same level.
+/// - `declared(list) = part;` has those that the crate declares which computes the part.
 /// - `also(fields) = part;` has them in results that have that part, and `None` leaves them out.
 /// - `remark "label" = text;` is seen by people only.
 ///
@@ -32,6 +33,9 @@ macro_rules! fields {
     (@ $made:expr, $of:ident: $type:ty;) => { $made };
     (@ $made:expr, $of:ident: $type:ty; join($part:expr) = $value:expr; $($rest:tt)*) => {
         $crate::fields!(@ $made.join($part, move |$of: $type| $value), $of: $type; $($rest)*)
+    };
+    (@ $made:expr, $of:ident: $type:ty; declared($part:expr) = $value:expr; $($rest:tt)*) => {
+        $crate::fields!(@ $made.declared($part, move |$of: $type| $value), $of: $type; $($rest)*)
     };
     (@ $made:expr, $of:ident: $type:ty; also($part:expr) = $value:expr; $($rest:tt)*) => {
         $crate::fields!(@ $made.also($part, move |$of: $type| $value), $of: $type; $($rest)*)

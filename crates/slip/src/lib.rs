@@ -59,7 +59,9 @@ pub use grouser_terra::Slip;
 pub use measured_slip::{MeasuredSlip, SlipLimits};
 pub use reference::Reference;
 pub use robot::{Encoder, MAX_WHEELS, Robot, Shaft, Wheel, WheelRole};
-pub use sample::{Measurement, Sample};
+pub use sample::{
+    Measurement, MeasurementField, MeasurementKind, MeasurementPart, MeasurementParts, Sample,
+};
 pub use speed::{Measured, MixedSpeed, PeriodSpeed};
 pub use state::{Degraded, Health, Invalid, Motion};
 pub use wheel_estimate::WheelEstimate;

@@ -71,7 +71,7 @@ pub use forces::Forces;
 pub use gravity::{
     EARTH_GRAVITY_M_PER_S2, MARS_GRAVITY_M_PER_S2, MOON_GRAVITY_M_PER_S2, gravity_of,
 };
-pub use grouser_real::OutOfRange;
+pub use grouser_real::{FieldValue, OutOfRange, ReadField, ResultField};
 pub use kernel::Kernel;
 pub use kinematics::Kinematics;
 pub use lanes::{
@@ -88,7 +88,7 @@ pub use pressure::{
 pub use settings::{Accuracy, Settings};
 pub use shear::{MohrCoulomb, ShearLaw, mobilised_janosi, transition_angle_wong_reece};
 pub use side_disc::passive_pressure_coulomb;
-pub use sinkage::{LoadOutcome, LoadSolution, MAX_MISS, Sinkage, SinkageSolution};
+pub use sinkage::{LoadOutcome, LoadSolution, MAX_MISS, Prescribed, Sinkage, SinkageSolution};
 pub use slip::{Slip, WheelMotion};
 pub use slip_model::{Mobilised, ModelOutcome, ModelSlip, slip_ani, slip_model};
 pub use slip_velocity::{DrivingSlip, SlipNorm, SlipVelocity};

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use grouser_real::Real;
+use grouser_real::{Real, ResultField};
 
 use crate::operating_point::OperatingPoint;
 use crate::wheel::{GrouserRule, RigidWheel};
@@ -97,6 +97,34 @@ pub struct LugPassage {
     pub torque: f64,
     /// How many lugs are in the soil on average.
     pub in_soil: f64,
+}
+
+type Own = ResultField<LugPassage>;
+
+impl LugPassage {
+    /// Its fields in all interfaces.
+    pub const FIELDS: &'static [Own] = &[
+        Own::number("grouser_spacing_deg", "angle between two lugs", |lugs| {
+            lugs.spacing.to_degrees()
+        })
+        .shown("deg"),
+        Own::number("grousers_in_soil", "lugs in the soil on average", |lugs| {
+            lugs.in_soil
+        })
+        .shown(""),
+        Own::number(
+            "pull_fluctuation_n",
+            "fluctuation of the pull as lugs pass, greatest less least",
+            |lugs| lugs.pull,
+        )
+        .shown("N"),
+        Own::number(
+            "torque_fluctuation_nm",
+            "fluctuation of the torque as lugs pass, greatest less least",
+            |lugs| lugs.torque,
+        )
+        .shown("N m"),
+    ];
 }
 
 impl RigidWheel {

@@ -1,6 +1,6 @@
 //! The sinkage at which a wheel carries its load.
 
-use grouser_real::Real;
+use grouser_real::{Real, ResultField};
 
 use crate::caution::Caution;
 use crate::error::{Error, Result};
@@ -41,7 +41,6 @@ pub(crate) const SCAN_STEPS: i32 = 10;
 /// # Ok::<(), grouser_terra::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum LoadOutcome<T> {
     /// Found, to rounding.
     Solved(T),
@@ -118,17 +117,19 @@ impl SinkageSolution {
     }
 }
 
-/// A wheel under its load.
+/// A wheel under its load, or at a prescribed sinkage.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct LoadSolution {
     /// How the search for the sinkage ended, with the operating point.
     pub outcome: LoadOutcome<OperatingPoint>,
-    /// The load, N.
-    pub load: f64,
+    /// The load, N; `None` at a prescribed sinkage.
+    pub load: Option<f64>,
     /// Evaluations of the stress integrals.
     pub evaluations: u32,
 }
+
+type Own = ResultField<LoadSolution>;
 
 impl LoadSolution {
     /// The operating point; `None` unless solved.
@@ -140,9 +141,105 @@ impl LoadSolution {
     /// Vertical force less load, N; `None` unless solved.
     #[must_use]
     pub fn residual(&self) -> Option<f64> {
-        let point = self.outcome.solved();
-        point.map(|point| point.forces.vertical_force - self.load)
+        let point = self.outcome.solved().zip(self.load);
+        point.map(|(point, load)| point.forces.vertical_force - load)
     }
+
+    /// The greatest load that was found to be carried, N, where the load is greater.
+    #[must_use]
+    pub const fn max_load(&self) -> Option<f64> {
+        match self.outcome {
+            LoadOutcome::NoSolution { max_load } => Some(max_load),
+            LoadOutcome::Solved(_) | LoadOutcome::NotConverged => None,
+        }
+    }
+
+    fn solved(&self) -> Option<&OperatingPoint> {
+        match &self.outcome {
+            LoadOutcome::Solved(point) => Some(point),
+            LoadOutcome::NoSolution { .. } | LoadOutcome::NotConverged => None,
+        }
+    }
+
+    /// Its fields in all interfaces.
+    pub const FIELDS: &'static [Own] = &[
+        Own::text("status", "status", |of| of.outcome.status().key()).shown(""),
+        Own::optional("sinkage_m", "sinkage", |of| Some(of.solved()?.sinkage)).shown("mm"),
+        Own::optional("theta_1_deg", "entry angle", |of| {
+            Some(of.solved()?.angles.theta_1.to_degrees())
+        }),
+        Own::optional("theta_2_deg", "exit angle", |of| {
+            Some(of.solved()?.angles.theta_2.to_degrees())
+        }),
+        Own::optional("theta_m_deg", "angle of the greatest stress", |of| {
+            Some(of.solved()?.angles.theta_m.to_degrees())
+        }),
+        Own::optional("vertical_force_n", "vertical force", |of| {
+            Some(of.solved()?.forces.vertical_force)
+        })
+        .shown("N"),
+        Own::optional("drawbar_pull_n", "drawbar pull", |of| {
+            Some(of.solved()?.forces.drawbar_pull)
+        })
+        .shown("N"),
+        Own::optional("side_force_n", "side force", |of| {
+            Some(of.solved()?.side_force)
+        })
+        .shown("N"),
+        Own::optional("torque_nm", "torque", |of| Some(of.solved()?.forces.torque)).shown("N m"),
+        Own::optional("tractive_efficiency", "tractive efficiency", |of| {
+            of.solved()?.tractive_efficiency()
+        })
+        .shown_or("%", "none"),
+        Own::optional("energy_j_per_m", "energy", |of| {
+            of.solved()?.energy_per_metre()
+        })
+        .shown_or("J/m", "none"),
+        Own::optional(
+            "pull_coefficient",
+            "drawbar pull over vertical force",
+            |of| of.solved()?.pull_coefficient(),
+        ),
+        Own::optional("compaction_resistance_n", "compaction resistance", |of| {
+            Some(of.solved()?.forces.compaction_resistance)
+        })
+        .shown("N"),
+        Own::optional(
+            "running_radius_m",
+            "radius at which the wheel runs on its soil, lugs included",
+            |of| Some(of.solved()?.radius),
+        ),
+        Own::optional(
+            "residual",
+            "difference between the load and the vertical force",
+            Self::residual,
+        ),
+        Own::optional(
+            "energy_residual_nm",
+            "torque that the energy balance leaves",
+            |of| Some(of.solved()?.forces.energy_residual),
+        ),
+        Own::optional("error_estimate_n", "error of the integrals at most", |of| {
+            Some(of.solved()?.error_estimate)
+        })
+        .shown("N"),
+        Own::whole("evaluations", "evaluations of the forces", |of| {
+            of.evaluations
+        }),
+        Own::optional(
+            "max_load_n",
+            "the greatest load that was found to be carried",
+            Self::max_load,
+        ),
+        Own::texts("cautions", "cautions", |of, take| {
+            if let Some(point) = of.solved() {
+                point
+                    .cautions
+                    .iter()
+                    .for_each(|caution| take(caution.key()));
+            }
+        }),
+    ];
 }
 
 /// Bounds of the entry angle between which the wanted load lies, and what was spent on them.
@@ -154,7 +251,51 @@ struct Search {
     evaluations: u32,
 }
 
+/// The quantity that an operating point is solved at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Prescribed {
+    /// The load that the wheel carries, N.
+    Load(f64),
+    /// How deep it has sunk, m.
+    Sinkage(f64),
+}
+
+impl Prescribed {
+    /// The load, if it is prescribed.
+    #[must_use]
+    pub const fn load(self) -> Option<f64> {
+        match self {
+            Self::Load(load) => Some(load),
+            Self::Sinkage(_) => None,
+        }
+    }
+
+    /// The sinkage, if it is prescribed.
+    #[must_use]
+    pub const fn sinkage(self) -> Option<f64> {
+        match self {
+            Self::Load(_) => None,
+            Self::Sinkage(sinkage) => Some(sinkage),
+        }
+    }
+}
+
 impl WheelOnSoil {
+    /// The operating point at a load or a sinkage.
+    ///
+    /// # Errors
+    /// As [`WheelOnSoil::under_load`] and [`WheelOnSoil::at_sinkage`].
+    pub fn solve(&self, prescribed: Prescribed, kinematics: &Kinematics) -> Result<LoadSolution> {
+        match prescribed {
+            Prescribed::Load(load) => self.under_load(load, kinematics),
+            Prescribed::Sinkage(sinkage) => Ok(LoadSolution {
+                outcome: LoadOutcome::Solved(self.at_sinkage(sinkage, kinematics)?),
+                load: None,
+                evaluations: 1,
+            }),
+        }
+    }
+
     /// The operating point at which the wheel carries `load` (N).
     ///
     /// Of several sinkages it takes the lowest on a rising branch of the vertical force, and cautions. Only a braked wheel and one
@@ -181,7 +322,7 @@ impl WheelOnSoil {
         let last = u32::from(matches!(outcome, LoadOutcome::Solved(_)));
         Ok(LoadSolution {
             outcome,
-            load,
+            load: Some(load),
             evaluations: found.evaluations + last,
         })
     }

@@ -10,7 +10,6 @@
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
-#[non_exhaustive]
 pub enum SolveStatus {
     /// Computed.
     Solved = 0,

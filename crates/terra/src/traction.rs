@@ -47,7 +47,6 @@ pub struct SteepestSlope {
 
 /// What a slope requires of a wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum SlopeOutcome {
     /// This slip holds it, and none of smaller magnitude.
     Holds {

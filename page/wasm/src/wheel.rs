@@ -1,7 +1,8 @@
 //! One operating point: the numbers of `grouser wheel --json`, and the stress along the contact.
 
 use grouser_terra::{
-    Angle, Cautions, LoadOutcome, OperatingPoint, Slip, SlopeOutcome, WheelOnSoil,
+    Angle, Cautions, FieldValue, LoadSolution, LugPassage, OperatingPoint, Prescribed, ResultField,
+    Slip, SlopeOutcome,
 };
 use serde_json::{Map, Value, json};
 
@@ -22,6 +23,7 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
     let mut demand = None;
     if let (Some(weight), Some(degrees)) = (load, slope) {
         let angle = Angle::from_deg(degrees);
+        let mut greatest = None;
         out.insert("slope_pull_n".into(), json!(weight * angle.sin()));
         let outcome = match request.optional_number("slip_demand_near")? {
             Some(near) => pair.slip_demand_near(weight, angle, Slip::new(near)?)?,
@@ -29,11 +31,10 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
         };
         match outcome {
             SlopeOutcome::Holds { slip } => demand = Some(slip.value()),
-            SlopeOutcome::Immobilised { max_pull, .. } => {
-                out.insert("max_pull_n".into(), json!(max_pull));
-            }
-            _ => {}
+            SlopeOutcome::Immobilised { max_pull, .. } => greatest = max_pull,
+            SlopeOutcome::Slides { .. } => {}
         }
+        out.insert("max_pull_n".into(), json!(greatest));
         out.insert("slip_demand".into(), json!(demand));
     }
     let Some(slip) = request.optional_number("slip")?.or(demand) else {
@@ -42,21 +43,11 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
     };
     out.insert("slip".into(), json!(slip));
     let motion = kinematics(request, slip)?;
-    let point = match (load, request.optional_number("sinkage_m")?) {
+    let prescribed = match (load, request.optional_number("sinkage_m")?) {
         (Some(weight), None) => {
-            let load = weight * slope.map_or(1.0, |slope| Angle::from_deg(slope).cos());
-            let solution = pair.under_load(load, &motion)?;
-            out.insert("evaluations".into(), json!(solution.evaluations));
-            out.insert("status".into(), json!(status(&solution.outcome)));
-            if let LoadOutcome::NoSolution { max_load } = solution.outcome {
-                out.insert("max_load_n".into(), json!(max_load));
-            }
-            solution.point()
+            Prescribed::Load(weight * slope.map_or(1.0, |slope| Angle::from_deg(slope).cos()))
         }
-        (None, Some(sinkage)) => {
-            out.insert("status".into(), json!("ok"));
-            Some(pair.at_sinkage(sinkage, &motion)?)
-        }
+        (None, Some(sinkage)) => Prescribed::Sinkage(sinkage),
         _ => {
             return Err(Problem::new(
                 "load_n",
@@ -64,8 +55,13 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
             ));
         }
     };
-    if let Some(point) = point {
-        insert_point(&mut out, &pair, &point);
+    let solution = pair.solve(prescribed, &motion)?;
+    insert(&mut out, LoadSolution::FIELDS, &solution);
+    if let Some(point) = solution.point() {
+        out.insert("cautions".into(), cautions(point.cautions));
+        if let Some(lugs) = pair.lug_passage(&point) {
+            insert(&mut out, LugPassage::FIELDS, &lugs);
+        }
         let steps = request.count("profile", MAX_PROFILE_POINTS)?;
         if steps > 1 {
             out.insert("profile".into(), profile(&point, steps));
@@ -74,42 +70,16 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
     Ok(out.into())
 }
 
-/// The status in the words of the command.
-pub(crate) fn status<T>(outcome: &LoadOutcome<T>) -> &'static str {
-    match outcome {
-        LoadOutcome::Solved(_) => "ok",
-        LoadOutcome::NoSolution { .. } => "no-solution",
-        _ => "not-converged",
-    }
-}
-
-fn insert_point(out: &mut Map<String, Value>, pair: &WheelOnSoil, point: &OperatingPoint) {
-    let angles = &point.angles;
-    let forces = &point.forces;
-    let mut put = |key: &str, value: Value| out.insert(key.to_owned(), value);
-    put("sinkage_m", json!(point.sinkage));
-    put("theta_1_deg", json!(angles.theta_1.to_degrees()));
-    put("theta_2_deg", json!(angles.theta_2.to_degrees()));
-    put("theta_m_deg", json!(angles.theta_m.to_degrees()));
-    put("vertical_force_n", json!(forces.vertical_force));
-    put("drawbar_pull_n", json!(forces.drawbar_pull));
-    put("side_force_n", json!(point.side_force));
-    put("torque_nm", json!(forces.torque));
-    put("tractive_efficiency", json!(point.tractive_efficiency()));
-    put("energy_j_per_m", json!(point.energy_per_metre()));
-    put("pull_coefficient", json!(point.pull_coefficient()));
-    put(
-        "compaction_resistance_n",
-        json!(forces.compaction_resistance),
-    );
-    put("error_estimate_n", json!(point.error_estimate));
-    put("running_radius_m", json!(pair.wheel().running_radius()));
-    put("cautions", cautions(point.cautions));
-    if let Some(lugs) = pair.lug_passage(point) {
-        put("grouser_spacing_deg", json!(lugs.spacing.to_degrees()));
-        put("grousers_in_soil", json!(lugs.in_soil));
-        put("pull_fluctuation_n", json!(lugs.pull));
-        put("torque_fluctuation_nm", json!(lugs.torque));
+/// The fields of a result as the library declares them; lists of words have another form here.
+fn insert<T>(out: &mut Map<String, Value>, fields: &[ResultField<T>], of: &T) {
+    for field in fields {
+        let value = match field.value(of) {
+            FieldValue::Missing | FieldValue::Texts => Value::Null,
+            FieldValue::Number(number) => json!(number),
+            FieldValue::Whole(number) => json!(number),
+            FieldValue::Text(text) => json!(text),
+        };
+        out.insert(field.key.to_owned(), value);
     }
 }
 

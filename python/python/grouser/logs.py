@@ -22,8 +22,9 @@ import numpy.typing as npt
 
 from . import _core
 from ._arrays import check_kind, flag, number, path_of
-from ._core import Robot, Sample
+from ._core import Robot
 from ._errors import InputError
+from ._declared import Sample
 
 __all__ = ["Engine", "Result", "Robot", "Rows", "Sample", "Samples", "estimate", "read"]
 

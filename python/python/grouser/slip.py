@@ -37,7 +37,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from . import _core
-from ._core import Robot, Sample
+from ._core import Robot
+from ._declared import Sample
 
 __all__ = [
     "Estimate",

@@ -38,7 +38,8 @@ import numpy.typing as npt
 
 from . import _core
 from ._arrays import as_floats, check_kind, columns, shaped, threads_of
-from ._core import OperatingPoint, Soil, Wheel, WheelOnSoil
+from ._core import Soil, Wheel, WheelOnSoil
+from ._declared import OperatingPoint
 from ._errors import InputError
 
 __all__ = [

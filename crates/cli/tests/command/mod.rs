@@ -15,6 +15,7 @@ mod limits;
 mod map_outputs;
 mod outputs;
 mod program;
+mod result_keys;
 mod schemas;
 mod slopes;
 mod stance;

@@ -20,7 +20,7 @@ pub(super) fn check_columns(section: &Section<'_>, columns: &[Column]) -> Result
 pub(crate) fn check_together(at: &Place, columns: &[Column]) -> Result<()> {
     for (index, column) in columns.iter().enumerate() {
         let twice = columns[..index].iter().find(|other| {
-            other.meaning.reading() == column.meaning.reading() && other.wheel == column.wheel
+            column.meaning.is_same_reading(other.meaning) && other.wheel == column.wheel
         });
         if let Some(other) = twice {
             let (name, other) = (column.meaning.name(), other.meaning.name());

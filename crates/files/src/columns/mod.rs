@@ -23,7 +23,7 @@ mod write;
 
 use std::path::Path;
 
-use grouser_slip::Reference;
+use grouser_slip::{MeasurementKind, Reference};
 
 use crate::document::Document;
 use crate::error::{Error, Result};
@@ -38,165 +38,125 @@ pub(crate) use write::{meaning, write_table};
 /// The maximum number of lines before the data.
 const MAX_HEADER_LINES: i64 = 1000;
 
-/// What a column means.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Meaning {
+/// Declares the meanings: name in files, quantity, the measurement that it is a part of, and what it needs beside it.
+macro_rules! meanings {
+    ($($(#[doc = $doc:literal])+ $meaning:ident = $name:literal, $quantity:ident => $kind:ident $([$($needs:ident)+])?;)+) => {
+        /// What a column means.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[non_exhaustive]
+        pub enum Meaning {
+            $($(#[doc = $doc])+ $meaning,)+
+        }
+
+        impl Meaning {
+            /// Every meaning: its name in files, and what it measures.
+            pub const ALL: &[(&str, Self, Quantity)] = &[$(($name, Self::$meaning, Quantity::$quantity)),+];
+
+            /// Its name in files.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$meaning => $name,)+ }
+            }
+
+            /// The measurement that it is, or is a part of, once radius and motor of the wheel are known.
+            #[must_use]
+            pub const fn kind(self) -> MeasurementKind {
+                match self { $(Self::$meaning => MeasurementKind::$kind,)+ }
+            }
+
+            /// The meanings without which this one says nothing.
+            #[must_use]
+            pub const fn needs(self) -> &'static [Self] {
+                match self { $(Self::$meaning => &[$($(Self::$needs),+)?],)+ }
+            }
+        }
+    };
+}
+
+meanings! {
     /// A wheel's tick counter.
-    WheelCount,
+    WheelCount = "wheel_count", Ticks => WheelCount;
     /// The angle of a wheel's sensor shaft.
-    WheelAngle,
+    WheelAngle = "wheel_angle", Angle => WheelAngle;
     /// The way of a wheel's rim since some start, as odometers count it; [`Self::WheelAngle`] by the wheel's radius.
-    WheelDistance,
+    WheelDistance = "wheel_distance", Length => WheelAngle;
     /// The rate of a wheel's sensor shaft.
-    WheelRate,
+    WheelRate = "wheel_rate", AngularRate => WheelRate;
     /// The speed of a wheel's rim; [`Self::WheelRate`] by the wheel's radius.
-    WheelSpeed,
+    WheelSpeed = "wheel_speed", Speed => WheelRate;
     /// Torque on a wheel, positive when it drives forwards.
-    WheelTorque,
+    WheelTorque = "wheel_torque", Torque => WheelTorque;
     /// Current of a wheel's motor, positive when it drives forwards; [`Self::WheelTorque`] by `torque_per_ampere_nm` of the
     /// robot file.
-    MotorCurrent,
+    MotorCurrent = "motor_current", Current => WheelTorque;
     /// How deep the lowest point of a wheel lies below the ground in front of it.
-    Sinkage,
+    Sinkage = "sinkage", Length => Sinkage;
     /// The angle at which the ground in front of a wheel meets its rim, from the lowest point forwards.
-    EntryAngle,
+    EntryAngle = "entry_angle", Angle => EntryAngle;
     /// Angle by which a wheel is steered, to the left.
-    WheelSteering,
+    WheelSteering = "wheel_steering", Angle => SteeringAngle;
     /// Angle of the robot's steering as a whole, to the left: see `[steering]` of the robot file.
-    SteeringAngle,
+    SteeringAngle = "steering_angle", Angle => Steering;
     /// The robot's yaw rate.
-    YawRate,
+    YawRate = "yaw_rate", AngularRate => YawRate;
     /// What an accelerometer feels forwards, gravity's share on a slope included.
-    AccelerationForward,
+    AccelerationForward = "acceleration_forward", Acceleration => Acceleration;
     /// What it feels to the left.
-    AccelerationLeft,
+    AccelerationLeft = "acceleration_left", Acceleration => Acceleration [AccelerationForward];
     /// Way forwards since the row before, in the robot's frame; [`Column::frame`] has which.
-    DisplacementForward,
+    DisplacementForward = "displacement_forward", Length => Displacement [DisplacementLeft];
     /// Way to the left since the row before.
-    DisplacementLeft,
+    DisplacementLeft = "displacement_left", Length => Displacement [DisplacementForward];
     /// Turn to the left since the row before.
-    DisplacementTurn,
+    DisplacementTurn = "displacement_turn", Angle => Displacement [DisplacementForward];
     /// Position in a fixed frame.
-    PoseX,
+    PoseX = "pose_x", Length => Pose [PoseY];
     /// Position in a fixed frame.
-    PoseY,
+    PoseY = "pose_y", Length => Pose [PoseX];
     /// Yaw angle in a fixed frame.
-    PoseYaw,
+    PoseYaw = "pose_yaw", Angle => Pose [PoseX];
     /// Part x of the quaternion that turns the robot's frame to the fixed one; 0 where it is not there.
-    OrientationX,
+    OrientationX = "orientation_x", Number => Pose [OrientationZ];
     /// Part y of it; 0 where it is not there.
-    OrientationY,
+    OrientationY = "orientation_y", Number => Pose [OrientationZ];
     /// Part z of it.
-    OrientationZ,
+    OrientationZ = "orientation_z", Number => Pose [PoseX OrientationW];
     /// Its real part.
-    OrientationW,
+    OrientationW = "orientation_w", Number => Pose [OrientationZ];
     /// Speed over ground forwards.
-    SpeedForward,
+    SpeedForward = "speed_forward", Speed => Speed;
     /// Speed over ground to the left.
-    SpeedLeft,
+    SpeedLeft = "speed_left", Speed => Speed [SpeedForward];
     /// Size of the speed over ground, as satellite receivers state it: its sign is that of the wheels.
-    SpeedSize,
+    SpeedSize = "speed_size", Speed => Speed;
     /// Commanded speed forwards.
-    CommandForward,
+    CommandForward = "command_forward", Speed => Command;
     /// Commanded speed to the left.
-    CommandLeft,
+    CommandLeft = "command_left", Speed => Command [CommandForward];
     /// Latitude of a satellite receiver's fix, to the north (WGS 84).
-    Latitude,
+    Latitude = "latitude", Angle => Position [Longitude];
     /// Its longitude, to the east.
-    Longitude,
+    Longitude = "longitude", Angle => Position [Latitude];
     /// Its altitude.
-    Altitude,
+    Altitude = "altitude", Length => Position [Latitude];
     /// The kind of its solution: 0 or less without a position.
-    FixType,
+    FixType = "fix_type", Number => Position [Latitude];
     /// Its status as in `sensor_msgs/NavSatFix`: below 0 without a position, 1 with augmentation, 2 with a ground station.
-    FixStatus,
+    FixStatus = "fix_status", Number => Position [Latitude];
     /// The horizontal standard deviation of its position; 0: not known.
-    FixSigma,
+    FixSigma = "fix_sigma", Length => Position [Latitude];
 }
 
 impl Meaning {
-    /// Every meaning: its name in files, and what it measures.
-    pub const ALL: [(&'static str, Self, Quantity); 35] = [
-        ("wheel_count", Self::WheelCount, Quantity::Ticks),
-        ("wheel_angle", Self::WheelAngle, Quantity::Angle),
-        ("wheel_distance", Self::WheelDistance, Quantity::Length),
-        ("wheel_rate", Self::WheelRate, Quantity::AngularRate),
-        ("wheel_speed", Self::WheelSpeed, Quantity::Speed),
-        ("wheel_torque", Self::WheelTorque, Quantity::Torque),
-        ("motor_current", Self::MotorCurrent, Quantity::Current),
-        ("sinkage", Self::Sinkage, Quantity::Length),
-        ("entry_angle", Self::EntryAngle, Quantity::Angle),
-        ("wheel_steering", Self::WheelSteering, Quantity::Angle),
-        ("steering_angle", Self::SteeringAngle, Quantity::Angle),
-        ("yaw_rate", Self::YawRate, Quantity::AngularRate),
-        (
-            "acceleration_forward",
-            Self::AccelerationForward,
-            Quantity::Acceleration,
-        ),
-        (
-            "acceleration_left",
-            Self::AccelerationLeft,
-            Quantity::Acceleration,
-        ),
-        (
-            "displacement_forward",
-            Self::DisplacementForward,
-            Quantity::Length,
-        ),
-        (
-            "displacement_left",
-            Self::DisplacementLeft,
-            Quantity::Length,
-        ),
-        ("displacement_turn", Self::DisplacementTurn, Quantity::Angle),
-        ("pose_x", Self::PoseX, Quantity::Length),
-        ("pose_y", Self::PoseY, Quantity::Length),
-        ("pose_yaw", Self::PoseYaw, Quantity::Angle),
-        ("orientation_x", Self::OrientationX, Quantity::Number),
-        ("orientation_y", Self::OrientationY, Quantity::Number),
-        ("orientation_z", Self::OrientationZ, Quantity::Number),
-        ("orientation_w", Self::OrientationW, Quantity::Number),
-        ("speed_forward", Self::SpeedForward, Quantity::Speed),
-        ("speed_left", Self::SpeedLeft, Quantity::Speed),
-        ("speed_size", Self::SpeedSize, Quantity::Speed),
-        ("command_forward", Self::CommandForward, Quantity::Speed),
-        ("command_left", Self::CommandLeft, Quantity::Speed),
-        ("latitude", Self::Latitude, Quantity::Angle),
-        ("longitude", Self::Longitude, Quantity::Angle),
-        ("altitude", Self::Altitude, Quantity::Length),
-        ("fix_type", Self::FixType, Quantity::Number),
-        ("fix_status", Self::FixStatus, Quantity::Number),
-        ("fix_sigma", Self::FixSigma, Quantity::Length),
-    ];
-
     /// Does it belong to one wheel?
     #[must_use]
     pub const fn is_of_a_wheel(self) -> bool {
-        matches!(
-            self,
-            Self::WheelCount
-                | Self::WheelAngle
-                | Self::WheelDistance
-                | Self::WheelRate
-                | Self::WheelSpeed
-                | Self::WheelTorque
-                | Self::MotorCurrent
-                | Self::Sinkage
-                | Self::EntryAngle
-                | Self::WheelSteering
-        )
+        self.kind().is_of_a_wheel()
     }
 
-    /// The meaning that readings have once radius and motor of the wheel are known.
-    const fn reading(self) -> Self {
-        match self {
-            Self::WheelDistance => Self::WheelAngle,
-            Self::WheelSpeed => Self::WheelRate,
-            Self::MotorCurrent => Self::WheelTorque,
-            other => other,
-        }
+    /// Is it the same reading as another of the same wheel or robot?
+    pub(crate) fn is_same_reading(self, other: Self) -> bool {
+        self == other || (self.is_of_a_wheel() && self.kind() == other.kind())
     }
 
     /// The reference that it is, with those that it needs.
@@ -210,40 +170,10 @@ impl Meaning {
         }
     }
 
-    /// The meanings without which this one says nothing.
-    #[must_use]
-    pub const fn needs(self) -> &'static [Self] {
-        match self {
-            Self::DisplacementLeft | Self::DisplacementTurn => &[Self::DisplacementForward],
-            Self::PoseY | Self::PoseYaw => &[Self::PoseX],
-            Self::OrientationX | Self::OrientationY | Self::OrientationW => &[Self::OrientationZ],
-            Self::OrientationZ => &[Self::PoseX, Self::OrientationW],
-            Self::SpeedLeft => &[Self::SpeedForward],
-            Self::CommandLeft => &[Self::CommandForward],
-            Self::AccelerationLeft => &[Self::AccelerationForward],
-            Self::DisplacementForward => &[Self::DisplacementLeft],
-            Self::PoseX => &[Self::PoseY],
-            Self::Latitude => &[Self::Longitude],
-            Self::Longitude | Self::Altitude | Self::FixType | Self::FixStatus | Self::FixSigma => {
-                &[Self::Latitude]
-            }
-            _ => &[],
-        }
-    }
-
     /// Is it a yaw angle, or the part of a quaternion that has it?
     #[must_use]
     pub const fn is_heading(self) -> bool {
         matches!(self, Self::PoseYaw | Self::OrientationZ)
-    }
-
-    /// Its name in files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        Self::ALL
-            .iter()
-            .find(|(_, meaning, _)| *meaning == self)
-            .map_or("", |(name, _, _)| name)
     }
 }
 
@@ -497,7 +427,10 @@ fn read_column(section: &Section<'_>) -> Result<Column> {
 
 /// What a column or a field of that name means.
 pub(crate) fn read_meaning(section: &Section<'_>, column: String) -> Result<Column> {
-    let names = Meaning::ALL.map(|(name, meaning, quantity)| (name, (meaning, quantity)));
+    let all = Meaning::ALL.iter();
+    let names: Vec<_> = all
+        .map(|(name, meaning, quantity)| (*name, (*meaning, *quantity)))
+        .collect();
     let (meaning, quantity) = section.choice("meaning", &names)?;
     let unit = section.choice("unit", &quantity.units())?;
     let scale = section.optional_number("scale", (-1e12, 1e12))?;

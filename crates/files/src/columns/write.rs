@@ -2,7 +2,6 @@
 
 use super::{Column, ColumnMap, Frame, Meaning, Table, TimeUnit};
 use crate::toml_text::{TomlText, quoted};
-use crate::unit::Quantity;
 
 /// The text of a column map that reads back to the same map.
 ///
@@ -83,9 +82,10 @@ pub(crate) fn meaning(column: &Column, between: &str) -> String {
             .iter()
             .map(|wheel| format!("wheel = {}", quoted(wheel))),
     );
-    let all = Meaning::ALL.into_iter();
-    let quantity = all.filter_map(|(_, own, quantity)| (own == column.meaning).then_some(quantity));
-    let units: Vec<_> = quantity.flat_map(Quantity::units).collect();
+    let all = Meaning::ALL.iter();
+    let quantity =
+        all.filter_map(|(_, own, quantity)| (*own == column.meaning).then_some(quantity));
+    let units: Vec<_> = quantity.flat_map(|quantity| quantity.units()).collect();
     if let Some((unit, _)) = units.iter().find(|(_, factor)| *factor == column.factor) {
         keys.push(format!("unit = \"{unit}\""));
     } else if let Some((unit, _)) = units.first() {

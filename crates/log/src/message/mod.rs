@@ -10,6 +10,7 @@ mod encode;
 pub mod known;
 mod shared;
 mod spare;
+mod types;
 mod value;
 mod view;
 

@@ -5,6 +5,7 @@
 use super::covariance::Trust;
 use super::definition::short;
 use super::elements::Elements;
+use super::types::{Layout, TYPES, layout};
 use super::{Value, known};
 
 /// A view of a well-known message. Texts and arrays stay in the message's [`Value`]: a view allocates nothing.
@@ -154,6 +155,15 @@ pub struct Transform<'a> {
     pub rotation: [f64; 4],
 }
 
+/// What is at a path; an empty one is the value itself.
+fn inside<'a>(value: &'a Value, path: &str) -> Option<&'a Value> {
+    if path.is_empty() {
+        Some(value)
+    } else {
+        value.at(path)
+    }
+}
+
 fn vector(value: &Value, path: &str) -> Option<[f64; 3]> {
     let at = |name| value.at(path)?.at(name)?.number();
     Some([at("x")?, at("y")?, at("z")?])
@@ -216,6 +226,11 @@ fn contact(state: &Value) -> Option<[Option<f64>; 2]> {
 }
 
 impl<'a> View<'a> {
+    /// The types that have a view.
+    pub fn types() -> impl Iterator<Item = &'static str> {
+        TYPES.iter().map(|(name, _)| *name)
+    }
+
     /// Is there a view for messages of that type?
     ///
     /// ```
@@ -225,53 +240,58 @@ impl<'a> View<'a> {
     /// ```
     #[must_use]
     pub fn exists_for(type_name: &str) -> bool {
-        matches!(
-            &*short(type_name),
-            "sensor_msgs/JointState"
-                | "sensor_msgs/Imu"
-                | "nav_msgs/Odometry"
-                | "geometry_msgs/Twist"
-                | "geometry_msgs/TwistStamped"
-                | "geometry_msgs/TwistWithCovarianceStamped"
-                | "sensor_msgs/NavSatFix"
-                | "geometry_msgs/PoseStamped"
-                | "geometry_msgs/PoseWithCovarianceStamped"
-                | "geometry_msgs/TransformStamped"
-                | "geometry_msgs/PointStamped"
-                | "tf2_msgs/TFMessage"
-                | "tf/tfMessage"
-                | known::WHEEL_TICKS
-                | known::JOINT_INTERFACES
-                | known::DISPLACEMENT
-        )
+        layout(&short(type_name)).is_some()
     }
 
     /// The view of a message; `None` for a type without one, or a message that lacks what its type has.
     #[must_use]
-    #[allow(clippy::too_many_lines, reason = "one arm a type")]
+    #[allow(clippy::too_many_lines, reason = "one arm a layout")]
     pub fn new(type_name: &str, value: &'a Value) -> Option<Self> {
-        let twist = |twist: &Value, around: &Value| {
-            Some(Self::Twist {
-                linear: vector(twist, "linear")?,
-                angular: vector(twist, "angular")?,
-                trust: trust(around, "covariance", [0, 7, 35]),
-            })
-        };
-        let pose = |pose: &Value, around: &Value| {
-            Some(Self::Pose {
-                position: vector(pose, "position")?,
-                orientation: quaternion(pose, "orientation")?,
-                trust: trust(around, "covariance", [0, 7, 35]),
-            })
-        };
-        match &*short(type_name) {
-            "sensor_msgs/JointState" => Some(Self::JointState(JointState {
-                names: texts(value, "name")?,
-                position: numbers(value, "position")?,
-                velocity: numbers(value, "velocity")?,
-                effort: numbers(value, "effort").unwrap_or_default(),
-            })),
-            "sensor_msgs/Imu" => {
+        match layout(&short(type_name))? {
+            Layout::Joints(names, [position, velocity, effort]) => {
+                Some(Self::JointState(JointState {
+                    names: texts(value, names)?,
+                    position: numbers(value, position)?,
+                    velocity: numbers(value, velocity)?,
+                    effort: numbers(value, effort).unwrap_or_default(),
+                }))
+            }
+            Layout::Twist(twist, around) => Some(Self::Twist {
+                linear: vector(inside(value, twist)?, "linear")?,
+                angular: vector(inside(value, twist)?, "angular")?,
+                trust: trust(inside(value, around)?, "covariance", [0, 7, 35]),
+            }),
+            Layout::Pose([position, orientation], around) => Some(Self::Pose {
+                position: vector(value, position)?,
+                orientation: quaternion(value, orientation)?,
+                trust: trust(inside(value, around)?, "covariance", [0, 7, 35]),
+            }),
+            Layout::Point(point) => vector(value, point).map(Self::Point),
+            Layout::Transforms(all) => {
+                Elements::new(value.at(all)?, transform).map(Self::Transforms)
+            }
+            Layout::Counters(names, counts) => Some(Self::WheelTicks {
+                names: texts(value, names)?,
+                ticks: Elements::new(value.at(counts)?, count)?,
+            }),
+            Layout::CounterFields(names, fields) => Some(Self::WheelTicks {
+                names: Elements::given(names),
+                ticks: Elements::of_fields(value, fields, count)?,
+            }),
+            Layout::Contacts(names, interfaces) => {
+                let contacts = Elements::new(value.at(interfaces)?, contact)?;
+                let measures = contacts.iter().flatten().any(|value| value.is_some());
+                measures.then_some(Self::WheelContacts {
+                    names: texts(value, names)?,
+                    contacts,
+                })
+            }
+            Layout::Displacement([forward, left, turn]) => Some(Self::Displacement {
+                forward: value.number_at(forward)?,
+                left: value.number_at(left)?,
+                turn: value.number_at(turn).filter(|turn| !turn.is_nan()),
+            }),
+            Layout::Imu => {
                 let is_there = |name: &str| trust(value, name, [0; 3])[0] != Trust::Absent;
                 let given = |name, covariance| {
                     if is_there(covariance) {
@@ -290,7 +310,7 @@ impl<'a> View<'a> {
                     acceleration_trust: trust(value, "linear_acceleration_covariance", [0, 4, 8]),
                 }))
             }
-            "nav_msgs/Odometry" => Some(Self::Odometry(Odometry {
+            Layout::Odometry => Some(Self::Odometry(Odometry {
                 frame: text(value, "header.frame_id"),
                 child_frame: text(value, "child_frame_id"),
                 position: vector(value, "pose.pose.position")?,
@@ -300,13 +320,7 @@ impl<'a> View<'a> {
                 pose_trust: trust(value, "pose.covariance", [0, 7, 35]),
                 twist_trust: trust(value, "twist.covariance", [0, 7, 35]),
             })),
-            "geometry_msgs/Twist" => twist(value, value),
-            "geometry_msgs/TwistStamped" => twist(value.at("twist")?, value),
-            "geometry_msgs/TwistWithCovarianceStamped" => {
-                let around = value.at("twist")?;
-                twist(around.at("twist")?, around)
-            }
-            "sensor_msgs/NavSatFix" => {
+            Layout::NavSatFix => {
                 let at = |name| value.at(name)?.number();
                 let status = at("status.status")?;
                 let [east, north] =
@@ -328,42 +342,6 @@ impl<'a> View<'a> {
                     variance: east.zip(north).map(|(a, b)| a.max(b)).filter(|_| known),
                 }))
             }
-            "geometry_msgs/PoseStamped" => pose(value.at("pose")?, value),
-            "geometry_msgs/PoseWithCovarianceStamped" => {
-                let around = value.at("pose")?;
-                pose(around.at("pose")?, around)
-            }
-            "geometry_msgs/TransformStamped" => {
-                let transform = transform(value)?;
-                Some(Self::Pose {
-                    position: transform.translation,
-                    orientation: transform.rotation,
-                    trust: [Trust::Unknown; 3],
-                })
-            }
-            "geometry_msgs/PointStamped" => vector(value, "point").map(Self::Point),
-            "tf2_msgs/TFMessage" | "tf/tfMessage" => {
-                let all = Elements::new(value.at("transforms")?, transform);
-                all.map(Self::Transforms)
-            }
-            known::WHEEL_TICKS => Some(Self::WheelTicks {
-                names: texts(value, "name")?,
-                ticks: Elements::new(value.at("ticks")?, count)?,
-            }),
-            known::JOINT_INTERFACES => {
-                let contacts = Elements::new(value.at("interface_values")?, contact)?;
-                let measures = contacts.iter().flatten().any(|value| value.is_some());
-                measures.then_some(Self::WheelContacts {
-                    names: texts(value, "joint_names")?,
-                    contacts,
-                })
-            }
-            known::DISPLACEMENT => Some(Self::Displacement {
-                forward: value.number_at("forward")?,
-                left: value.number_at("left")?,
-                turn: value.number_at("turn").filter(|turn| !turn.is_nan()),
-            }),
-            _ => None,
         }
     }
 }

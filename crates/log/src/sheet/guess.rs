@@ -66,7 +66,7 @@ fn by_name_and_unit(words: &[String], stated: Option<&str>, whole: bool) -> Opti
         guess.meaning = Meaning::WheelSpeed;
     }
     let (_, _, own) = Meaning::ALL
-        .into_iter()
+        .iter()
         .find(|(_, meaning, _)| *meaning == guess.meaning)?;
     // `rate_deg` is in degrees per second
     let unit = match (own, stated) {

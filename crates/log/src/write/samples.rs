@@ -1,9 +1,9 @@
 //! Samples as messages of ROS 2: a table becomes an MCAP file.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 
-use grouser_slip::{Measurement, Sample};
+use grouser_slip::{Measurement, MeasurementKind, Sample};
 
 use super::{McapWriter, Topic};
 use crate::message::{Value, build, known};
@@ -46,6 +46,7 @@ pub struct SampleWriter<W: Write> {
     wheels: Vec<String>,
     group: Vec<Sample>,
     messages: u64,
+    unwritten: BTreeSet<MeasurementKind>,
 }
 
 impl<W: Write> SampleWriter<W> {
@@ -60,6 +61,7 @@ impl<W: Write> SampleWriter<W> {
             wheels: wheels.to_vec(),
             group: Vec::new(),
             messages: 0,
+            unwritten: BTreeSet::new(),
         })
     }
 
@@ -79,6 +81,12 @@ impl<W: Write> SampleWriter<W> {
         }
         self.group.push(*sample);
         Ok(())
+    }
+
+    /// The kinds that no message of these types has, of which samples came: they are not in the file.
+    #[must_use]
+    pub const fn unwritten(&self) -> &BTreeSet<MeasurementKind> {
+        &self.unwritten
     }
 
     /// Ends the file; gives it with the number of its messages.
@@ -136,8 +144,16 @@ impl<W: Write> SampleWriter<W> {
                     let value = build::twist_stamped(header(), linear, [0.0; 3]);
                     self.send(COMMAND, time_ns, &value)?;
                 }
-                // No log holds edges or carriers.
-                _ => {}
+                Measurement::WheelEdge { .. }
+                | Measurement::Position { .. }
+                | Measurement::Inertial { .. }
+                | Measurement::JointAngle { .. }
+                | Measurement::SteeringAngle { .. }
+                | Measurement::Steering { .. }
+                | Measurement::MotorCurrent { .. }
+                | Measurement::Carrier { .. } => {
+                    self.unwritten.insert(sample.measurement.kind());
+                }
             }
         }
         if yaw_rate.is_some() || acceleration.is_some() {

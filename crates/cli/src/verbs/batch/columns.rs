@@ -6,12 +6,11 @@ use std::path::Path;
 
 use super::stream::Line;
 use crate::error::{Error, Result};
-use crate::operation::Prescribed;
 use grouser_files::soil::SoilNumber;
 use grouser_files::{is_quantity_name, nearest};
 use grouser_log::csv::{Field, quoted, split};
 use grouser_report::number::{parse_finite, parse_plain, push_exact};
-use grouser_terra::Cautions;
+use grouser_terra::{Cautions, Prescribed};
 
 /// The columns that are added, in order; the side force only beside a column of slip angles, the fluctuations as
 /// lugs pass only beside columns of lugs.

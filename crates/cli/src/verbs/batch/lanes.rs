@@ -3,13 +3,12 @@
 use std::ops::Range;
 
 use grouser_terra::{
-    BatchColumns, BatchInput, BatchPoints, Caution, Cautions, MAX_MISS, Soil, SoilColumns,
-    SolveStatus,
+    BatchColumns, BatchInput, BatchPoints, Caution, Cautions, MAX_MISS, Prescribed, Soil,
+    SoilColumns, SolveStatus,
 };
 
 use super::columns::{Numbers, Point, Row, SOIL_NUMBERS};
 use super::soils::{Known, Soils};
-use crate::operation::Prescribed;
 
 /// The points in columns: those of one soil that are solved alike are side by side.
 struct Points {

@@ -11,8 +11,8 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use grouser_terra::{
-    Angle, Caution, Cautions, Kinematics, OpenSoil, RigidWheel, Settings, Slip, Soil, SolveStatus,
-    WheelOnSoil,
+    Angle, Caution, Cautions, Kinematics, LoadSolution, OpenSoil, OperatingPoint, RigidWheel,
+    Settings, Slip, Soil, SolveStatus, WheelOnSoil,
 };
 
 use self::columns::{Columns, Numbers, Point, Row, SOIL_NUMBERS, SoilNumbers};
@@ -23,7 +23,6 @@ use crate::error::{Error, Result, shown};
 use crate::exit::Outcome;
 use crate::input::{Input, STANDARD};
 use crate::law_error::Names;
-use crate::operation::{self, Answer, Status};
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
@@ -142,7 +141,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
                     {
                         let answer =
                             solve_point(point, Some(soil), &arguments.overrides, &mut cache);
-                        let general = answer.ok().and_then(|answer| answer.point);
+                        let general = answer.ok().and_then(|answer| answer.point());
                         let several = Caution::SeveralSinkages;
                         let is_known =
                             general.is_some_and(|point| point.cautions.contains(several));
@@ -246,8 +245,8 @@ fn complete(
     };
     match answer {
         Ok(answer) => {
-            let passage = |point| cache.0.as_ref()?.1.lug_passage(point);
-            let numbers = answer.point.as_ref().map(|point| Numbers {
+            let passage = |point: &OperatingPoint| cache.0.as_ref()?.1.lug_passage(point);
+            let numbers = answer.point().map(|point| Numbers {
                 sinkage: point.sinkage,
                 forces: [
                     point.forces.vertical_force,
@@ -255,15 +254,10 @@ fn complete(
                     point.forces.torque,
                 ],
                 side: point.side_force,
-                fluctuation: passage(point).map(|lugs| [lugs.pull, lugs.torque]),
+                fluctuation: passage(&point).map(|lugs| [lugs.pull, lugs.torque]),
                 cautions: point.cautions,
             });
-            let status = match answer.status {
-                Status::Ok => SolveStatus::Solved,
-                Status::NoSolution(_) => SolveStatus::NoSolution,
-                Status::NotConverged => SolveStatus::NotConverged,
-            };
-            solved.push(columns, row, numbers, status)
+            solved.push(columns, row, numbers, answer.outcome.status())
         }
         Err(message) => {
             let status = format!("bad-input: {message}");
@@ -278,7 +272,7 @@ fn solve_point(
     soil: Option<&Soil>,
     overrides: &Overrides,
     cache: &mut Cache,
-) -> Result<Answer, String> {
+) -> Result<LoadSolution, String> {
     let refuse = |error| Names::Columns.message(&error);
     let wheel = (point.radius_m, point.width_m);
     let bits = (
@@ -314,7 +308,7 @@ fn solve_point(
     };
     let slip = Slip::new(point.slip).map_err(refuse)?;
     let kinematics = motion(point, slip).map_err(refuse)?;
-    operation::solve(&pair, point.prescribed, &kinematics).map_err(refuse)
+    pair.solve(point.prescribed, &kinematics).map_err(refuse)
 }
 
 /// A soil with the numbers that a row has of its own.
@@ -361,7 +355,7 @@ impl Counts {
             SolveStatus::Solved => &mut self.ok,
             SolveStatus::NoSolution => &mut self.no_solution,
             SolveStatus::BadInput => &mut self.bad_input,
-            _ => &mut self.not_converged,
+            SolveStatus::NotConverged => &mut self.not_converged,
         } += 1;
     }
 

@@ -90,7 +90,7 @@ fn unused_columns(summary: &Summary, log: &Log) -> Vec<String> {
         return Vec::new();
     }
     let measured = Meaning::ALL
-        .into_iter()
+        .iter()
         .filter(|(_, meaning, _)| log.measures(*meaning));
     let unused = measured
         .filter_map(|(_, meaning, _)| meaning.reference())

@@ -7,6 +7,7 @@ use grouser_log::Log;
 use grouser_log::container::{Container, Event, Format};
 use grouser_log::write::{SampleWriter, Table, copy, verify, write_table};
 use grouser_report::{Fields, fields};
+use grouser_slip::MeasurementKind;
 use serde_json::{Value, json};
 
 use super::copied::{self, Copy, copy_error, target};
@@ -278,6 +279,7 @@ fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
         progress.reach(log.bytes_read());
     }
     drop(progress);
+    let unwritten = writer.unwritten().clone();
     let (_, messages) = writer.finish().map_err(written)?;
     output.finish()?;
     for file in log.files() {
@@ -295,6 +297,17 @@ fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
             "the places (`{}`) are written as displacements from one to the next: the new file does not have the places",
             place.name()
         ));
+    }
+    // of places their displacements are written
+    for kind in unwritten
+        .into_iter()
+        .filter(|kind| *kind != MeasurementKind::Position)
+    {
+        report.warnings.push(format!(
+            "`{}` is not written: no message holds it",
+            kind.name()
+        ));
+        report.outcome = Outcome::Doubtful;
     }
     for at in log.left_out().cut_off {
         report.warnings.push(cut_off(&at));

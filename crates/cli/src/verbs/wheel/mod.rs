@@ -5,12 +5,10 @@ mod range;
 
 use std::path::PathBuf;
 
-use grouser_report::{Fields, fields};
-use grouser_terra::LugPassage;
+use grouser_terra::Prescribed;
 use serde_json::Value;
 
 use crate::error::{Error, Result};
-use crate::operation::Prescribed;
 use crate::session::Session;
 use crate::values::Values;
 use crate::verb_report::Report;
@@ -126,18 +124,6 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             "`--slope-deg` is for one operating point, but there are several",
             "give one load",
         )),
-    }
-}
-
-/// How far the forces rise and fall as lugs pass.
-fn passage<'a>() -> Fields<'a, Option<LugPassage>> {
-    fields! { |lugs: Option<LugPassage>|
-        "grouser_spacing_deg" "angle between two lugs" .shown("deg") = lugs.map(|lugs| lugs.spacing.to_degrees());
-        "grousers_in_soil" "lugs in the soil on average" .shown("") = lugs.map(|lugs| lugs.in_soil);
-        "pull_fluctuation_n" "fluctuation of the pull as lugs pass, greatest less least" .shown("N") =
-            lugs.map(|lugs| lugs.pull);
-        "torque_fluctuation_nm" "fluctuation of the torque as lugs pass, greatest less least" .shown("N m") =
-            lugs.map(|lugs| lugs.torque);
     }
 }
 

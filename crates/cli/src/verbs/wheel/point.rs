@@ -2,14 +2,14 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_terra::{Angle, LugPassage, SlopeOutcome, WheelOnSoil};
+use grouser_terra::{Angle, LoadSolution, LugPassage, Prescribed, SlopeOutcome, WheelOnSoil};
 
-use super::{Arguments, passage};
+use super::Arguments;
 use crate::error::Result;
 use crate::exit::Outcome;
 use crate::figure_file;
 use crate::law_error::Names;
-use crate::operation::{self, Answer, Prescribed};
+use crate::operation::{self, passage};
 use crate::session::Session;
 use crate::verb_report::Report;
 use grouser_report::number::shown;
@@ -54,12 +54,10 @@ pub(super) fn run(
         }
         _ => prescribed,
     };
-    let answer = operation::solve(&pair, prescribed, &kinematics).map_err(refuse)?;
+    let answer = pair.solve(prescribed, &kinematics).map_err(refuse)?;
 
-    let lugs = answer
-        .point
-        .as_ref()
-        .and_then(|point| pair.lug_passage(point));
+    let point = answer.point();
+    let lugs = point.and_then(|point| pair.lug_passage(&point));
     let solved = Solved {
         lugs,
         slip: Some(slip),
@@ -71,16 +69,16 @@ pub(super) fn run(
         slope: slope.as_ref(),
     };
     let mut text = text(solved);
-    if let (Some(target), Some(point)) = (target, &answer.point) {
+    if let (Some(target), Some(point)) = (target, &point) {
         let figure = grouser_campaign::stress::draw(&pair, point, &chosen.name);
         text.push_str(&target.write(&figure)?);
     }
-    let outcome = if answer.point.is_some() {
+    let outcome = if point.is_some() {
         Outcome::Done
     } else {
         Outcome::NoResult
     };
-    let failure = answer.status.complaint(prescribed);
+    let failure = operation::complaint(&answer, prescribed);
     Ok(Report {
         outcome,
         ..Report::done(fields().object(solved), text).failing(failure)
@@ -123,16 +121,23 @@ impl OnSlope {
     fn demand(&self) -> Option<f64> {
         match self.outcome {
             SlopeOutcome::Holds { slip } => Some(slip.value()),
-            _ => None,
+            SlopeOutcome::Immobilised { .. } | SlopeOutcome::Slides { .. } => None,
         }
     }
-}
 
-impl OnSlope {
+    /// The greatest pull, N, where it is too little.
+    fn max_pull(&self) -> Option<f64> {
+        match self.outcome {
+            SlopeOutcome::Immobilised { max_pull, .. } => max_pull,
+            SlopeOutcome::Holds { .. } | SlopeOutcome::Slides { .. } => None,
+        }
+    }
+
     fn fields<'a>() -> Fields<'a, &'a Self> {
         fields! { |slope: &'a Self|
             "slope_pull_n" "pull that the slope requires" .shown("N") = slope.pull;
             "slip_demand" "slip that holds the slope" .shown("").missing("none") = slope.demand();
+            "max_pull_n" "greatest pull, where it does not hold the slope" = slope.max_pull();
         }
     }
 }
@@ -147,7 +152,7 @@ pub(super) struct Solved<'a> {
     slip: Option<f64>,
     /// The weight on the wheel, N, where it is given.
     weight: Option<f64>,
-    answer: Option<&'a Answer>,
+    answer: Option<&'a LoadSolution>,
     slope: Option<&'a OnSlope>,
     lugs: Option<LugPassage>,
 }
@@ -201,7 +206,7 @@ fn text(solved: Solved<'_>) -> String {
         let _ = writeln!(text, "on a slope of {} deg", shown(slope.degrees));
     }
     let mut table = Table::new().text("").number("").text("");
-    if let Some(answer) = solved.answer.filter(|answer| answer.point.is_some()) {
+    if let Some(answer) = solved.answer.filter(|answer| answer.point().is_some()) {
         operation::fields()
             .pick(&LINES)
             .add_lines(&mut table, answer);
@@ -215,7 +220,7 @@ fn text(solved: Solved<'_>) -> String {
     text.push_str(&table.render_body());
     for caution in solved
         .answer
-        .and_then(|answer| answer.point)
+        .and_then(LoadSolution::point)
         .iter()
         .flat_map(|point| point.cautions.iter())
     {

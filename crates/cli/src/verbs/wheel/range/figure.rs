@@ -1,9 +1,8 @@
 //! The figure of a range of slip: drawbar pull, torque, sinkage and efficiency against slip.
 
-use grouser_terra::OperatingPoint;
+use grouser_terra::{OperatingPoint, Prescribed};
 
 use super::Family;
-use crate::operation::Prescribed;
 use grouser_figure::{Axis, Chart, Colour, Curve, Figure, Mark, Marker, Style};
 use grouser_report::number::rounded;
 
@@ -56,7 +55,7 @@ fn panel(title: &str, families: &[Family], quantity: Quantity) -> Chart {
     );
     for (index, family) in families.iter().enumerate() {
         let points = family.points.iter().map(|(slip, answer)| {
-            let value = answer.point.as_ref().and_then(quantity);
+            let value = answer.point().as_ref().and_then(quantity);
             [*slip, value.unwrap_or(f64::NAN)]
         });
         let label = match family.prescribed {

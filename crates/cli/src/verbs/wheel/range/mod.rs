@@ -3,7 +3,7 @@
 mod figure;
 pub(super) mod output;
 
-use grouser_terra::{BestSlip, Kinematics, WheelOnSoil};
+use grouser_terra::{BestSlip, Kinematics, LoadSolution, Prescribed, WheelOnSoil};
 use rayon::prelude::*;
 
 use self::output::Frame;
@@ -11,7 +11,6 @@ use super::Arguments;
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::law_error::Names;
-use crate::operation::{self, Answer, Prescribed};
 use crate::output_choice::Output;
 use crate::session::Session;
 use crate::values::Values;
@@ -21,7 +20,7 @@ use grouser_report::number::shown;
 /// One curve: its load, and its points.
 struct Family {
     prescribed: Prescribed,
-    points: Vec<(f64, Answer)>,
+    points: Vec<(f64, LoadSolution)>,
     most_pull: Option<BestSlip>,
     most_efficient: Option<BestSlip>,
 }
@@ -74,7 +73,9 @@ pub(super) fn run(
         },
     )?);
     let points = families.iter().flat_map(|family| &family.points);
-    let solved = points.clone().filter(|(_, answer)| answer.point.is_some());
+    let solved = points
+        .clone()
+        .filter(|(_, answer)| answer.point().is_some());
     let (solved, all) = (solved.count(), points.count());
     let failure = (solved == 0).then(|| "no point of the curve has a solution".to_owned());
     let report = Report {
@@ -112,7 +113,7 @@ fn family(
         .par_iter()
         .zip(motions)
         .map(|(slip, motion)| {
-            let answer = operation::solve(pair, prescribed, motion).map_err(refuse)?;
+            let answer = pair.solve(prescribed, motion).map_err(refuse)?;
             Ok((*slip, answer))
         })
         .collect::<Result<_>>()?;

@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_terra::{BestSlip, Caution, LugPassage, WheelOnSoil};
+use grouser_terra::{BestSlip, Caution, LoadSolution, LugPassage, Prescribed, WheelOnSoil};
 
-use super::super::passage;
 use super::Family;
-use crate::operation::{self, Answer, Prescribed};
+use crate::operation::{self, passage};
 use crate::wheel_choice::WheelArguments;
 use grouser_report::number::shown;
 use grouser_report::{Fields, fields};
@@ -24,7 +23,7 @@ pub(super) fn summary(family: &Family) -> String {
     let solved = family
         .points
         .iter()
-        .filter(|(_, answer)| answer.point.is_some())
+        .filter(|(_, answer)| answer.point().is_some())
         .count();
     let _ = write!(text, " {solved} of {} points solved", family.points.len());
     if let Some(best) = &family.most_pull {
@@ -40,7 +39,7 @@ pub(super) fn summary(family: &Family) -> String {
     for point in family
         .points
         .iter()
-        .filter_map(|(_, answer)| answer.point.as_ref())
+        .filter_map(|(_, answer)| answer.point())
     {
         for caution in point.cautions.iter() {
             *cautions.entry(caution).or_default() += 1;
@@ -58,12 +57,12 @@ pub(super) struct Point<'a> {
     frame: Frame<'a>,
     family: &'a Family,
     slip: f64,
-    answer: &'a Answer,
+    answer: &'a LoadSolution,
 }
 
 impl Point<'_> {
     fn lugs(self) -> Option<LugPassage> {
-        self.frame.pair.lug_passage(self.answer.point.as_ref()?)
+        self.frame.pair.lug_passage(&self.answer.point()?)
     }
 }
 
@@ -133,7 +132,7 @@ impl<'a> Frame<'a> {
     /// All points, for people.
     pub(super) fn table(self) -> String {
         let load = |point: Point<'_>| {
-            let carried = || Some(point.answer.point?.forces.vertical_force);
+            let carried = || Some(point.answer.point()?.forces.vertical_force);
             point
                 .family
                 .prescribed

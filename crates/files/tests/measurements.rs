@@ -1,0 +1,40 @@
+//! Every kind of measurement has a column, or a reason why it has none, and every column a line in the documentation.
+
+use grouser_files::columns::Meaning;
+use grouser_slip::MeasurementKind;
+
+#[test]
+fn every_kind_has_a_column_or_a_reason() {
+    for kind in MeasurementKind::ALL {
+        let has_column = Meaning::ALL
+            .iter()
+            .any(|(_, meaning, _)| meaning.kind() == *kind);
+        let reason = match kind {
+            MeasurementKind::WheelEdge => Some("logs have counters"),
+            MeasurementKind::Inertial => Some("logs have the yaw rate and accelerations"),
+            MeasurementKind::JointAngle | MeasurementKind::Carrier => {
+                Some("the log's estimator does not follow the suspension")
+            }
+            MeasurementKind::MotorCurrent => {
+                Some("a current is a torque once the robot file has its factor")
+            }
+            _ => None,
+        };
+        assert_eq!(has_column, reason.is_none(), "{}", kind.name());
+    }
+}
+
+#[test]
+fn every_column_is_in_the_documentation_with_its_units() {
+    let page = include_str!("../../../docs/estimate.md");
+    for (name, _, quantity) in Meaning::ALL {
+        let mut rows = page.lines().filter(|line| line.starts_with('|'));
+        let row = rows.find(|row| row.contains(&format!("`{name}`")));
+        let row = row.unwrap_or_else(|| panic!("{name} has no row"));
+        let units = quantity.units().into_iter().map(|(unit, _)| unit);
+        // the unit in which receivers state latitudes is one of all angles
+        for unit in units.filter(|unit| *unit != "1e-7 deg") {
+            assert!(row.contains(&format!("`{unit}`")), "{name}: {unit}: {row}");
+        }
+    }
+}
