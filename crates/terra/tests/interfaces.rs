@@ -1,0 +1,18 @@
+//! What is written by hand in Python names all that is declared here.
+
+use grouser_terra::{LoadSolution, LugPassage};
+
+#[test]
+fn every_field_is_in_the_list_of_keys_and_in_the_stubs_of_python() {
+    let keys = include_str!("../../cli/tests/result_keys.json");
+    let stubs = include_str!("../../../python/python/grouser/_core.pyi");
+    let (_, point) = stubs.split_once("\nclass OperatingPoint:").unwrap();
+    let point = point.split("\nclass ").next().unwrap();
+    let fields = LoadSolution::FIELDS.iter().map(|field| field.key);
+    for key in fields.chain(LugPassage::FIELDS.iter().map(|field| field.key)) {
+        let is_listed = keys.contains(&format!("\"{key}\""));
+        assert!(is_listed, "{key} is not in result_keys.json");
+        let is_typed = point.contains(&format!("def {key}(self) -> "));
+        assert!(is_typed, "{key} is not in _core.pyi");
+    }
+}
