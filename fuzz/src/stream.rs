@@ -1,6 +1,7 @@
 //! Robots, and a stream of samples of its sensors with every fault that bytes can make.
 use grouser_slip::{
-    CounterWidth, Encoder, Health, Measurement, Robot, Sample, Wheel, WheelEstimate,
+    CounterWidth, Encoder, Health, Measurement, MeasurementKind, MeasurementPart, MeasurementParts,
+    Robot, Sample, Wheel, WheelEstimate,
 };
 use grouser_terra::Angle;
 
@@ -67,82 +68,26 @@ pub fn time(bytes: &mut Bytes<'_>, last_ns: i64) -> i64 {
 /// A sample of any sensor, of a wheel that may not be there.
 pub fn sample(bytes: &mut Bytes<'_>, time_ns: i64, wheels: u8) -> Sample {
     let wheel = usize::from(bytes.u8() % (wheels + 1));
-    let turn = |bytes: &mut Bytes<'_>| (bytes.u8() % 2 == 0).then(|| bytes.any());
-    let measurement = match bytes.u8() % 19 {
-        0 | 1 => Measurement::WheelCount {
-            wheel,
-            raw: bytes.u64() >> (bytes.u8() % 64),
-        },
-        2 => Measurement::WheelEdge {
-            wheel,
-            forward: bytes.u8() % 2 == 0,
-        },
-        3 => Measurement::WheelAngle {
-            wheel,
-            angle: bytes.any(),
-        },
-        4 => Measurement::WheelRate {
-            wheel,
-            rate: bytes.any(),
-        },
-        5 => Measurement::YawRate { rate: bytes.any() },
-        6 => Measurement::Displacement {
-            forward: bytes.any(),
-            left: bytes.any(),
-            turn: turn(bytes),
-        },
-        7 => Measurement::Pose {
-            x: bytes.any(),
-            y: bytes.any(),
-            yaw: bytes.any(),
-        },
-        8 => Measurement::Speed {
-            forward: bytes.any(),
-            left: turn(bytes),
-        },
-        9 => Measurement::Acceleration {
-            forward: bytes.any(),
-            left: bytes.any(),
-        },
-        10 => Measurement::Inertial {
-            force: [bytes.any(), bytes.any(), bytes.any()],
-            rate: [bytes.any(), bytes.any(), bytes.any()],
-        },
-        11 => Measurement::JointAngle {
-            joint: wheel,
-            angle: bytes.any(),
-        },
-        12 => Measurement::SteeringAngle {
-            wheel,
-            angle: bytes.any(),
-        },
-        13 => Measurement::MotorCurrent {
-            wheel,
-            share: bytes.any(),
-        },
-        14 => Measurement::Carrier {
-            wheel,
-            turn: bytes.any(),
-            forward: bytes.any(),
-            up: bytes.any(),
-        },
-        15 => Measurement::WheelTorque {
-            wheel,
-            torque: bytes.any(),
-        },
-        16 => Measurement::Sinkage {
-            wheel,
-            depth: bytes.any(),
-        },
-        17 => Measurement::EntryAngle {
-            wheel,
-            angle: bytes.any(),
-        },
-        _ => Measurement::Command {
-            forward: bytes.any(),
-            left: bytes.any(),
-        },
+    let kind = MeasurementKind::ALL[usize::from(bytes.u8()) % MeasurementKind::ALL.len()];
+    let mut parts = MeasurementParts {
+        index: wheel,
+        count: bytes.u64() >> (bytes.u8() % 64),
+        ..MeasurementParts::default()
     };
+    let mut numbers = parts.numbers.iter_mut();
+    for field in kind.fields() {
+        let (count, may_lack) = match field.part {
+            MeasurementPart::Index | MeasurementPart::Count => (0, false),
+            MeasurementPart::Number | MeasurementPart::YesOrNo => (1, false),
+            MeasurementPart::OptionalNumber => (1, true),
+            MeasurementPart::Vector => (3, false),
+        };
+        for number in numbers.by_ref().take(count) {
+            let is_there = !may_lack || bytes.u8() % 2 == 0;
+            *number = is_there.then(|| bytes.any());
+        }
+    }
+    let measurement = Measurement::from_parts(kind, parts).expect("no number is missing");
     Sample {
         time_ns,
         measurement,

@@ -165,8 +165,6 @@ extern "C" {
 #define GROUSER_MODE_DETOUR 3u
 /* The drive has ended: the safe stop. */
 #define GROUSER_MODE_STOPPED 4u
-/* A mode that this interface has no number for. */
-#define GROUSER_MODE_OTHER 255u
 
 /* slip and slip_sigma are known. */
 #define GROUSER_KNOWS_SLIP 1u

@@ -144,8 +144,6 @@ pub const GROUSER_MODE_BACK_OUT: u32 = 2;
 pub const GROUSER_MODE_DETOUR: u32 = 3;
 /// The drive has ended: the safe stop.
 pub const GROUSER_MODE_STOPPED: u32 = 4;
-/// A mode that this interface has no number for.
-pub const GROUSER_MODE_OTHER: u32 = 255;
 
 /// `slip` and `slip_sigma` are known.
 pub const GROUSER_KNOWS_SLIP: u32 = 1;

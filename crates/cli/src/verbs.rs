@@ -74,7 +74,15 @@ impl Verb {
             | Self::Paper(_)
             | Self::Identify(_)
             | Self::Validate(_) => true,
-            _ => false,
+            Self::Soils(_)
+            | Self::Batch(_)
+            | Self::Design(_)
+            | Self::Robot(_)
+            | Self::Log(_)
+            | Self::Live(_)
+            | Self::View(_)
+            | Self::Init(_)
+            | Self::Help(_) => false,
         }
     }
 }

@@ -1,7 +1,8 @@
-//! Every kind of measurement has a column, or a reason why it has none, and every column a line in the documentation.
+//! Every kind of measurement is in Python's stubs and has a column, or a reason why it has none, and every column a line in
+//! the documentation.
 
 use grouser_files::columns::Meaning;
-use grouser_slip::MeasurementKind;
+use grouser_slip::{MeasurementKind, MeasurementPart};
 
 #[test]
 fn every_kind_has_a_column_or_a_reason() {
@@ -21,6 +22,30 @@ fn every_kind_has_a_column_or_a_reason() {
             _ => None,
         };
         assert_eq!(has_column, reason.is_none(), "{}", kind.name());
+    }
+}
+
+#[test]
+fn every_kind_is_in_the_stubs_of_python() {
+    let stubs = include_str!("../../../python/python/grouser/_core.pyi");
+    let stubs: String = stubs.split_whitespace().collect();
+    for kind in MeasurementKind::ALL {
+        let mut wanted = format!("def{}(*,time_ns:int", kind.name().replace('-', "_"));
+        if kind.is_of_a_wheel() {
+            wanted += ",wheel:int";
+        }
+        for field in kind.fields() {
+            let annotation = match field.part {
+                MeasurementPart::Index | MeasurementPart::Count => "int",
+                MeasurementPart::Number => "float",
+                MeasurementPart::YesOrNo => "bool",
+                MeasurementPart::OptionalNumber => "float|None=None",
+                MeasurementPart::Vector => "Sequence[float]",
+            };
+            wanted = wanted + "," + field.key + ":" + annotation;
+        }
+        wanted += ")->Sample:...";
+        assert!(stubs.contains(&wanted), "{wanted}");
     }
 }
 

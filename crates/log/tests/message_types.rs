@@ -6,7 +6,7 @@ use std::path::Path;
 use grouser_files::{Document, robot};
 use grouser_log::Preview;
 use grouser_log::container::{Channel, Encoding};
-use grouser_log::message::View;
+use grouser_log::message::{View, known};
 use grouser_slip::Sample;
 use serde_json::{Value, json};
 
@@ -28,6 +28,20 @@ fn every_type_is_read_as_its_file_says() {
         } else {
             assert_eq!(case["readings"], found, "{name}");
         }
+    }
+}
+
+/// A node decodes by these definitions, as ROS 2 sends none.
+#[test]
+fn every_type_is_known_to_the_node_and_to_its_documentation() {
+    let page = include_str!("../../../docs/live.md");
+    // that type is ROS 1's, which has no node
+    for name in View::types().filter(|name| *name != "tf/tfMessage") {
+        let is_defined = known::definition(name).is_some();
+        assert!(is_defined, "{name} has no definition");
+        let mut rows = page.lines().filter(|line| line.starts_with('|'));
+        let is_listed = rows.any(|row| row.contains(&format!("`{name}`")));
+        assert!(is_listed, "{name} has no row in docs/live.md");
     }
 }
 

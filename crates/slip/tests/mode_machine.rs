@@ -328,15 +328,10 @@ fn every_sequence_of_behaviours_keeps_the_promises_and_reaches_every_transition(
         seen.actions
     );
     // every transition that is allowed between two modes occurs: the search does not miss a part of the machine
-    let modes = [
-        Mode::Forward,
-        Mode::Traverse,
-        Mode::BackOut,
-        Mode::Detour,
-        Mode::Stopped,
-    ];
-    for from in modes {
-        for to in modes {
+    for from in Mode::ALL.iter().copied() {
+        let is_entered = seen.transitions.iter().any(|(_, to)| *to == from);
+        assert!(is_entered, "{from:?} is never entered");
+        for to in Mode::ALL.iter().copied() {
             let can = from != to && is_allowed(Decides::Everything, from, to);
             assert_eq!(
                 seen.transitions.contains(&(from, to)),

@@ -101,6 +101,14 @@ pub struct LugPassage {
 
 type Own = ResultField<LugPassage>;
 
+/// A further quantity does not build: it needs a row in the list below, or is none of the interfaces'.
+const _: fn(LugPassage) = |LugPassage {
+                               spacing: _,
+                               pull: _,
+                               torque: _,
+                               in_soil: _,
+                           }| ();
+
 impl LugPassage {
     /// Its fields in all interfaces.
     pub const FIELDS: &'static [Own] = &[

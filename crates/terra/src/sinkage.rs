@@ -131,6 +131,19 @@ pub struct LoadSolution {
 
 type Own = ResultField<LoadSolution>;
 
+/// A further quantity of a point does not build: it needs a row in the list below, or is none of the interfaces'.
+const _: fn(OperatingPoint) = |OperatingPoint {
+                                   kinematics: _,
+                                   sinkage: _,
+                                   angles: _,
+                                   forces: _,
+                                   side_force: _,
+                                   error_estimate: _,
+                                   cautions: _,
+                                   contact: _,
+                                   radius: _,
+                               }| ();
+
 impl LoadSolution {
     /// The operating point; `None` unless solved.
     #[must_use]

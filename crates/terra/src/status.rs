@@ -1,25 +1,45 @@
 //! How a solve for an operating point ended.
 
-/// How a solve for an operating point ended; the number is the code for foreign interfaces.
-///
-/// ```
-/// use grouser_terra::SolveStatus;
-///
-/// // The default of a column that a batch has not written yet is no success.
-/// assert_eq!(SolveStatus::default().key(), "not-converged");
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum SolveStatus {
+/// Declares the statuses: the enum, the list of all, and their names.
+macro_rules! statuses {
+    ($($(#[$attribute:meta])+ $status:ident = $code:literal, $key:literal;)+) => {
+        /// How a solve for an operating point ended; the number is the code for foreign interfaces.
+        ///
+        /// ```
+        /// use grouser_terra::SolveStatus;
+        ///
+        /// // The default of a column that a batch has not written yet is no success.
+        /// assert_eq!(SolveStatus::default().key(), "not-converged");
+        /// ```
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        #[repr(u8)]
+        pub enum SolveStatus {
+            $($(#[$attribute])+ $status = $code,)+
+        }
+
+        impl SolveStatus {
+            /// Every status, in the order of the codes.
+            pub const ALL: [Self; [$($code),+].len()] = [$(Self::$status),+];
+
+            /// Its name in files and in JSON.
+            #[must_use]
+            pub const fn key(self) -> &'static str {
+                match self { $(Self::$status => $key,)+ }
+            }
+        }
+    };
+}
+
+statuses! {
     /// Computed.
-    Solved = 0,
+    Solved = 0, "ok";
     /// No sinkage below the hub carries the load.
-    NoSolution = 1,
+    NoSolution = 1, "no-solution";
     /// The search for the sinkage ended without its result.
     #[default]
-    NotConverged = 2,
+    NotConverged = 2, "not-converged";
     /// The point is no operating point: [`WheelOnSoil`](crate::WheelOnSoil) names the reason.
-    BadInput = 3,
+    BadInput = 3, "bad-input";
 }
 
 impl SolveStatus {
@@ -33,16 +53,5 @@ impl SolveStatus {
     #[must_use]
     pub const fn code(self) -> u8 {
         self as u8
-    }
-
-    /// Its name in files and in JSON.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Solved => "ok",
-            Self::NoSolution => "no-solution",
-            Self::NotConverged => "not-converged",
-            Self::BadInput => "bad-input",
-        }
     }
 }

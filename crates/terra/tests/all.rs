@@ -11,6 +11,7 @@ mod by_hand;
 mod derivative_oracles;
 mod effort;
 mod faults;
+mod interfaces;
 mod lanes;
 mod literature;
 mod loaded;

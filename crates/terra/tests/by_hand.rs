@@ -53,15 +53,15 @@ fn names_in_files() {
     assert_eq!(keys, ["in-plane", "whole", "saturating", "ploughing"]);
     let keys = [SlipNorm::Greater, SlipNorm::Root].map(SlipNorm::key);
     assert_eq!(keys, ["greater", "root"]);
-    let states = [
-        SolveStatus::Solved,
-        SolveStatus::NoSolution,
-        SolveStatus::NotConverged,
-        SolveStatus::BadInput,
+    // codes of foreign interfaces: a new one comes last
+    let states = SolveStatus::ALL.map(|status| (status.code(), status.key()));
+    let expected = [
+        (0, "ok"),
+        (1, "no-solution"),
+        (2, "not-converged"),
+        (3, "bad-input"),
     ];
-    let expected = ["ok", "no-solution", "not-converged", "bad-input"];
-    assert_eq!(states.map(SolveStatus::key), expected);
-    assert_eq!(states.map(SolveStatus::code), [0, 1, 2, 3]);
+    assert!(states.starts_with(&expected), "{states:?}");
 }
 
 #[test]

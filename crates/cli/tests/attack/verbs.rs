@@ -4,11 +4,11 @@ use std::fmt::Write as _; // writing to a string cannot fail
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::program::{Folder, grouser};
+use super::program::{Folder, grouser, verbs};
 use super::random::Random;
 
 /// Words of a command: `@NAME` is a file to read, `>NAME` one to write. The number is how often it is chosen.
-const VERBS: [(u32, &str); 36] = [
+const VERBS: [(u32, &str); 37] = [
     (
         3,
         "wheel --soil @soil.toml --radius-m 0.1 --width-m 0.1 --slip 0.2 --load-n 40",
@@ -99,7 +99,29 @@ const VERBS: [(u32, &str); 36] = [
         2,
         "map @dem.asc --robot @skid-steer.toml --soil @soil.toml --headings 4 -o >x.tif -o x.yaml",
     ),
+    (
+        2,
+        "design @five-wheel.toml --soil @soil.toml --slope-deg 0=0.9,4=0.1 --radius-m 0.15 --points 2 -o >x.csv",
+    ),
 ];
+
+/// Verbs that are not attacked.
+const NOT_ATTACKED: [(&str, &str); 5] = [
+    ("soils", "reads no file"),
+    ("help", "reads no file"),
+    ("validate", "takes minutes"),
+    ("live", "another program"),
+    ("view", "another program"),
+];
+
+#[test]
+fn every_verb_is_attacked() {
+    for verb in verbs() {
+        let is_attacked = VERBS.iter().any(|(_, words)| words.starts_with(&verb));
+        let has_reason = NOT_ATTACKED.iter().any(|(name, _)| *name == verb);
+        assert!(is_attacked != has_reason, "{verb}");
+    }
+}
 
 /// The words of a verb, by how often each is chosen.
 pub(crate) fn choose(random: &mut Random) -> &'static str {

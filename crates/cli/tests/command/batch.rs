@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::process::Stdio;
 
 use super::program::{Folder, grouser, line, start, wait};
+use grouser_terra::SolveStatus;
 
 /// The cases that the laws are tested with: quadrature to 30 digits.
 const REFERENCE: &str = include_str!("../../../terra/tests/oracle/wheel_cases.csv");
@@ -175,6 +176,16 @@ fn a_bad_row_stops_nothing() {
         );
         assert!(found.starts_with(status), "{row}: {found}");
         assert!(pair[1].ends_with(",ok,"), "{}", pair[1]);
+    }
+}
+
+#[test]
+fn every_status_is_counted() {
+    let schema = line("help batch --schema").assert_done().json();
+    for status in SolveStatus::ALL {
+        let key = status.key();
+        let count = &schema["properties"][key.replace('-', "_")];
+        assert!(count.is_object(), "{key} is not counted");
     }
 }
 

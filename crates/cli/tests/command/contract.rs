@@ -243,16 +243,3 @@ fn a_reader_that_goes_away_is_no_error() {
     std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut err).unwrap();
     assert!(status.success() && err.is_empty(), "{status} {err}");
 }
-
-#[test]
-fn every_verb_helps_with_an_example() {
-    let help = line("--help").assert_done().out;
-    for verb in ["soils", "wheel", "batch", "paper"] {
-        assert!(help.contains(verb), "{help}");
-        let help = line(&format!("{verb} --help")).assert_done().out;
-        assert!(
-            help.contains("Example") && help.contains(&format!("grouser {verb}")),
-            "{help}"
-        );
-    }
-}

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Stdio;
 
-use super::program::{Folder, grouser, line, start, wait};
+use super::program::{Folder, grouser, line, start, verbs, wait};
 
 #[test]
 fn help_stands_alone_and_is_at_most_100_columns_wide() {
@@ -27,6 +27,26 @@ fn help_stands_alone_and_is_at_most_100_columns_wide() {
     }
     line("help nothing").assert_refused("help nothing");
     line("help help --schema").assert_refused("a verb without a schema");
+}
+
+#[test]
+fn every_verb_has_an_example_a_schema_and_a_row_of_the_readme() {
+    let readme = include_str!("../../../../README.md");
+    let with_schema = line("help help --schema").err;
+    let (_, with_schema) = with_schema.split_once("verbs with one are ").unwrap();
+    let mut with_schema: Vec<&str> = with_schema.split([' ', ',']).collect();
+    // what one prints is text, what the other prints is the node's
+    with_schema.extend(["help", "live"]);
+    for verb in verbs() {
+        let help = line(&format!("help {verb}")).assert_done().out;
+        let has_example = help.contains("Example") && help.contains(&format!("grouser {verb}"));
+        assert!(has_example, "{verb} has no example: {help}");
+        let has_schema = with_schema.iter().any(|name| name.trim() == verb);
+        assert!(has_schema, "{verb} has no schema");
+        let mut rows = readme.lines().filter(|line| line.starts_with('|'));
+        let has_row = rows.any(|row| row.contains(&format!("`{verb}`")));
+        assert!(has_row, "{verb} has no row in README.md");
+    }
 }
 
 #[test]

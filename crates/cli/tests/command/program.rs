@@ -119,6 +119,18 @@ pub(crate) fn line(words: &str) -> Said {
     grouser(words.split_whitespace())
 }
 
+/// Every verb, as the help lists them.
+pub(crate) fn verbs() -> Vec<String> {
+    let help = line("--help").assert_done().out;
+    let (_, list) = help.split_once("Commands:\n").unwrap();
+    let rows = list.lines().take_while(|row| !row.is_empty());
+    let names = rows.filter_map(|row| row.strip_prefix("  ")?.split(' ').next());
+    names
+        .filter(|name| !name.is_empty())
+        .map(str::to_owned)
+        .collect()
+}
+
 /// A folder of a test's own, removed at the end.
 pub(crate) struct Folder(PathBuf);
 

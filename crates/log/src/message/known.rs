@@ -1,4 +1,4 @@
-//! The ROS 2 messages that are written, and the project's own types.
+//! The ROS 2 messages that are written or received by a node, and the project's own types.
 //!
 //! Types of its own stand only where ROS has none: counters by wheel, a way since the last message, slip by
 //! wheel. Every file carries their definitions, so that any reader of MCAP can decode them.
@@ -119,6 +119,11 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
     (
         "sensor_msgs/JointState",
         "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n",
+        &["std_msgs/Header"],
+    ),
+    (
+        "irobot_create_msgs/WheelTicks",
+        "std_msgs/Header header\nint32 ticks_left\nint32 ticks_right\n",
         &["std_msgs/Header"],
     ),
     (
@@ -307,7 +312,7 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
     ),
 ];
 
-/// The definition of a type that is written, in the language `ros2msg`, with all types that it holds.
+/// The definition of a type that is written or received, in the language `ros2msg`, with all types that it holds.
 ///
 /// ```
 /// use grouser_log::message::known;

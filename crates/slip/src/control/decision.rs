@@ -2,14 +2,33 @@
 
 use core::fmt;
 
-/// What the robot does.
-///
-/// ```
-/// assert_eq!(grouser_slip::control::Mode::Forward.name(), "Forward");
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum Mode {
+/// Declares the modes: the enum, the list of all, and their names.
+macro_rules! modes {
+    ($($(#[$attribute:meta])+ $mode:ident,)+) => {
+        /// What the robot does.
+        ///
+        /// ```
+        /// assert_eq!(grouser_slip::control::Mode::Forward.name(), "Forward");
+        /// ```
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+        pub enum Mode {
+            $($(#[$attribute])+ $mode,)+
+        }
+
+        impl Mode {
+            /// Every mode.
+            pub const ALL: &[Self] = &[$(Self::$mode),+];
+
+            /// Its name in tables and files.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$mode => stringify!($mode),)+ }
+            }
+        }
+    };
+}
+
+modes! {
     /// It drives as requested.
     #[default]
     Forward,
@@ -150,20 +169,6 @@ impl Decision {
         Self {
             wheel: Some(wheel),
             ..Self::of_robot(action, reason, values)
-        }
-    }
-}
-
-impl Mode {
-    /// Its name in tables and files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Forward => "Forward",
-            Self::Traverse => "Traverse",
-            Self::BackOut => "BackOut",
-            Self::Detour => "Detour",
-            Self::Stopped => "Stopped",
         }
     }
 }

@@ -190,7 +190,21 @@ impl OnBoard {
                 false
             }
             Measurement::Pose { .. } if !self.uses_poses => false,
-            _ => self.filter_sample(sample, is_warm),
+            Measurement::WheelCount { .. }
+            | Measurement::WheelEdge { .. }
+            | Measurement::WheelAngle { .. }
+            | Measurement::WheelRate { .. }
+            | Measurement::YawRate { .. }
+            | Measurement::Displacement { .. }
+            | Measurement::Pose { .. }
+            | Measurement::Position { .. }
+            | Measurement::Speed { .. }
+            | Measurement::Acceleration { .. }
+            | Measurement::SteeringAngle { .. }
+            | Measurement::Steering { .. }
+            | Measurement::Carrier { .. }
+            | Measurement::WheelTorque { .. }
+            | Measurement::Command { .. } => self.filter_sample(sample, is_warm),
         };
         // the stamp of a refused sample does not tell the sensors' time: a wrong one would hide that they fall silent
         if is_accepted {
@@ -508,7 +522,7 @@ impl OnBoard {
 fn direction(request: &Request, mode: Mode) -> f64 {
     match mode {
         Mode::BackOut => -request.direction(),
-        _ => request.direction(),
+        Mode::Forward | Mode::Traverse | Mode::Detour | Mode::Stopped => request.direction(),
     }
 }
 

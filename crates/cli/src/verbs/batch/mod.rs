@@ -62,10 +62,8 @@ pub(crate) struct Arguments {
 #[derive(Clone, Debug, Default)]
 struct Counts {
     rows: u64,
-    ok: u64,
-    no_solution: u64,
-    not_converged: u64,
-    bad_input: u64,
+    /// By the code of their status.
+    by_status: [u64; SolveStatus::ALL.len()],
     /// Solved rows with a caution.
     cautioned: u64,
     /// Solved rows by caution.
@@ -83,10 +81,10 @@ struct Solved<'a> {
 fn fields<'a>() -> Fields<'a, Solved<'a>> {
     fields! { |solved: Solved<'a>|
         "rows" "rows" = solved.counts.rows;
-        "ok" "rows that were solved" = solved.counts.ok;
-        "no_solution" "rows whose load no sinkage carries" = solved.counts.no_solution;
-        "not_converged" "rows whose search did not converge" = solved.counts.not_converged;
-        "bad_input" "rows with a bad value" = solved.counts.bad_input;
+        "ok" "rows that were solved" = solved.counts.ended(SolveStatus::Solved);
+        "no_solution" "rows whose load no sinkage carries" = solved.counts.ended(SolveStatus::NoSolution);
+        "not_converged" "rows whose search did not converge" = solved.counts.ended(SolveStatus::NotConverged);
+        "bad_input" "rows with a bad value" = solved.counts.ended(SolveStatus::BadInput);
         "below_resolution" "solved rows whose load is smaller than the solver resolves: their vertical force differs from it" =
             solved.counts.with(Caution::LoadBelowResolution);
         "outside_fit" "solved rows whose slip, slip angle, width or load lies outside the tests that their soil was fitted on" =
@@ -186,10 +184,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let caution =
         |(caution, count): (&Caution, &u64)| format!("caution at {count} rows: {caution}");
     report.warnings.extend(counts.cautions.iter().map(caution));
-    if counts.ok == 0 {
+    let solved = counts.ended(SolveStatus::Solved);
+    if solved == 0 {
         report.outcome = Outcome::NoResult;
         report.failure = Some("no row could be solved; `status` says why".to_owned());
-    } else if counts.ok < counts.rows {
+    } else if solved < counts.rows {
         report.outcome = Outcome::Doubtful;
     }
     Ok(report)
@@ -351,20 +350,19 @@ impl Counts {
 
     fn add(&mut self, status: SolveStatus) {
         self.rows += 1;
-        *match status {
-            SolveStatus::Solved => &mut self.ok,
-            SolveStatus::NoSolution => &mut self.no_solution,
-            SolveStatus::BadInput => &mut self.bad_input,
-            SolveStatus::NotConverged => &mut self.not_converged,
-        } += 1;
+        self.by_status[usize::from(status.code())] += 1;
+    }
+
+    /// How many rows ended so.
+    fn ended(&self, status: SolveStatus) -> u64 {
+        self.by_status[usize::from(status.code())]
     }
 
     fn merge(&mut self, other: &Self) {
         self.rows += other.rows;
-        self.ok += other.ok;
-        self.no_solution += other.no_solution;
-        self.not_converged += other.not_converged;
-        self.bad_input += other.bad_input;
+        for (own, other) in self.by_status.iter_mut().zip(other.by_status) {
+            *own += other;
+        }
         self.cautioned += other.cautioned;
         for (caution, count) in &other.cautions {
             *self.cautions.entry(*caution).or_default() += count;
@@ -373,13 +371,18 @@ impl Counts {
 
     fn words(&self) -> String {
         use std::fmt::Write as _;
-        let mut words = format!("{} rows, {} solved", self.rows, self.ok);
-        for (count, what) in [
-            (self.no_solution, "without a solution"),
-            (self.not_converged, "not converged"),
-            (self.bad_input, "bad (see their status)"),
-            (self.cautioned, "with cautions"),
-        ] {
+        let solved = self.ended(SolveStatus::Solved);
+        let mut words = format!("{} rows, {solved} solved", self.rows);
+        let unsolved = SolveStatus::ALL.iter().filter_map(|status| {
+            let what = match status {
+                SolveStatus::Solved => return None,
+                SolveStatus::NoSolution => "without a solution",
+                SolveStatus::NotConverged => "not converged",
+                SolveStatus::BadInput => "bad (see their status)",
+            };
+            Some((self.ended(*status), what))
+        });
+        for (count, what) in unsolved.chain([(self.cautioned, "with cautions")]) {
             if count > 0 {
                 let _ = write!(words, ", {count} {what}"); // to a string: it cannot fail
             }

@@ -12,7 +12,8 @@ use crate::verb_report::Report;
 
 #[derive(clap::Args, Debug)]
 #[command(
-    about = "List what a recorded log holds, convert it, recover a damaged one (MCAP, ROS 1 bag, CSV)"
+    about = "List what a recorded log holds, convert it, recover a damaged one (MCAP, ROS 1 bag, CSV)",
+    after_help = "Examples:\n  grouser log info log.mcap\n  grouser log convert log.bag log.mcap"
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]

@@ -122,7 +122,10 @@ impl Choosing<'_> {
             self.take(seen, Job::Pose, "pose", &POSE);
         }
         if !self.measures(Meaning::DisplacementForward) && !self.measures(Meaning::PoseX) {
-            match pose_of("geometry_msgs/PointStamped", is_over_ground) {
+            let place = first(|view, topic| {
+                matches!(view, View::Point(_)) && !is_unmeasured(topic) && is_over_ground(topic)
+            });
+            match place {
                 Some(seen) => self.places(seen),
                 None => self.fixes(first(|view, _| matches!(view, View::NavSatFix(_)))),
             }

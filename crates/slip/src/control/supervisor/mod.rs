@@ -156,14 +156,17 @@ impl Supervisor {
         self.clock.time += step;
         self.clock.travel += match self.mode {
             ModeState::BackOut(_) => -step * ahead,
-            _ => step * ahead.abs(),
+            ModeState::Forward
+            | ModeState::Traverse(_)
+            | ModeState::Detour(_)
+            | ModeState::Stopped => step * ahead.abs(),
         };
         let on_course = heading_error.abs() < ON_COURSE_RAD;
         self.turn.update(heading_error, step);
         match &mut self.mode {
             ModeState::BackOut(mode) => mode.monitor(settings, robot, step),
             ModeState::Traverse(mode) => mode.monitor(on_course, step),
-            _ => {}
+            ModeState::Forward | ModeState::Detour(_) | ModeState::Stopped => {}
         }
         // A robot that turns on the spot, or of which nothing is requested, shows nothing of the ground ahead.
         let is_driving = robot.request.speed != 0.0
@@ -234,7 +237,7 @@ impl Supervisor {
         match &mut self.mode {
             ModeState::Traverse(mode) => mode.decide(&view, slip, recovery),
             ModeState::Detour(mode) => mode.decide(&view, recovery),
-            _ => None,
+            ModeState::Forward | ModeState::BackOut(_) | ModeState::Stopped => None,
         }
     }
 
@@ -312,7 +315,7 @@ impl Supervisor {
             ModeState::BackOut(mode) => {
                 (Some(-settings.back_speed * requested), mode.pushed_slip())
             }
-            _ => (None, 0.0),
+            ModeState::Forward | ModeState::Traverse(_) | ModeState::Detour(_) => (None, 0.0),
         };
         if backward_speed.is_none() {
             self.last_heading = robot.heading.unwrap_or(robot.request.heading);
@@ -321,7 +324,10 @@ impl Supervisor {
         let max_rate = settings.max_turn;
         let requested_rate = match self.mode {
             ModeState::Forward => robot.request.yaw_rate.unwrap_or(0.0),
-            _ => 0.0,
+            ModeState::Traverse(_)
+            | ModeState::BackOut(_)
+            | ModeState::Detour(_)
+            | ModeState::Stopped => 0.0,
         };
         let yaw_rate = (requested_rate + settings.turn_gain * error).clamp(-max_rate, max_rate);
         let (speed, yaw_rate) = if self.max_curvature.is_finite() {
