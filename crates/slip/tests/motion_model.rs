@@ -2,7 +2,7 @@
 
 use grouser_slip::motion::{
     Belief, Entry, KINDS, Levels, Motion, Noise, Reading, Row, SIZE, SLIP, Step, Tape, Value,
-    WheelStep, X, dot, log_slip, slip_of_log, start,
+    WheelStep, X, common_motion, dot, log_slip, slip_of_log, start,
 };
 use grouser_slip::smooth::{back, fit, wheel_slips};
 
@@ -283,4 +283,38 @@ fn covariances_stay_symmetric_and_positive() {
             }
         }
     }
+}
+
+/// Five wheels, the last one steered, at 0.3 m/s: one counts backwards at six times that speed.
+#[test]
+fn one_wheel_that_contradicts_the_others_hardly_moves_the_common_motion() {
+    let motion = |wrong: f64| {
+        let headings = [0.0, 0.0, 0.0, 0.0, 0.1_f64];
+        let wheels: Vec<WheelStep> = (headings.iter().enumerate())
+            .map(|(index, heading)| {
+                let (sin, cos) = heading.sin_cos();
+                let [x, y] = [
+                    [0.3, 0.2],
+                    [0.3, -0.2],
+                    [0.0, 0.2],
+                    [0.0, -0.2],
+                    [-0.3, 0.0],
+                ][index];
+                let row = [cos, sin, x * sin - y * cos];
+                let along = dot(&row, &[0.015, 0.0, 0.0015]);
+                WheelStep {
+                    distance: Some(if index == 2 { wrong } else { along }),
+                    variance: 1e-8,
+                    row,
+                    across: [-sin, cos, x * cos + y * sin],
+                    ..WheelStep::default()
+                }
+            })
+            .collect();
+        common_motion(&wheels, Some(0.0015), 1.0, 0.0, &mut [0.0; 5]).unwrap()
+    };
+    let [sound, broken] = [0.015 - 0.2 * 0.0015, -0.09].map(motion);
+    assert!((sound.distance - 0.015).abs() < 1e-4, "{sound:?}");
+    let moved = broken.distance - sound.distance;
+    assert!(moved.abs() < 0.01 * 0.105, "{moved}");
 }

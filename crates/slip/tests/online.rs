@@ -60,6 +60,51 @@ fn slips_of_a_five_wheeled_robot_are_found_by_modes() {
     }
 }
 
+/// Motion capture that loses a robot shows one place, metres away, for seconds: what is believed then is wrong, and is given up once
+/// most places contradict it.
+#[test]
+fn two_seconds_after_a_place_that_was_lost_the_slip_is_as_before() {
+    let wheels = [("right", -0.2), ("left", 0.2)]
+        .map(|(name, y)| Wheel::powered(name).at(0.0, y).radius(0.1));
+    let robot = Robot::new("cart".into(), wheels.to_vec()).unwrap();
+    let mut estimator = SlipEstimator::new(&robot, EstimatorSettings::default()).unwrap();
+    let (speed, turn, slip) = (1.0, 0.5, 0.1);
+    let mut worst = 0.0_f64;
+    for step in 0..2500_i64 {
+        let time_s = 0.01 * step as f64;
+        let mut take = |measurement| {
+            let time_ns = 10_000_000 * step;
+            estimator
+                .update(Sample {
+                    time_ns,
+                    measurement,
+                })
+                .map(|_| ())
+                .unwrap();
+        };
+        let yaw = turn * time_s;
+        for (wheel, lever) in [0.2, -0.2].into_iter().enumerate() {
+            let angle = (speed + lever * turn) * time_s / (1.0 - slip) / 0.1;
+            take(Measurement::WheelAngle { wheel, angle });
+        }
+        take(Measurement::YawRate { rate: turn });
+        let (sin, cos) = yaw.sin_cos();
+        let radius = speed / turn;
+        take(if (8.0..15.0).contains(&time_s) {
+            let [x, y, yaw] = [-6.0, 1.2, 0.4];
+            Measurement::Pose { x, y, yaw }
+        } else {
+            let [x, y] = [radius * sin, radius * (1.0 - cos)];
+            Measurement::Pose { x, y, yaw }
+        });
+        if (5.0..8.0).contains(&time_s) || time_s > 17.0 {
+            let known = estimator.latest().wheels[0].slip.unwrap();
+            worst = worst.max((known.value() - slip).abs());
+        }
+    }
+    assert!(worst < 0.02, "{worst}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
 

@@ -69,6 +69,17 @@ impl ModeFilter {
         self.noise.set_wander(level);
     }
 
+    /// Begins anew from a belief: nothing is left of what was believed of motion, slips and noise.
+    pub fn begin(&mut self, start: Belief) {
+        for motion in &mut self.motions {
+            motion.belief = start;
+        }
+        self.weights = [1.0 / MODES as f64; MODES];
+        self.belief = start;
+        self.noise.begin();
+        self.own.fill(OwnSlip::default());
+    }
+
     /// Changes the belief of every mode; the merged one follows.
     pub fn change(&mut self, change: impl Fn(&mut Belief)) {
         for motion in &mut self.motions {

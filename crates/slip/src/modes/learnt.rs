@@ -43,6 +43,11 @@ impl LearntNoise {
         }
     }
 
+    /// Forgets what was learnt.
+    pub(super) fn begin(&mut self) {
+        *self = Self::new(self.prior);
+    }
+
     pub(super) const fn levels(&self) -> &Levels {
         &self.levels
     }

@@ -126,6 +126,6 @@ impl Belief {
 
 /// aᵀ b.
 #[must_use]
-pub fn dot(a: &Row, b: &Row) -> f64 {
+pub fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -22,9 +22,9 @@ mod wheels;
 
 pub use belief::{Belief, Correction, Row, dot};
 pub use evidence::{Evidence, Judgement, OUTLIER_SIGMA, OUTLIERS, log_density};
-pub use model::{CREEP, JITTER, Motion, Record, SLOW, start};
+pub use model::{CREEP, Motion, Record, SLOW, start};
 pub use noise::{KINDS, Levels, Noise};
 pub use state::*;
 pub use step::{Reading, Step, Value, WheelStep};
 pub use tape::{Entry, Tape};
-pub use wheels::{CommonMotion, MIN_SPEED, MIN_SQUARED_SPEED, common_motion};
+pub use wheels::{CommonMotion, JITTER, MIN_SPEED, MIN_SQUARED_SPEED, common_motion};

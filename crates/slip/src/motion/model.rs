@@ -10,7 +10,7 @@ use super::noise::{Levels, Noise};
 use super::state::{DRIFT, FORCE_BIAS, HEADING, MAX_LOG_SLIP, SIZE, SLIP, SPEED, TURN_BIAS, X, Y};
 use super::step::{Reading, Step, Value, WheelStep};
 use super::tape::{Entry, Tape};
-use super::wheels::{CommonMotion, common_motion};
+use super::wheels::{CommonMotion, JITTER, common_motion};
 
 /// A robot without an accelerometer changes its speed by this at most, m/s²: half of gravity, what wheels carry on firm ground.
 const MAX_ACCELERATION: f64 = 5.0;
@@ -19,9 +19,6 @@ pub const SLOW: f64 = 0.05;
 /// Wheel speed and speed over ground differ by this for other reasons than slip, m/s: what a count or a rate of a slow wheel leaves
 /// open at the usual resolution.
 pub const CREEP: f64 = 5e-4;
-/// The speed of wheels over a step differs from what slip and speed give by this share of it: lugs, play of gears, clocks that
-/// disagree by a millisecond. A prior: steps of 50 ms of Robotino, optiodom and a mower scatter by one to four hundredths.
-pub const JITTER: f64 = 0.02;
 /// A robot whose wheels are stationary turns by this at most (it settles, it is pushed), rad/s.
 const STATIONARY_TURN: f64 = 0.01;
 /// A wheel is stationary where its distance over a step is within this many sigma.

@@ -31,7 +31,7 @@ const MAX_REFERENCE_PERIOD_S: f64 = 2.0;
 const PERIOD_WEIGHT: f64 = 0.1;
 /// Time constant with which the slip returns to its prior without a reading of the speed, s. A prior: 6 m at 0.3 m/s, a patch of ground.
 const SLIP_MEMORY_S: f64 = 20.0;
-/// Random walks of the reference's frame, m/√s: a sum of displacements of 10 Hz visual odometry wanders by
+/// Random walks of the reference's frame, m/√s, and of its heading, rad/√s, where it is a sum: a sum of displacements of 10 Hz visual odometry wanders by
 /// a centimetre in a second or two, a pose does not.
 const WANDER: [f64; 2] = [1e-5, 6e-3];
 /// Priors of the other random walks: random walks of slip and drift (1/√s), of the speed next to an accelerometer (m/s/√s), of a
@@ -39,6 +39,10 @@ const WANDER: [f64; 2] = [1e-5, 6e-3];
 const WALKS: [f64; 5] = [0.03, 0.03, 0.03, 2e-3, 2e-4];
 /// Weight of a step in the mean share of good readings: that of about ten steps with readings.
 const TRUST_WEIGHT: f64 = 0.1;
+/// Fewer good readings than this share: most readings contradict what is believed.
+pub(super) const MIN_TRUST: f64 = 0.5;
+/// The filter begins anew once within this time, s: in it the share of good readings follows what it believes then.
+const RECOVERY_S: f64 = 1.0;
 
 /// What estimates, step by step.
 #[derive(Clone, Debug)]
@@ -61,8 +65,9 @@ pub(super) struct Core {
     pub(super) speed_known_ns: Option<i64>,
     /// The usual time between readings of the speed, s.
     reference_period: f64,
-    /// Usual share of good readings.
+    /// Usual share of good readings, and when the filter began anew because it was low.
     pub(super) trust: f64,
+    begun_ns: Option<i64>,
     pub(super) readings: [f64; 2],
     /// The last step's wheels.
     pub(super) last: Step,
@@ -128,6 +133,7 @@ impl Core {
             speed_known_ns: None,
             reference_period: 0.0,
             trust: 1.0,
+            begun_ns: None,
             readings: [0.0; 2],
             last: step_for(count),
             distance: 0.0,
@@ -216,9 +222,13 @@ impl Core {
                 belief.add_noise(HEADING, heading);
             });
         }
+        let step = &self.pending[first].1;
         let wander = WANDER[usize::from(self.references.is_by_displacements())];
         self.settled.set_wander(wander * wander);
-        let step = &self.pending[first].1;
+        if self.references.is_by_displacements() {
+            self.settled
+                .change(|belief| belief.add_noise(HEADING, wander * wander * step.dt));
+        }
         // limits were checked as the samples came
         let _ = self.settled.advance(step);
         let has_free_wheel = (step.wheels.iter()).any(|of| of.is_free && of.distance.is_some());
@@ -229,6 +239,12 @@ impl Core {
         ];
         if readings > 0.0 {
             self.trust += TRUST_WEIGHT * (good / readings - self.trust);
+            if self.trust < MIN_TRUST
+                && age_of(self.begun_ns, end_ns).is_none_or(|age| age > RECOVERY_S)
+            {
+                self.begin_again();
+                self.begun_ns = Some(end_ns);
+            }
         }
         if has_free_wheel || good > 0.5 * readings && readings > 0.0 {
             if let Some(passed) = age_of(self.speed_known_ns, end_ns) {
@@ -250,6 +266,14 @@ impl Core {
         self.settled_ns = Some(end_ns);
         self.first = (self.first + 1) % self.pending.len();
         self.count -= 1;
+    }
+
+    /// Most readings contradict what is believed, so that it is wrong: all but the place begins anew.
+    fn begin_again(&mut self) {
+        let mean = &self.settled.belief().mean;
+        let mut begin = start([mean[X], mean[Y]], mean[HEADING], true);
+        set_slip(&mut begin, self.prior);
+        self.settled.begin(begin);
     }
 
     /// Has the speed not been measured for long?
@@ -283,6 +307,7 @@ impl Core {
         self.gather.restart_clock();
         self.references.restart_clock();
         (self.settled_ns, self.now_ns, self.speed_known_ns) = (None, None, None);
+        self.begun_ns = None;
         for (wheel, estimate) in self.wheels.iter_mut().zip(&mut self.estimates) {
             *wheel = WheelWatch::default();
             *estimate = WheelEstimate::NOTHING;

@@ -146,13 +146,12 @@ impl WheelInput {
         } else {
             ANGLE_STEP_M * ANGLE_STEP_M / 6.0
         };
-        let variance = speed.map_or(0.0, |of| of.variance * dt * dt) + floor;
-        let distance = speed.map(|of| {
-            let rolled = of.value * dt + self.radius * rocked;
-            // a wheel that moves up or down relative to the robot rolls along a slope
-            let along = Real::sqrt((rolled * rolled - up * up).max(0.0));
-            along.copysign(rolled)
-        });
+        let rolled = speed.map(|of| of.value * dt + self.radius * rocked);
+        // a wheel that moves up or down relative to the robot rolls along a slope, or is lifted off: the difference is its own sigma
+        let along = |rolled: f64| Real::sqrt((rolled * rolled - up * up).max(0.0));
+        let distance = rolled.map(|rolled| along(rolled).copysign(rolled));
+        let lifted = rolled.map_or(0.0, |rolled| rolled.abs() - along(rolled));
+        let variance = speed.map_or(0.0, |of| of.variance * dt * dt) + floor + lifted * lifted;
         let distance = distance.filter(|of| of.abs() <= 1e3);
         let [skid, sigma] = if self.is_free {
             [skid.mean, skid.sigma]

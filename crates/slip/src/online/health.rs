@@ -3,7 +3,7 @@
 use grouser_real::Real;
 use grouser_terra::Slip;
 
-use super::estimator::Core;
+use super::estimator::{Core, MIN_TRUST};
 use crate::history::seconds_between;
 use crate::measured_slip::{MeasuredSlip, SlipLimits};
 use crate::speed::Measured;
@@ -14,8 +14,6 @@ use crate::wheel_estimate::WheelEstimate;
 const WRONG_ENCODER_TIME_S: f64 = 0.25;
 /// The robot moves where its speed is this many sigma from zero.
 const MOVES_SIGMAS: f64 = 3.0;
-/// Fewer good readings than this share: the sensors contradict each other.
-const MIN_TRUST: f64 = 0.5;
 
 /// How a wheel's readings go with the robot's motion.
 #[derive(Clone, Copy, Debug, Default)]
