@@ -30,6 +30,7 @@ mod contact;
 mod derivative;
 mod error;
 mod fitted_range;
+mod followed;
 mod forces;
 mod gravity;
 mod kernel;

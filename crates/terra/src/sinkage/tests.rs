@@ -77,8 +77,9 @@ fn a_scan_brackets_the_load() {
             .forces_by(on_soil.tables(), on_soil.order())
             .vertical_force
     };
-    let scan =
-        |search: &mut Search, load: f64| search.scan(load, on_soil.scan_start(load, top), &force);
+    let scan = |search: &mut Search, load: f64| {
+        search.scan(load, on_soil.scan_start(load, top), None, &force)
+    };
     let load = 60.0;
     let least = on_soil.scan_start(load, top);
     let ratio = (top / least).powf(0.1);
@@ -154,7 +155,10 @@ fn a_scan_finds_other_crossings() {
     };
     for (load, several, at) in [(0.08, false, 0.08), (0.15, true, 0.15), (0.5, false, 0.8)] {
         let (found, seen) = looks((0.0, 1.0), &force, |search, force| {
-            (search.scan(load, 0.05, &force), (search.low, search.high))
+            (
+                search.scan(load, 0.05, None, &force),
+                (search.low, search.high),
+            )
         });
         assert_eq!((found.0, seen.len()), (Ok(several), 11), "{load}");
         let (low, high) = found.1;
