@@ -135,3 +135,6 @@ impl Followed {
             .count()
     }
 }
+
+#[cfg(test)]
+mod tests;
