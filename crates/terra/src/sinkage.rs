@@ -231,6 +231,22 @@ impl LoadSolution {
             Some(of.solved()?.error_estimate)
         })
         .shown("N"),
+        Own::optional(
+            "pull_model_error_n",
+            "half of the interval about the drawbar pull that holds 90 % of measurements",
+            |of| {
+                let point = of.solved()?;
+                Some(point.model_error?.pull_per_load * point.forces.vertical_force)
+            },
+        ),
+        Own::optional("side_model_error_n", "the same of the side force", |of| {
+            let point = of.solved()?;
+            Some(point.model_error?.side_per_load * point.forces.vertical_force)
+        }),
+        Own::optional("sinkage_model_error_m", "the same of the sinkage", |of| {
+            let point = of.solved()?;
+            Some(point.model_error?.sinkage_per_radius * point.radius)
+        }),
         Own::whole("evaluations", "evaluations of the forces", |of| {
             of.evaluations
         }),
