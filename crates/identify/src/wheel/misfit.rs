@@ -88,11 +88,12 @@ pub struct LawScore {
 
 /// The root mean square error of predictions of each quantity that was read, SI, with the number of readings.
 pub fn rmse<'a>(
-    pairs: impl Iterator<Item = (&'a WheelTest, &'a Prediction)> + Clone,
+    pairs: impl Iterator<Item = (&'a WheelTest, &'a Prediction)>,
 ) -> Vec<(Quantity, f64, usize)> {
+    let pairs: Vec<_> = pairs.collect();
     let of = |quantity: Quantity| {
         let errors = pairs
-            .clone()
+            .iter()
             .filter_map(|(test, said)| Some(said.of(quantity) - test.read(quantity)?));
         let (sum, count) = errors.fold((0.0, 0), |(sum, count), e| (sum + e * e, count + 1));
         (count > 0).then(|| (quantity, (sum / count as f64).sqrt(), count))
