@@ -349,3 +349,64 @@ fn two_forms_of_slip_sinkage_agree_on_dings_wheel() {
     );
     assert!((exponent / layer - 1.0).abs() < 0.1, "{exponent} {layer}");
 }
+
+/// The catalogue's sand of the test bed, found at slip angles of 0 and 60°: how many readings of other trials lie within the errors
+/// that are stored with its laws.
+#[test]
+fn held_out_readings_lie_within_the_stored_errors() {
+    let Some(data) = data() else { return };
+    let soil = catalogue::find("cmu-sand").unwrap().soil().unwrap();
+    // offsets of the test bed that were found with the soil
+    let (side_datum_n, sinkage_datum_m) = (-0.566, 2.67e-3);
+    let smooth = (cmu::TRIALS, "smooth", cmu::smooth_wheel().unwrap());
+    let bars = cmu::grouser_wheel().unwrap();
+    let (mut all, mut inside) = ([0_u32; 3], [0_u32; 3]);
+    for ((file, name, wheel), angle) in [
+        (smooth, 15.0),
+        (smooth, 30.0),
+        ((cmu::TRIALS, "grouser", bars), 0.0),
+        ((cmu::LUG_TRIALS, "grouser", bars), 30.0),
+    ] {
+        let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).unwrap();
+        let Ok(trials) = cmu::trials(&data.join(file), name, 0.95) else {
+            continue;
+        };
+        let (mut here, mut count) = ([0_u32; 3], 0);
+        for trial in trials {
+            let Support::Load(load) = trial.test.support else {
+                panic!("each trial has its load");
+            };
+            if (trial.slip_angle.to_degrees() - angle).abs() > 1e-6 {
+                continue;
+            }
+            let solved = on_soil.under_load(load, &trial.test.kinematics).unwrap();
+            let point = solved.point().unwrap();
+            let error = point.model_error.unwrap();
+            let off = [
+                (point.forces.drawbar_pull - trial.test.pull.unwrap())
+                    / (error.pull_per_load * load),
+                (point.side_force + side_datum_n - trial.test.side.unwrap())
+                    / (error.side_per_load * load),
+                (point.sinkage + sinkage_datum_m - trial.test.sinkage.unwrap())
+                    / (error.sinkage_per_radius * wheel.radius()),
+            ];
+            count += 1;
+            for (here, off) in here.iter_mut().zip(off) {
+                *here += u32::from(off.abs() <= 1.0);
+            }
+        }
+        println!("{name} {angle} deg: of {count} pull, side force, sinkage {here:?}");
+        for k in 0..3 {
+            all[k] += count;
+            inside[k] += here[k];
+        }
+    }
+    let share = |k: usize| f64::from(inside[k]) / f64::from(all[k]);
+    println!("all: {:?}", [0, 1, 2].map(share));
+    assert!(
+        [0, 1, 2]
+            .map(share)
+            .iter()
+            .all(|share| (0.85..=0.99).contains(share))
+    );
+}

@@ -2,6 +2,7 @@
 
 use grouser_files::{Document, Error, soil};
 use grouser_terra::catalogue::{self, Completion};
+use grouser_terra::{LawChoice, LawPreset, OpenSoil, ShearLaw};
 
 const SAND: &str = r#"format = 1
 name = "Dry sand"
@@ -28,6 +29,33 @@ fn a_file_with_the_catalogues_numbers_is_the_catalogues_soil() {
     assert_eq!(
         (file.name.as_str(), file.source.as_str()),
         ("Dry sand", "rover papers")
+    );
+}
+
+#[test]
+fn one_key_names_all_laws() {
+    let preset = LawPreset::DRIFT;
+    let text = format!("{SAND}unit_weight_n_per_m3 = 13000.0\nlaws = \"drift\"\n");
+    let chosen = |soil: &OpenSoil| (soil.laws, soil.rear_drift, soil.sideways_support);
+    let file = parse(&text).unwrap();
+    let whole = (preset.laws, preset.rear_drift, preset.sideways_support);
+    assert_eq!(chosen(&file.soil), whole);
+    let written = soil::to_toml(&file, &[]).unwrap();
+    assert!(written.contains("laws = \"drift\"") && !written.contains("bulldozing"));
+    assert_eq!(parse(&written).unwrap(), file);
+    // a key of its own replaces its part of the preset
+    let other = parse(&format!("{text}shear = \"coupled\"\nrear_drift = 0.5\n")).unwrap();
+    let laws = LawChoice {
+        shear: Some(ShearLaw::Coupled),
+        ..preset.laws
+    };
+    assert_eq!(chosen(&other.soil), (laws, 0.5, preset.sideways_support));
+    assert_eq!(parse(&soil::to_toml(&other, &[]).unwrap()).unwrap(), other);
+    // the soil beside a drifting wheel has a weight
+    let weightless = parse(&text.replace("unit_weight_n_per_m3 = 13000.0\n", "")).unwrap_err();
+    assert!(
+        weightless.to_string().contains("unit_weight"),
+        "{weightless}"
     );
 }
 

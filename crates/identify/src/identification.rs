@@ -16,7 +16,7 @@ use crate::plate::{self, PlateFit, PlateRecord, PlateTest, fit_plates};
 use crate::plausible::{self, Plausibility};
 use crate::readings::Readings;
 use crate::shear::{self, ShearFit, ShearReading, fit_shear};
-use crate::wheel::{self, Fixed, Misfit, Prediction, WheelModel, WheelTest, predict};
+use crate::wheel::{self, Fixed, LawScore, Misfit, Prediction, WheelModel, WheelTest, predict};
 
 /// A soil and how it was found.
 ///
@@ -47,6 +47,8 @@ pub struct Identification {
     pub implausible: Vec<Plausibility>,
     /// Mistakes in units that explain the result, the likeliest first, in words.
     pub unit_mistakes: Vec<String>,
+    /// Sets of laws on tests that they were not fitted to, if they were compared ([`compare_laws`](crate::compare_laws)).
+    pub comparison: Vec<LawScore>,
 }
 
 /// The result of plate tests.
@@ -143,6 +145,7 @@ pub(crate) fn fitted(job: &Job, readings: &Readings) -> Result<Identification> {
         wheel: None,
         implausible: Vec::new(),
         unit_mistakes: Vec::new(),
+        comparison: Vec::new(),
     };
     if !job.plates.is_empty() {
         let stage = plates(job, readings)?;

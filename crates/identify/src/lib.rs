@@ -8,6 +8,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod branches;
+mod compare;
 mod doubt;
 mod error;
 mod identification;
@@ -25,6 +26,7 @@ pub mod table;
 mod unit_mistake;
 pub mod wheel;
 
+pub use compare::compare_laws;
 pub use doubt::Doubt;
 pub use error::{Error, Result};
 pub use identification::{Identification, PlateStage, ShearStage, WheelNumber, WheelStage};

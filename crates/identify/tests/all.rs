@@ -6,6 +6,7 @@
     reason = "a test fails by panicking, and prints what it measured or why it is skipped"
 )]
 
+mod comparison;
 mod copies;
 mod coverage;
 mod differing_tests;

@@ -30,11 +30,13 @@ mod contact;
 mod derivative;
 mod error;
 mod fitted_range;
+mod followed;
 mod forces;
 mod gravity;
 mod kernel;
 mod kinematics;
 mod lanes;
+mod law_preset;
 mod lugs;
 mod multi_pass;
 mod open_soil;
@@ -78,6 +80,7 @@ pub use lanes::{
     BatchColumns, BatchInput, BatchKernel, BatchPoints, BestOf, BestSlipColumns, LaneMask, Lanes,
     SoilColumns, instructions,
 };
+pub use law_preset::{LawPreset, ModelError};
 pub use lugs::{LugPassage, lug_mobilisation, lug_spacing_skonieczny, lug_transport_layer};
 pub use multi_pass::{MultiPass, PassChange};
 pub use open_soil::OpenSoil;

@@ -5,6 +5,7 @@ use crate::caution::Cautions;
 use crate::contact::{Contact, ContactAngles};
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
+use crate::law_preset::ModelError;
 
 /// A wheel at one sinkage and one motion: geometry, stresses, forces and how far to trust them.
 ///
@@ -35,6 +36,8 @@ pub struct OperatingPoint {
     /// How far any of vertical force, drawbar pull and torque/r may be off by quadrature, N: the
     /// difference to a finer rule.
     pub error_estimate: f64,
+    /// What the laws miss of measurements; `None` where that is not known.
+    pub model_error: Option<ModelError>,
     /// What to keep in mind.
     pub cautions: Cautions,
     pub(crate) contact: Contact<f64>,

@@ -3,7 +3,9 @@
 use grouser_real::{Real, ResultField};
 
 use crate::caution::Caution;
+use crate::contact::crossing;
 use crate::error::{Error, Result};
+use crate::followed::Followed;
 use crate::kinematics::Kinematics;
 use crate::operating_point::OperatingPoint;
 use crate::pressure::Pressure;
@@ -24,8 +26,14 @@ const STEPS: u32 = 80;
 /// Least depth of a contact over the radius that is searched: where soil is carried away down to the hub, nothing is left.
 const MIN_DEPTH: f64 = 1e-12;
 
-/// Entry angles of the coarse scan where the vertical force may fall with sinkage, less one.
+/// Entry angles with which a scan begins where the vertical force may fall with sinkage, less one.
 pub(crate) const SCAN_STEPS: i32 = 10;
+
+/// Steps of ln θ_1 below which the scan tells no turn: a top that is no wider exceeds its neighbours by less than 1e-6.
+const SCAN_RESOLUTION: f64 = 1e-3;
+
+/// Share of the load below which a force counts as none: from there no neighbouring sample is reached.
+const NOTHING: f64 = 1e-3;
 
 /// How the search for the sinkage under a load ended, with its result.
 ///
@@ -236,6 +244,22 @@ impl LoadSolution {
             Some(of.solved()?.error_estimate)
         })
         .shown("N"),
+        Own::optional(
+            "pull_model_error_n",
+            "half of the interval about the drawbar pull that holds 90 % of measurements",
+            |of| {
+                let point = of.solved()?;
+                Some(point.model_error?.pull_per_load * point.forces.vertical_force)
+            },
+        ),
+        Own::optional("side_model_error_n", "the same of the side force", |of| {
+            let point = of.solved()?;
+            Some(point.model_error?.side_per_load * point.forces.vertical_force)
+        }),
+        Own::optional("sinkage_model_error_m", "the same of the sinkage", |of| {
+            let point = of.solved()?;
+            Some(point.model_error?.sinkage_per_radius * point.radius)
+        }),
         Own::whole("evaluations", "evaluations of the forces", |of| {
             of.evaluations
         }),
@@ -311,9 +335,10 @@ impl WheelOnSoil {
 
     /// The operating point at which the wheel carries `load` (N).
     ///
-    /// Of several sinkages it takes the lowest on a rising branch of the vertical force, and cautions. Only a braked wheel and one
-    /// on soil that springs back have several. They are sought at eleven entry angles: a top or a valley
-    /// between two of them is missed, without a caution (`tests/properties.rs` has the share).
+    /// The result is the lowest sinkage at which the vertical force reaches the load from below; where it does so or falls below it
+    /// again deeper, with a caution. Only a braked wheel and one on soil that springs back have several. The force is followed from
+    /// a tenth of the entry angle that is expected without shear: eleven samples, and more wherever a cubic through them may turn and
+    /// reach the load. A top that all of them miss, or one below the first, is not found (`tests/properties.rs` has the share).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a negative load and for an exponent n(s) outside its range. A load that
@@ -381,7 +406,7 @@ impl WheelOnSoil {
         let mut several = false;
         if self.may_fall(kinematics) {
             let least = self.scan_start(load, search.high);
-            match search.scan(load, least, &force) {
+            match search.scan(load, least, self.turning_angles(kinematics), &force) {
                 Ok(more) => several = more,
                 Err(max_load) => return LoadOutcome::NoSolution { max_load },
             }
@@ -425,6 +450,36 @@ impl WheelOnSoil {
         0.1 * self.bekker_start(load).min(0.5 * top)
     }
 
+    /// Entry angles between which the vertical force of a braked wheel falls and from which it rises again, where soil rises behind
+    /// it and K is less than its displacement: soil that was pushed forwards supports the rear, until none of the displacement is
+    /// forwards any more. `None` where the displacement only grows or is less than K.
+    fn turning_angles(&self, kinematics: &Kinematics) -> Option<[f64; 2]> {
+        let (params, q) = (self.soil().params(), kinematics.slip().speed_ratio());
+        if !(params.rebound > 0.0 && q > 1.0 && q.is_finite()) {
+            return None;
+        }
+        // the rim moves along with the soil here, and is pushed forwards furthest
+        let turn = Real::acos(1.0 / q);
+        if params.k_shear > self.size().radius * (Real::tan(turn) - turn) {
+            return None;
+        }
+        let rear = |theta_1: f64| {
+            let share = Real::sqrt(params.rebound) * Real::sin(0.5 * theta_1);
+            turn.min(2.0 * Real::asin(share.min(1.0)))
+        };
+        let left = |theta_1: f64| {
+            let rear = rear(theta_1);
+            theta_1 + rear - q * (Real::sin(theta_1) + Real::sin(rear))
+        };
+        // j/r at the lowest point vanishes at about √3 times that angle
+        let bottom = Real::sqrt(3.0_f64) * turn;
+        let ends = [turn, core::f64::consts::PI].map(|place| (place, left(place)));
+        (ends[1].1 > 0.0).then(|| {
+            let none = crossing(left, ends, (0.0, SCAN_RESOLUTION));
+            [0.5 * (bottom + none), none]
+        })
+    }
+
     /// Entry angle by Bekker's z = [3 W/((3 − n) b k √(2r))]^(2/(2n + 1)), held inside the model.
     fn bekker_start(&self, load: f64) -> f64 {
         let laws = self.laws();
@@ -444,42 +499,58 @@ impl WheelOnSoil {
 }
 
 impl Search {
-    /// Narrows the bracket to the lowest interval of a coarse scan from `least` on in which the vertical force (N) rises through
-    /// `load`; returns whether there is another. `Err` with the greatest force seen if there is none.
+    /// Narrows the bracket to the lowest interval in which the vertical force (N) rises through `load`: a coarse scan from `least`
+    /// on, and more samples where the force may turn between them. `force` to 1e-6 may decide. Returns whether there is another
+    /// interval. `Err` with the greatest force seen if there is none.
     fn scan(
         &mut self,
         load: f64,
         least: f64,
+        turns: Option<[f64; 2]>,
         force: &impl Fn(f64) -> f64,
     ) -> core::result::Result<bool, f64> {
         let top = self.high;
         // a geometric ladder from there to the limit
         let ratio = Real::powf(top / least, 1.0 / f64::from(SCAN_STEPS));
-        let (mut below, mut found, mut crossings, mut most) = (true, None, 0, f64::NEG_INFINITY);
-        let mut before = 0.0;
+        let mut most = f64::NEG_INFINITY;
+        let mut look = |search: &mut Self, theta_1: f64| {
+            let force = search.look(theta_1, force);
+            most = most.max(force);
+            // straight in ln θ_1, and what is far below the load never decides
+            Real::ln((force / load).max(NOTHING))
+        };
+        let mut followed = Followed::new(SCAN_RESOLUTION);
+        let (mut before, mut bracket) = ((0.0, -1.0), None);
         for i in 0..=SCAN_STEPS {
             let theta_1 = if i == SCAN_STEPS {
                 top
             } else {
                 least * Real::powi(ratio, i)
             };
-            let force = self.look(theta_1, force);
-            most = most.max(force);
-            let now_below = !(force >= load);
-            if below != now_below {
-                crossings += 1;
-                if below && found.is_none() {
-                    found = Some((before, theta_1));
-                }
+            let now = (theta_1, look(self, theta_1));
+            if before.1 < 0.0 && now.1 >= 0.0 && bracket.is_none() {
+                bracket = Some((before.0, theta_1));
             }
-            below = now_below;
-            before = theta_1;
+            followed.add(Real::ln(theta_1), now.1);
+            before = now;
         }
-        let (low, high) = found.ok_or(most)?;
+        let passes = followed.passes();
+        for theta_1 in turns.into_iter().flatten().filter(|turn| *turn < top) {
+            followed.add(Real::ln(theta_1), look(self, theta_1));
+        }
+        while let Some(place) = followed.next_place() {
+            followed.add(place, look(self, Real::exp(place)));
+        }
+        if followed.passes() > passes
+            && let Some([low, high]) = followed.first_rise()
+        {
+            bracket = Some((Real::exp(low.0), Real::exp(high.0)));
+        }
+        let (low, high) = bracket.ok_or(most)?;
         self.low = low;
         self.high = high;
         self.proven = true;
-        Ok(crossings > 1)
+        Ok(followed.passes() > 1)
     }
 
     /// The secant method in (ln θ_1, ln W), inside the bracket; bisection where W is not positive or not

@@ -2,6 +2,7 @@
 
 use crate::angle::Angle;
 use crate::error::{Error, Result};
+use crate::followed::Followed;
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
 use crate::operating_point::tractive_efficiency;
@@ -13,7 +14,9 @@ use crate::wheel_on_soil::WheelOnSoil;
 
 /// Samples of the torque of a free wheel, which rises with slip on most soils.
 const SCAN_STEPS: u32 = 8;
-const SCAN_STEP: f64 = 1.0 / 8.0;
+
+/// Slips between which a turn of the torque is not told.
+const SKID_RESOLUTION: f64 = 1e-3;
 
 /// Precision of a root of forces to 1e-6, and how far beside it the root of exact forces is looked for.
 const ROUGH_SLIP: f64 = 1e-7;
@@ -124,6 +127,10 @@ impl WheelOnSoil {
     /// friction `bearing_torque` (N m, not negative) of its bearing, torque = −bearing_torque. `None` where
     /// the soil cannot: the wheel locks, or is not carried.
     ///
+    /// Of several it is the first from −1 on, where a wheel that was locked ends: at all lower slips the soil turns it faster, or
+    /// nothing carries it. Where the sinkage jumps with slip the torque may jump over that value; the skid is there. The torque is
+    /// followed as the force of [`WheelOnSoil::under_load`] is; turns within 0.001 of slip are missed.
+    ///
     /// A free wheel does not roll without slip, as a fifth wheel that measures speed is assumed to:
     /// v = r ω/(1 + s).
     ///
@@ -140,60 +147,40 @@ impl WheelOnSoil {
     /// ```
     pub fn free_slip(&self, load: f64, bearing_torque: f64) -> Result<Option<Slip>> {
         Error::check_range("bearing_torque", bearing_torque, 0.0, 1e9, "N m")?;
-        let surplus = |slip| self.forces_under(load, slip, |f| f.torque + bearing_torque);
-        if let Some(slip) = self.free_slip_where_torque_rises(load, bearing_torque)? {
-            return Slip::new(slip).map(Some);
-        }
-        // From the first sample at which the torque suffices, look back.
-        let mut before: Option<(f64, f64)> = None;
-        for i in 0..=SAMPLES {
-            let slip = f64::from(i) / f64::from(SAMPLES) - 1.0;
-            let Some(now) = surplus(slip)? else { continue };
-            if now >= 0.0 {
-                return match before {
-                    Some(low) => Ok(Some(Slip::new(root(
-                        low,
-                        (slip, now),
-                        ROOT_PRECISION,
-                        surplus,
-                    )?)?)),
-                    None => Ok(None),
-                };
-            }
-            before = Some((slip, now));
-        }
-        Ok(None)
-    }
-
-    /// The skid where the torque rises with slip, as it does on most soils: a few samples and a root of the forces to 1e-6, then
-    /// the root beside it. `None` where the samples do not rise from below the root to above it.
-    fn free_slip_where_torque_rises(&self, load: f64, bearing_torque: f64) -> Result<Option<f64>> {
+        // to 1e-6 the first rise is found, then the root beside it
         let quick = self.with_accuracy(Accuracy::Simulation);
         let surplus_of = |on_soil: &Self, slip: f64| {
             on_soil.forces_under(load, slip, |f| f.torque + bearing_torque)
         };
-        let mut before: Option<(f64, f64)> = None;
-        let mut bracket = None;
-        for i in 0..=SCAN_STEPS {
-            let slip = f64::from(i) * SCAN_STEP - 1.0;
-            let Some(now) = surplus_of(&quick, slip)? else {
+        // where nothing carries the wheel it counts as turned
+        let below = |surplus: Option<f64>| surplus.unwrap_or(f64::NEG_INFINITY);
+        for steps in [SCAN_STEPS, SAMPLES] {
+            let mut followed = Followed::new(SKID_RESOLUTION);
+            for i in 0..=steps {
+                let slip = f64::from(i) / f64::from(steps) - 1.0;
+                followed.add(slip, below(surplus_of(&quick, slip)?));
+            }
+            if steps == SCAN_STEPS && !followed.only_rises() {
+                continue;
+            }
+            while let Some(slip) = followed.next_place() {
+                followed.add(slip, below(surplus_of(&quick, slip)?));
+            }
+            let Some([low, high]) = followed.first_rise() else {
                 return Ok(None);
             };
-            if let Some(low) = before {
-                if now <= low.1 {
-                    return Ok(None);
-                }
-                if low.1 < 0.0 && now >= 0.0 {
-                    bracket = Some((low, (slip, now)));
-                }
+            let low = (low.0, low.1.max(-high.1));
+            let near = root(low, high, ROUGH_SLIP, |slip| surplus_of(&quick, slip))?;
+            if let Some(slip) = root_near(near, &ROUGH_REACHES, |slip| surplus_of(self, slip))? {
+                return Slip::new(slip).map(Some);
             }
-            before = Some((slip, now));
+            if steps == SAMPLES {
+                // a jump of the torque, or a gap in which nothing carries the wheel
+                let slip = root(low, high, ROOT_PRECISION, |slip| surplus_of(self, slip))?;
+                return Slip::new(slip).map(Some);
+            }
         }
-        let Some((low, high)) = bracket else {
-            return Ok(None);
-        };
-        let near = root(low, high, ROUGH_SLIP, |slip| surplus_of(&quick, slip))?;
-        root_near(near, &ROUGH_REACHES, |slip| surplus_of(self, slip))
+        Ok(None)
     }
 
     /// [`WheelOnSoil::slip_demand`] where a slip is known that is nearly right, of a neighbouring soil or slope: the root

@@ -7,6 +7,7 @@ use crate::contact::{
 use crate::error::{Error, Result};
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
+use crate::law_preset::{LawPreset, ModelError};
 use crate::operating_point::OperatingPoint;
 use crate::settings::{Accuracy, Settings};
 use crate::soil::{EXPONENT, Soil, SoilLaws};
@@ -340,6 +341,7 @@ impl WheelOnSoil {
             forces: mirrored(forces, kinematics),
             side_force,
             error_estimate,
+            model_error: self.model_error(kinematics),
             cautions,
             contact,
             radius,
@@ -377,6 +379,13 @@ impl WheelOnSoil {
         });
         let beside = kappa * ploughed + contact.disc.map_or(0.0, |disc| disc.side);
         -beta.signum() * (forces.side_shear + beside)
+    }
+
+    /// What the soil's laws miss of measurements of such a wheel in this motion ([`LawPreset::model_error`]).
+    #[must_use]
+    pub fn model_error(&self, motion: &Kinematics) -> Option<ModelError> {
+        let preset = LawPreset::from_laws(&self.soil.params().laws);
+        preset.model_error(motion, self.wheel.grousers().is_some())
     }
 
     fn add_cautions(

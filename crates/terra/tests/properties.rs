@@ -85,8 +85,8 @@ fn cases() -> u32 {
         .unwrap_or(1000)
 }
 
-/// Under a braked wheel the vertical force may rise, fall by a tenth or more, and rise again. The search looks at eleven
-/// angles and misses tops and valleys between two of them: of 735 loads it takes the lowest sinkage of 579 and cautions 468.
+/// Under a braked wheel the vertical force may rise, fall by a tenth or more, and rise again. The search follows it: of 735 loads it
+/// takes the lowest sinkage of 734 and cautions 731.
 #[test]
 fn of_several_sinkages_it_takes_the_lowest_on_a_rising_branch_and_cautions() {
     let mut runner = TestRunner::deterministic();
@@ -97,10 +97,13 @@ fn of_several_sinkages_it_takes_the_lowest_on_a_rising_branch_and_cautions() {
         let (contact, motion) = (any.contact(Settings::default()), any.motion());
         let under = |load: f64| contact.under_load(load, &motion).unwrap().point();
         // no search: the force at 150 sinkages, and the deepest valley behind its first top
-        let forces: Vec<(f64, f64)> = (1..=150)
-            .map(|i| 0.999 * any.radius * (f64::from(i) / 150.0).powi(2))
-            .map(|z| (z, contact.forces_at(z, &motion).unwrap().vertical_force))
-            .collect();
+        let sampled = |count: i32| -> Vec<(f64, f64)> {
+            (1..=count)
+                .map(|i| 0.999 * any.radius * (f64::from(i) / f64::from(count)).powi(2))
+                .map(|z| (z, contact.forces_at(z, &motion).unwrap().vertical_force))
+                .collect()
+        };
+        let forces = sampled(150);
         let (mut top, mut valley) = (0.0_f64, f64::INFINITY);
         for &(_, force) in &forces {
             match valley.is_finite() || force.max(0.0) < 0.9 * top {
@@ -112,10 +115,12 @@ fn of_several_sinkages_it_takes_the_lowest_on_a_rising_branch_and_cautions() {
         if !valley.is_finite() {
             let load = 0.5 * top;
             if let Some(point) = under(load) {
-                assert!(
-                    !point.cautions.contains(Caution::SeveralSinkages),
-                    "{any:?} {load}"
-                );
+                if point.cautions.contains(Caution::SeveralSinkages) {
+                    // a fall by less than a tenth, or between the samples
+                    let fine = sampled(5000);
+                    let falls = |pair: &[(f64, f64)]| pair[0].1 >= load && pair[1].1 < load;
+                    assert!(fine.windows(2).any(falls), "{any:?} {load}");
+                }
                 single += 1;
             }
             continue;
@@ -134,7 +139,7 @@ fn of_several_sinkages_it_takes_the_lowest_on_a_rising_branch_and_cautions() {
     );
     assert!(several > 100 && single > 1000, "{several} {single}");
     let share = |count: i32| f64::from(count) / f64::from(several);
-    assert!(share(lowest) > 0.75 && share(cautioned) > 0.6);
+    assert!(share(lowest) > 0.99 && share(cautioned) > 0.99);
 }
 
 proptest! {

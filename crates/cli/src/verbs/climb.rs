@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use grouser_figure::{Axis, Chart, Curve, Figure, Style};
-use grouser_report::number::{parse_finite, shown};
+use grouser_report::number::{parse_finite, rounded, shown};
 use grouser_report::{Fields, fields};
 use grouser_terra::slope::greatest_surplus;
-use grouser_terra::{Angle, Caution, Kinematics, Slip, SlopeOutcome, Soil, WheelOnSoil};
+use grouser_terra::{Angle, Caution, Kinematics, LawPreset, Slip, SlopeOutcome, Soil, WheelOnSoil};
 use grouser_terrain::{ClimbStep, DemandSolver, MAX_SLOPE_RAD, climb};
 
 use crate::error::{Error, Result};
@@ -87,6 +87,8 @@ struct Climbed {
     max_slip: f64,
     /// The steepest slope, rad; `None` where the level is too much already.
     steepest: Option<f64>,
+    /// Half of the interval about it that holds 90 % of measurements, rad; `None` where that is not known.
+    model_error: Option<f64>,
     steps: Vec<ClimbStep>,
     /// What is proved, with --certify.
     proof: Option<Proved>,
@@ -119,6 +121,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         gravity,
         max_slip: arguments.max_slip.max_slip,
         steepest,
+        model_error: climber.model_error(&chosen.soil, arguments.max_slip.max_slip)?,
         steps,
         proof,
     };
@@ -211,6 +214,20 @@ impl Climber {
         }
     }
 
+    /// Pull over load that the laws miss is a slope, rad.
+    fn model_error(&self, soil: &Soil, max_slip: f64) -> Result<Option<f64>> {
+        let has_lugs = match self {
+            Self::Wheel { pair, .. } => pair.wheel().grousers().is_some(),
+            Self::Robot(solver) => {
+                (solver.model().wheels.iter()).any(|mount| mount.wheel.grousers().is_some())
+            }
+        };
+        let slip = Slip::new(max_slip).map_err(|error| Names::Flags.error(&error))?;
+        let error = LawPreset::from_laws(&soil.params().laws)
+            .model_error(&Kinematics::straight(slip), has_lugs);
+        Ok(error.map(|error| error.pull_per_load))
+    }
+
     fn steps(&self, slopes: &[f64]) -> Result<Vec<ClimbStep>> {
         match self {
             Self::Robot(solver) => Ok(climb(solver, slopes)?),
@@ -271,6 +288,8 @@ fn object<'a>() -> Fields<'a, &'a Climbed> {
         "gravity_m_per_s2" "gravity" = climbed.gravity;
         "max_slip" "greatest slip at which a slope is held" = climbed.max_slip;
         "steepest_slope_deg" "the steepest slope that is climbed" = climbed.steepest.map(f64::to_degrees);
+        "steepest_slope_model_error_deg" "half of the interval about it that holds 90 % of measurements" =
+            climbed.model_error.map(f64::to_degrees);
         "steps" "slopes from the level to the steepest" rows(step()) = &climbed.steps;
         "proof" "what is proved, with --certify" group(proof::fields()) = climbed.proof.as_ref();
     }
@@ -287,8 +306,13 @@ impl Climbed {
             Some(slope) => format!("climbs {}°", shown(slope.to_degrees())),
             None => "does not climb at all".to_owned(),
         };
+        let error = self.model_error.filter(|_| self.steepest.is_some());
+        let error = error.map_or_else(String::new, |error| {
+            let degrees = rounded(error.to_degrees(), 2);
+            format!("90 % of measurements lie within ±{degrees}° of that\n")
+        });
         format!(
-            "{} under {} m/s²: {steepest}\n{}",
+            "{} under {} m/s²: {steepest}\n{error}{}",
             self.soil,
             shown(self.gravity),
             step().table(self.steps.iter())

@@ -120,7 +120,7 @@ fn templates_work_as_they_stand() {
         );
         line(&words).assert_done().json()["torque_nm"].clone()
     };
-    assert_eq!(wheel(&shown("soil.toml")), wheel("dry-sand"));
+    assert_eq!(wheel(&shown("soil.toml")), wheel("cmu-sand"));
 }
 
 #[test]

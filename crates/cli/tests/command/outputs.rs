@@ -171,11 +171,12 @@ fn no_verb_writes_over_a_file_that_it_reads() {
     ] {
         fs::copy(example(from), folder.path(name)).unwrap();
     }
-    line(&format!(
-        "init soil -o {}",
-        folder.path("soil.toml").display()
-    ))
-    .assert_done();
+    // a soil that lanes serve: a map takes thirty times as long with the laws of the template
+    folder.file(
+        "soil.toml",
+        "format = 1\nname = \"sand\"\nn = 1.1\nk_c_kn_per_m_n1 = 0.9\nk_phi_kn_per_m_n2 = 1528.4\n\
+         cohesion_kpa = 1.0\nphi_deg = 30.0\nk_shear_m = 0.025\nc_1 = 0.18\nc_2 = 0.32\n",
+    );
     let soil = folder.path("soil.toml").display().to_string();
     folder.file("in.csv", TABLE);
     folder.file("of-file.csv", TABLE.replace("lunar", &soil));

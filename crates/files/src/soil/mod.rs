@@ -14,7 +14,9 @@
 //! c_2 = 0.32
 //! # optional: key, note, n_1, n_2, unit_weight_n_per_m3, rebound,
 //! # k_shear_1_m_per_rad, k_shear_side_m, k_shear_side_1_m_per_rad,
-//! # rear_driving, rear_drift, transport_layer_m, sideways_support, and the laws that these numbers were identified with:
+//! # rear_driving, transport_layer_m, and the laws that these numbers were identified with:
+//! # laws = "drift" (or "classical", the default); single laws in place of the preset's:
+//! # rear_drift, sideways_support,
 //! # slip_sinkage = "in-plane", "whole", "saturating" or "ploughing", slip_norm = "greater" or "root",
 //! # stress_position = "in-plane", "magnitude", "whole", "sliding" or "saturating",
 //! # shear = "coupled", "slip-velocity", "independent",
@@ -35,8 +37,8 @@ use std::path::Path;
 
 use grouser_terra::catalogue::Completion;
 use grouser_terra::{
-    Angle, Bekker, Bulldozing, FittedRange, LawChoice, OpenSoil, Pressure, ShearLaw, SlipNorm,
-    SlipSinkage, Soil, StressPosition,
+    Angle, Bekker, Bulldozing, FittedRange, LawChoice, LawPreset, OpenSoil, Pressure, ShearLaw,
+    SlipNorm, SlipSinkage, Soil, StressPosition,
 };
 
 use crate::document::Document;
@@ -148,6 +150,9 @@ fn read_numbers(
     let zero = |key| Ok::<_, Error>(optional(key)?.unwrap_or(0.0));
     let kilo = |value: Option<f64>| value.map(|kilo| 1e3 * kilo);
     let n = number("n")?;
+    let preset = root
+        .optional_choice("laws", &LawPreset::ALL.map(|preset| (preset.key, preset)))?
+        .unwrap_or(LawPreset::CLASSICAL);
     Ok(OpenSoil {
         n,
         n_1: zero("n_1")?,
@@ -163,10 +168,10 @@ fn read_numbers(
         rebound: zero("rebound")?,
         unit_weight: optional("unit_weight_n_per_m3")?,
         rear_driving: zero("rear_driving")?,
-        rear_drift: zero("rear_drift")?,
+        rear_drift: optional("rear_drift")?.unwrap_or(preset.rear_drift),
         transport_layer: zero("transport_layer_m")?,
-        sideways_support: optional("sideways_support")?.unwrap_or(1.0),
-        laws: read_laws(root)?,
+        sideways_support: optional("sideways_support")?.unwrap_or(preset.sideways_support),
+        laws: read_laws(root, preset.laws)?,
         fitted: root.section("fitted", read_fitted)?,
         pressure: Pressure::Bekker(Bekker {
             k_c: kilo(number("k_c_kn_per_m_n1")?),
@@ -192,8 +197,8 @@ fn read_fitted(section: &Section<'_>) -> Result<FittedRange> {
     })
 }
 
-fn read_laws(root: &Section<'_>) -> Result<LawChoice> {
-    let own = LawChoice::default();
+/// The laws of a section; those that it does not name are `own`.
+fn read_laws(root: &Section<'_>, own: LawChoice) -> Result<LawChoice> {
     Ok(LawChoice {
         slip_norm: root
             .optional_choice("slip_norm", &SlipNorm::ALL.map(|law| (law.key(), law)))?
@@ -210,9 +215,12 @@ fn read_laws(root: &Section<'_>) -> Result<LawChoice> {
                 &StressPosition::ALL.map(|law| (law.key(), law)),
             )?
             .unwrap_or(own.stress_position),
-        shear: root.optional_choice("shear", &ShearLaw::ALL.map(|law| (law.key(), law)))?,
+        shear: root
+            .optional_choice("shear", &ShearLaw::ALL.map(|law| (law.key(), law)))?
+            .or(own.shear),
         bulldozing: root
-            .optional_choice("bulldozing", &Bulldozing::ALL.map(|law| (law.key(), law)))?,
+            .optional_choice("bulldozing", &Bulldozing::ALL.map(|law| (law.key(), law)))?
+            .or(own.bulldozing),
     })
 }
 

@@ -1,6 +1,6 @@
 //! A soil as the text of a soil file.
 
-use grouser_terra::{LawChoice, Pressure};
+use grouser_terra::{LawChoice, LawPreset, Pressure};
 
 use super::SoilFile;
 use crate::toml_text::TomlText;
@@ -32,6 +32,7 @@ pub fn to_toml(file: &SoilFile, remarks: &[&str]) -> Result<String, grouser_terr
             needed_by: "a soil file",
         });
     };
+    let preset = LawPreset::from_laws(&params.laws);
     let mut out = TomlText::new(remarks);
     out.optional_text("key", file.key.as_deref());
     out.text("name", &file.name);
@@ -63,18 +64,29 @@ pub fn to_toml(file: &SoilFile, remarks: &[&str]) -> Result<String, grouser_terr
         ("n_2", params.n_2),
         ("rebound", params.rebound),
         ("rear_driving", params.rear_driving),
-        ("rear_drift", params.rear_drift),
         ("transport_layer_m", params.transport_layer),
         ("k_shear_1_m_per_rad", params.k_shear_1),
         ("k_shear_side_1_m_per_rad", params.k_shear_side_1),
     ] {
         out.nonzero(key, value);
     }
-    let support = params.sideways_support;
-    out.optional_number("sideways_support", (support != 1.0).then_some(support));
+    for (key, value, usual) in [
+        ("rear_drift", params.rear_drift, preset.rear_drift),
+        (
+            "sideways_support",
+            params.sideways_support,
+            preset.sideways_support,
+        ),
+    ] {
+        out.optional_number(key, (value != usual).then_some(value));
+    }
     out.optional_number("k_shear_side_m", params.k_shear_side);
     out.optional_number("unit_weight_n_per_m3", params.unit_weight);
-    laws(&mut out, params.laws);
+    if preset == LawPreset::CLASSICAL {
+        laws(&mut out, params.laws);
+    } else {
+        out.text("laws", preset.key);
+    }
     if let Some(range) = params.fitted {
         out.header("[fitted]");
         out.degrees("slip_angle_min_deg", range.slip_angle.0);
@@ -94,7 +106,7 @@ pub fn to_toml(file: &SoilFile, remarks: &[&str]) -> Result<String, grouser_terr
 }
 
 fn laws(out: &mut TomlText, laws: LawChoice) {
-    let usual = LawChoice::default();
+    let usual = LawPreset::CLASSICAL.laws;
     if laws.slip_norm != usual.slip_norm {
         out.text("slip_norm", laws.slip_norm.key());
     }

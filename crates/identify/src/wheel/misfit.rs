@@ -72,6 +72,35 @@ fn ratio_of_misfit(mut squares: Vec<f64>, loss: Loss, freedom: f64) -> Option<f6
     (variance > limit && ratio > MAX_SCATTER_RATIO).then_some(ratio)
 }
 
+/// The errors of one set of laws on tests that were left out of its fit.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct LawScore {
+    /// The laws ([`LawPreset::key`](grouser_terra::LawPreset::key)).
+    pub laws: &'static str,
+    /// Which tests were left out: a slip angle, or one test after the other.
+    pub left_out: String,
+    /// How many.
+    pub tests: usize,
+    /// Root mean square error of each quantity that was read, SI, with the number of readings.
+    pub rmse: Vec<(Quantity, f64, usize)>,
+}
+
+/// The root mean square error of predictions of each quantity that was read, SI, with the number of readings.
+pub fn rmse<'a>(
+    pairs: impl Iterator<Item = (&'a WheelTest, &'a Prediction)>,
+) -> Vec<(Quantity, f64, usize)> {
+    let pairs: Vec<_> = pairs.collect();
+    let of = |quantity: Quantity| {
+        let errors = pairs
+            .iter()
+            .filter_map(|(test, said)| Some(said.of(quantity) - test.read(quantity)?));
+        let (sum, count) = errors.fold((0.0, 0), |(sum, count), e| (sum + e * e, count + 1));
+        (count > 0).then(|| (quantity, (sum / count as f64).sqrt(), count))
+    };
+    Quantity::ALL.into_iter().filter_map(of).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use grouser_terra::{Kinematics, Slip};

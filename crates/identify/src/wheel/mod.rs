@@ -6,7 +6,7 @@ mod model;
 mod table;
 mod test;
 
-pub use misfit::Misfit;
+pub use misfit::{LawScore, Misfit, rmse};
 pub(crate) use misfit::{MAX_SCATTER_RATIO, misfits};
 pub use model::{Fixed, Prediction, WheelModel, predict};
 pub use table::read_table;

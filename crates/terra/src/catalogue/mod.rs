@@ -7,6 +7,8 @@ mod table;
 
 use crate::angle::Angle;
 use crate::error::Result;
+use crate::fitted_range::FittedRange;
+use crate::law_preset::LawPreset;
 use crate::open_soil::OpenSoil;
 use crate::soil::Soil;
 
@@ -36,10 +38,28 @@ pub struct Entry {
     pub c_1: Option<f64>,
     /// θ_m = (c_1 + c_2 s) θ_1.
     pub c_2: Option<f64>,
+    /// What else wheel tests determined; `None` for soils of the literature, whose laws are the classical ones.
+    pub identified: Option<Identified>,
     /// Where the numbers come from.
     pub source: &'static str,
     /// What is second-hand, doubtful or worth knowing.
     pub note: &'static str,
+}
+
+/// Numbers that were identified from wheel tests, and the laws that they hold for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Identified {
+    /// The laws.
+    pub preset: LawPreset,
+    /// Growth of n with braking slip.
+    pub n_2: f64,
+    /// Rebound ratio.
+    pub rebound: f64,
+    /// Unit weight, N/m³.
+    pub unit_weight: f64,
+    /// The tests.
+    pub fitted: FittedRange,
 }
 
 /// Values that complete or override an entry.
@@ -112,6 +132,20 @@ impl Entry {
     /// Its numbers; those that the source does not give are open.
     #[must_use]
     pub fn open(&self) -> OpenSoil {
+        let open = self.literature();
+        self.identified.map_or(open, |own| OpenSoil {
+            n_2: own.n_2,
+            rebound: own.rebound,
+            unit_weight: Some(own.unit_weight),
+            rear_drift: own.preset.rear_drift,
+            sideways_support: own.preset.sideways_support,
+            laws: own.preset.laws,
+            fitted: Some(own.fitted),
+            ..open
+        })
+    }
+
+    fn literature(&self) -> OpenSoil {
         OpenSoil {
             n_1: self.n_1,
             k_shear: self.k_shear,

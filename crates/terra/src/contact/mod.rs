@@ -17,6 +17,7 @@ mod stress_position;
 use grouser_real::{Real, Scalar};
 
 pub use angles::{ContactAngles, entry_angle, sinkage_from_entry_angle};
+pub(crate) use crossing::crossing;
 pub(crate) use integrals::{Integrals, Nodes, OneByOne, Order};
 pub(crate) use ladder::ExponentTables;
 pub(crate) use panels::Panel;

@@ -75,7 +75,9 @@ impl<R: Scalar> Contact<R> {
                 Detail::Standard => 1e-11,
                 Detail::Fine | Detail::Finer => 1e-15,
             };
-            let strength = self.strength_at(self.angles.theta_m);
+            // a stress that is hardly mobilised has no digits of the whole strength
+            let mobilised = self.shear.stiffness(self.arc()).min(1.0);
+            let strength = R::from_f64(mobilised) * self.strength_at(self.angles.theta_m);
             // a strength below the smallest normal number has no such digits to agree on
             (relative * (strength * self.arc()).value()).max(f64::MIN_POSITIVE)
         });

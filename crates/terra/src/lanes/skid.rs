@@ -7,6 +7,7 @@
 use grouser_real::Real;
 
 use crate::error::{Error, Result};
+use crate::followed::{Followed, is_monotone};
 use crate::kinematics::Kinematics;
 use crate::settings::{Accuracy, Settings};
 use crate::sinkage::SCAN_STEPS;
@@ -38,6 +39,8 @@ const LOAD_MARGIN: f64 = 1.1;
 /// Where both residuals (ln(W/load), and T/(r W), 1) are below this, the exact forces go on: they would after a further step anyway,
 /// since the rough ones are known to 1e-6.
 const MAX_ROUGH_RESIDUAL: f64 = 1e-4;
+/// Share of the step between slips of the table up to which a root lies at the first one: interpolation there tells no slope.
+const MIN_RUN: f64 = 0.1;
 /// After a step below this, in both unknowns, the next one is below rounding.
 const LAST_STEP: f64 = 1e-9;
 /// Most evaluations of a search; from the table most take four or five.
@@ -138,7 +141,7 @@ struct Carried {
     nodes: [Pair; 2],
     /// T/(r W)
     turn: f64,
-    /// Does no deeper sinkage of the table carry less?
+    /// Does no deeper sinkage of the table carry less, and one clearly more?
     is_only: bool,
 }
 
@@ -215,7 +218,8 @@ impl<'a> SkidTable<'a> {
             below: above - 1,
             nodes,
             turn: torque / load,
-            is_only: end == ANGLES,
+            // between the slips of the table as well
+            is_only: end == ANGLES && row.iter().any(|node| node[0] >= LOAD_MARGIN * load),
         })
     }
 
@@ -254,6 +258,7 @@ impl<'a> SkidTable<'a> {
         }
         let wanted = self.wanted(load, bearing_torque);
         let mut before: Option<Carried> = None;
+        let mut followed = Followed::new(0.0);
         for k in 0..SLIPS {
             let now = match (self.carried(k, &wanted), before) {
                 (Carrying::At(now), _) => now,
@@ -262,13 +267,16 @@ impl<'a> SkidTable<'a> {
                 _ => return End::Unsure,
             };
             let surplus = now.turn - wanted.turn;
+            followed.add(now.slip, surplus);
             match before {
                 None if k == 0 && surplus >= TURN_MARGIN => return End::NoSolution,
                 None if surplus > -TURN_MARGIN => return End::Unsure,
                 Some(before) if surplus >= 0.0 => {
                     // of several sinkages the general search may take another than at the slips of the table
-                    let found = (before.is_only && now.is_only)
-                        .then(|| self.root((&before, &now), &wanted))
+                    let is_sure = before.is_only && now.is_only && followed.next_place().is_none();
+                    let slope = followed.slope_before_last();
+                    let found = is_sure
+                        .then(|| self.root((&before, &now), slope, &wanted))
                         .flatten();
                     return found.map_or(End::Unsure, End::Found);
                 }
@@ -315,8 +323,10 @@ impl<'a> SkidTable<'a> {
         }
     }
 
-    /// The slip between two of the table at which the wheel carries the wanted load and turns as wanted.
-    fn root(&self, between: (&Carried, &Carried), wanted: &Wanted) -> Option<f64> {
+    /// The slip between two of the table at which the wheel carries the wanted load and turns as wanted; `None` where the torque,
+    /// which grows by `slope` per slip at the first one, need not rise steadily up to there.
+    fn root(&self, between: (&Carried, &Carried), slope: f64, wanted: &Wanted) -> Option<f64> {
+        let low = between.0;
         let start = self.start(between, wanted);
         let ln_load = Real::ln(wanted.load);
         let off = |is_rough: bool, place: Pair| {
@@ -324,17 +334,23 @@ impl<'a> SkidTable<'a> {
             let [force, torque] = forces(on_soil, place)?;
             (force > 0.0).then(|| [Real::ln(force) - ln_load, torque / force - wanted.turn])
         };
-        broyden((start.place, inverse(start.slopes)), start.within, off).map(|[slip, _]| slip)
+        let start_of = (start.place, inverse(start.slopes));
+        let ([slip, _], slope_there) = broyden(start_of, start.within, off)?;
+        let run = slip - low.slip;
+        let is_steady = run < MIN_RUN * SLIP_STEP
+            || is_monotone((wanted.turn - low.turn) / run, [slope, slope_there]);
+        (is_steady && slope_there > 0.0).then_some(slip)
     }
 }
 
-/// Where both residuals vanish, by Broyden's method from a place and the inverse of the slopes there. `off` gives the residuals
-/// of the rough forces or of the exact ones, at places within the bounds.
+/// Where both residuals vanish, by Broyden's method from a place and the inverse of the slopes there: the unknowns, and the
+/// growth of the second residual with the first unknown where the first one vanishes. `off` gives the residuals of the rough forces or of the
+/// exact ones, at places within the bounds.
 fn broyden(
     (mut place, mut inverse): (Pair, [Pair; 2]),
     within: [(f64, f64); 2],
     off: impl Fn(bool, Pair) -> Option<Pair>,
-) -> Option<Pair> {
+) -> Option<(Pair, f64)> {
     let mut is_rough = true;
     let mut before: Option<(Pair, Pair)> = None;
     for _ in 0..MAX_EVALUATIONS {
@@ -359,7 +375,7 @@ fn broyden(
         let step = [next[0] - place[0], next[1] - place[1]];
         place = next;
         if !is_rough && whole[0].abs() <= LAST_STEP && whole[1].abs() <= LAST_STEP {
-            return Some(place);
+            return Some((place, 1.0 / inverse[0][1]));
         }
         is_rough &= off[0].abs() > MAX_ROUGH_RESIDUAL || off[1].abs() > MAX_ROUGH_RESIDUAL;
         before = Some((step, off));

@@ -8,7 +8,7 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use grouser_files::{Document, soil};
-use grouser_identify::{Identification, Job, identify};
+use grouser_identify::{Identification, Job, compare_laws, identify};
 
 use crate::error::{Error, Result, shown};
 use crate::exit::Outcome;
@@ -38,6 +38,9 @@ pub(crate) struct Arguments {
     /// Draw tests and residuals (.svg, .png); may be given again
     #[arg(long, value_name = "FILE")]
     figure: Vec<PathBuf>,
+    /// Fit each set of laws without one slip angle (or one test) after the other, and compare it with what was left out
+    #[arg(long)]
+    compare_laws: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
@@ -52,7 +55,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let Some(wheel) = &job.wheel {
         session.used_seed(wheel.starts.seed);
     }
-    let found = identify(&job)?;
+    let mut found = identify(&job)?;
+    if arguments.compare_laws {
+        found.comparison = compare_laws(&job)?;
+    }
     let mut text = text::text(&found);
     if let Some(output) = output {
         text.push_str(&output.write_whole(soil_text(&job, &found)?.as_bytes())?);

@@ -1,6 +1,7 @@
 //! What `identify` found, as a list of fields.
 
 use grouser_identify::plate::PlateFit;
+use grouser_identify::wheel::LawScore;
 use grouser_identify::{Identification, IdentifiedNumber, WheelStage};
 use grouser_report::{Fields, fields};
 
@@ -19,6 +20,7 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Identification> {
         "unloading" "readings of shear tests that were not used, since the box goes back" =
             found.shear.as_ref().map(|stage| stage.unloading);
         "copies" "readings that repeat others in every number and do not count again" = copies(found);
+        "comparison" "sets of laws on tests that they were not fitted to" rows(score()) = &found.comparison;
         "missing" "numbers that neither tests nor the file give" = found.missing();
     }
 }
@@ -57,6 +59,17 @@ fn wheel<'a>() -> Fields<'a, &'a WheelStage> {
         "rmse" "root mean square error of each quantity" values = Some(errors(stage).into_iter().map(
             |(quantity, rmse, _)| (format!("{}_{}", quantity.key(), unit_key(quantity)), rmse)
         ));
+    }
+}
+
+fn score<'a>() -> Fields<'a, &'a LawScore> {
+    fields! { |score: &'a LawScore|
+        "laws" "the laws" = score.laws;
+        "left_out" "the tests that were left out of the fit" = score.left_out.clone();
+        "tests" "how many" = score.tests;
+        "rmse" "root mean square error of each quantity" values = Some(score.rmse.iter().map(|(quantity, rmse, _)| {
+            (format!("{}_{}", quantity.key(), unit_key(*quantity)), rmse / quantity.scale())
+        }));
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use grouser_identify::least_squares::Verdict;
+use grouser_identify::wheel::LawScore;
 use grouser_identify::{Identification, IdentifiedNumber, ShearStage, WheelStage};
 
 use super::errors::errors;
@@ -107,7 +108,33 @@ pub(super) fn text(found: &Identification) -> String {
             );
         }
     }
+    out.push_str(&comparison(&found.comparison));
     out
+}
+
+/// Sets of laws on tests that they were not fitted to.
+fn comparison(scores: &[LawScore]) -> String {
+    let Some(first) = scores.first() else {
+        return String::new();
+    };
+    let mut table = Table::new().text("left out").text("laws").number("tests");
+    for (quantity, ..) in &first.rmse {
+        table = table.number(&format!("{} {}", quantity.key(), quantity.unit()));
+    }
+    for score in scores {
+        let mut cells = vec![
+            score.left_out.clone(),
+            score.laws.to_owned(),
+            score.tests.to_string(),
+        ];
+        let errors = score.rmse.iter();
+        cells.extend(errors.map(|(quantity, rmse, _)| rounded(rmse / quantity.scale(), 3)));
+        table.row(cells);
+    }
+    format!(
+        "RMSE of tests that were left out of the fit:\n{}",
+        table.render()
+    )
 }
 
 /// Rows that count once, however often the table has them.

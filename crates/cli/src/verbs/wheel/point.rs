@@ -12,7 +12,7 @@ use crate::law_error::Names;
 use crate::operation::{self, passage};
 use crate::session::Session;
 use crate::verb_report::Report;
-use grouser_report::number::shown;
+use grouser_report::number::{rounded, shown};
 use grouser_report::{Fields, Table, fields};
 
 /// The pull that a slope requires, and the slip that provides it.
@@ -218,6 +218,20 @@ fn text(solved: Solved<'_>) -> String {
         passage().add_lines(&mut table, Some(lugs));
     }
     text.push_str(&table.render_body());
+    let point = solved.answer.and_then(LoadSolution::point);
+    if let Some((point, error)) = point.and_then(|point| Some((point, point.model_error?))) {
+        let load = point.forces.vertical_force;
+        let _ = writeln!(
+            text,
+            "90 % of measurements lie within ±{} N of the drawbar pull, ±{} N of the side force and ±{} mm of the sinkage",
+            rounded(error.pull_per_load * load, 2),
+            rounded(error.side_per_load * load, 2),
+            rounded(
+                1e3 * error.sinkage_per_radius * solved.pair.wheel().radius(),
+                2
+            ),
+        );
+    }
     for caution in solved
         .answer
         .and_then(LoadSolution::point)
