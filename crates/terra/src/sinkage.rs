@@ -150,6 +150,7 @@ const _: fn(OperatingPoint) = |OperatingPoint {
                                    cautions: _,
                                    contact: _,
                                    radius: _,
+                                   model_error: _,
                                }| ();
 
 impl LoadSolution {
