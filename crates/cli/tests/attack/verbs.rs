@@ -106,7 +106,8 @@ const VERBS: [(u32, &str); 37] = [
 ];
 
 /// Verbs that are not attacked.
-const NOT_ATTACKED: [(&str, &str); 5] = [
+const NOT_ATTACKED: [(&str, &str); 6] = [
+    ("init", "reads no file"),
     ("soils", "reads no file"),
     ("help", "reads no file"),
     ("validate", "takes minutes"),
