@@ -60,6 +60,47 @@ fn slips_of_a_five_wheeled_robot_are_found_by_modes() {
     }
 }
 
+/// A robot that is stuck: its wheels spin, and the free one stands.
+#[test]
+fn full_slip_is_within_its_sigmas() {
+    let wheels = vec![
+        Wheel::powered("left").at(0.1, 0.2).radius(0.1),
+        Wheel::powered("right").at(0.1, -0.2).radius(0.1),
+        Wheel::free("fifth").at(-0.3, 0.0).radius(0.1),
+    ];
+    let robot = Robot::new("cart".into(), wheels).unwrap();
+    let mut estimator = SlipEstimator::new(&robot, EstimatorSettings::default()).unwrap();
+    for step in 0..2000_i64 {
+        let time_s = 0.01 * step as f64;
+        let (turned, spun) = (4.0 * time_s.min(5.0), 5.0 * time_s);
+        for (wheel, angle) in [spun, spun, turned].into_iter().enumerate() {
+            let measurement = Measurement::WheelAngle { wheel, angle };
+            let time_ns = 10_000_000 * step;
+            estimator
+                .update(Sample {
+                    time_ns,
+                    measurement,
+                })
+                .map(|_| ())
+                .unwrap();
+        }
+        let time_ns = 10_000_000 * step;
+        let measurement = Measurement::YawRate { rate: 0.0 };
+        let _ = estimator.update(Sample {
+            time_ns,
+            measurement,
+        });
+        if time_s > 6.0 {
+            let known = estimator.latest().wheels[0];
+            let (slip, sigma) = (known.slip.unwrap().value(), known.sigma.unwrap());
+            assert!(
+                1.0 - slip < 1.5 * sigma && sigma < 0.1,
+                "{time_s}: {slip} {sigma}"
+            );
+        }
+    }
+}
+
 /// Motion capture that loses a robot shows one place, metres away, for seconds: what is believed then is wrong, and is given up once
 /// most places contradict it.
 #[test]

@@ -8,7 +8,7 @@ use super::exceeds::normal_tail;
 use super::table::{MODES, WALKS, mixed, weighed};
 use crate::motion::{
     Belief, CREEP, CommonMotion, DRIFT, JITTER, MIN_SPEED, MIN_SQUARED_SPEED, Row, SIZE, SLIP,
-    SPEED, TURN_BIAS, WheelStep, log_density, log_slip, slip_of_log,
+    SPEED, TURN_BIAS, WheelStep, log_density, log_slip, slip_within,
 };
 
 /// Prior of the level: the wheels' own logarithmic slips differ by a tenth (wear, load, ground).
@@ -120,8 +120,7 @@ impl OwnSlip {
     /// The wheel's slip by a belief.
     pub(super) fn slip(&self, belief: &Belief) -> Option<WheelSlip> {
         let (log, variance) = self.log_slip(belief);
-        let (slip, slope) = slip_of_log(log);
-        let variance = slope * slope * variance;
+        let (slip, variance) = slip_within(log, variance);
         self.moved.then_some(WheelSlip { slip, variance })
     }
 

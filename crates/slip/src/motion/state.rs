@@ -38,6 +38,22 @@ pub fn slip_of_log(log: f64) -> (f64, f64) {
     (if log >= 0.0 { 1.0 - share } else { share - 1.0 }, share)
 }
 
+/// The slip of a logarithmic slip with a variance, and the variance of its error. Within a sigma of [`MAX_LOG_SLIP`] it may be
+/// anything up to full slip.
+///
+/// ```
+/// use grouser_slip::motion::{MAX_LOG_SLIP, slip_within};
+/// let (slip, variance) = slip_within(MAX_LOG_SLIP, 1e-6);
+/// assert!((1.0 - slip) / variance.sqrt() < 1.01);
+/// ```
+#[must_use]
+pub fn slip_within(log: f64, variance: f64) -> (f64, f64) {
+    let (slip, slope) = slip_of_log(log);
+    let is_full = log.abs() + Real::sqrt(variance) >= MAX_LOG_SLIP;
+    let beyond = if is_full { 1.0 } else { 0.0 };
+    (slip, slope * slope * (variance + beyond))
+}
+
 /// The logarithmic slip of a wheel that runs at `wheel` while its centre moves at `ground` along it.
 #[must_use]
 pub fn log_slip(wheel: f64, ground: f64) -> f64 {

@@ -8,7 +8,7 @@ use super::fit::Fit;
 use super::level::{LevelReading, smoothed_level};
 use crate::motion::{
     CREEP, DRIFT, MIN_SPEED, MIN_SQUARED_SPEED, SIZE, SLIP, SPEED, Step, TURN_BIAS, log_slip,
-    slip_of_log,
+    slip_within,
 };
 
 /// A wheel's slip over a step.
@@ -62,11 +62,12 @@ pub fn wheel_slips(fit: &Fit, steps: &[Step], wheel: usize) -> Vec<WheelSlip> {
         .into_iter()
         .zip(levels)
         .map(|((step, by_motion), (own, variance))| {
-            let (slip, slope) = slip_of_log(fit.back.smoothed[step].mean[SLIP] + own);
+            let log = fit.back.smoothed[step].mean[SLIP] + own;
+            let (slip, variance) = slip_within(log, by_motion + variance);
             WheelSlip {
                 step,
                 slip,
-                variance: slope * slope * (by_motion + variance),
+                variance,
             }
         });
     slips.collect()
