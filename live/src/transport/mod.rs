@@ -24,7 +24,7 @@ pub enum Kind {
 }
 
 /// The threads of Zenoh: by default five, of which four wake for each message. Of a node with 400 messages a second they take
-/// 2.9 to 3.6 % of a processor, one alone 1.6 to 1.8 % (RESULTS.md, "The node beside a robot").
+/// 2.9 to 3.6 % of a processor, one alone 1.6 to 1.8 % (RESULTS.md, "The node").
 const ONE_ZENOH_THREAD: (&str, &str) = (
     "ZENOH_RUNTIME",
     "(rx: (handover: net), tx: (handover: net), acc: (handover: net), app: (handover: net))",
