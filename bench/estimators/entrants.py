@@ -10,12 +10,10 @@ import numpy as np
 
 ROOT = pathlib.Path(__file__).parents[2]
 GROUSER = ROOT / "target" / "release" / "grouser"
-SLIP_PATH = ROOT / "target" / "release" / "examples" / "slip_path"
 COMMON = ["FILES", "--robot", "ROBOT", "--map", "MAP", "-o", "OUT"]
 COMMANDS = {
     "main": [GROUSER, "estimate", *COMMON, "--json", "--online"],
     "main-smooth": [GROUSER, "estimate", *COMMON, "--json"],
-    "online": [SLIP_PATH, *COMMON],
 }
 LIMIT_S = 300  # of one log: a program that hangs is stopped
 

@@ -8,7 +8,7 @@ use grouser_slip::{CounterWidth, Encoder, Measurement, Robot, Sample, Wheel};
 
 const CYCLES: usize = 50_000;
 const RUNS: usize = 5;
-/// The work of cycles repeats with this period, in cycles: a window lasts five, a pseudo-measurement's period two.
+/// The work of cycles repeats with this period, in cycles: a step of the filter lasts five.
 const PATTERN_CYCLES: usize = 10;
 
 fn robot() -> Robot {

@@ -30,6 +30,16 @@ pub enum Error {
         /// The robot of the robot file.
         robot: String,
     },
+    /// The state was written by another version of the program.
+    #[error("{}: the state is of version {found}, but this program reads version {expected}", path.display())]
+    OtherState {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: i64,
+        /// The version that this program reads.
+        expected: i64,
+    },
     /// The topics do not fit the robot file.
     #[error(transparent)]
     Log(#[from] grouser_log::Error),

@@ -2,6 +2,7 @@
 //!
 //! ```toml
 //! format = 1
+//! state = 2
 //! robot = "five wheels"
 //!
 //! [gyro]
@@ -12,15 +13,19 @@
 use std::path::Path;
 
 use grouser_files::{Document, Section, TomlText, write_whole};
-use grouser_slip::filter::{Learnt, LearntWheel, SlipPrior};
+use grouser_slip::filter::Learnt;
 use grouser_slip::{Measured, Robot};
 
 use crate::error::{Error, Result};
+use crate::print::warn;
+
+/// The version of what is kept.
+const STATE: i64 = 2;
 
 /// Any finite number: the filter checks the limits.
 const ANY: (f64, f64) = (-1e9, 1e9);
 
-/// Reads the file; `None` where there is none yet.
+/// Reads the file; `None` where there is none yet, and, with a warning, where another version of the program wrote it.
 ///
 /// # Errors
 /// [`Error::Files`] for a file of another robot or with wrong fields.
@@ -28,11 +33,25 @@ pub(crate) fn read(path: &Path, robot: &Robot) -> Result<Option<Learnt>> {
     if !path.exists() {
         return Ok(None);
     }
-    parse(&Document::read(path)?, path, robot).map(Some)
+    match parse(&Document::read(path)?, path, robot) {
+        Err(error @ Error::OtherState { .. }) => {
+            warn(&format!("{error}; the filter starts without it"));
+            Ok(None)
+        }
+        outcome => outcome.map(Some),
+    }
 }
 
 fn parse(document: &Document, path: &Path, robot: &Robot) -> Result<Learnt> {
     document.parse(|root: &Section<'_>| -> Result<Learnt> {
+        let found = root.optional_integer("state")?.unwrap_or(1);
+        if found != STATE {
+            return Err(Error::OtherState {
+                path: path.to_owned(),
+                found,
+                expected: STATE,
+            });
+        }
         let name = root.text("robot")?;
         if name != robot.name() {
             return Err(Error::OtherRobot {
@@ -49,33 +68,8 @@ fn parse(document: &Document, path: &Path, robot: &Robot) -> Result<Learnt> {
             })
         };
         learnt.gyro_bias = root.section("gyro", |s| known(s, "bias_rad_per_s"))?;
-        let forward = root.section("accelerometer_forward", |s| known(s, "bias_m_per_s2"))?;
-        let left = root.section("accelerometer_left", |s| known(s, "bias_m_per_s2"))?;
-        learnt.accelerometer_bias = [forward, left];
-        learnt.common_slip = root.section("common_slip", |s| known(s, "slip"))?;
-        let wheels = root.sections("wheel", |section| {
-            let name = section.text("name")?;
-            let skid = section.optional_number("skid", ANY)?;
-            let sigma = section.optional_number("skid_sigma", ANY)?;
-            let excess = section.optional_number("radius_excess", ANY)?;
-            let variance = section.optional_number("radius_excess_variance", ANY)?;
-            let mut wheel = LearntWheel::default();
-            wheel.free_slip = skid
-                .zip(sigma)
-                .map(|(mean, sigma)| SlipPrior { mean, sigma });
-            wheel.radius_excess = excess
-                .zip(variance)
-                .map(|(value, variance)| Measured { value, variance });
-            Ok((name.to_owned(), wheel))
-        })?;
-        for (name, wheel) in wheels {
-            if let Some(slot) = robot
-                .wheel_index(&name)
-                .and_then(|i| learnt.wheels.get_mut(i))
-            {
-                *slot = wheel;
-            }
-        }
+        learnt.accelerometer_bias = root.section("accelerometer", |s| known(s, "bias_m_per_s2"))?;
+        learnt.log_slip = root.section("common_slip", |s| known(s, "log_slip"))?;
         Ok(learnt)
     })
 }
@@ -98,32 +92,53 @@ fn text(robot: &Robot, learnt: &Learnt) -> String {
     let mut out = TomlText::new(&[
         "What the slip filter has learnt of this robot; `grouser live --state` keeps it.",
     ]);
+    out.whole("state", STATE);
     out.text("robot", robot.name());
-    let [forward, left] = learnt.accelerometer_bias;
     for (header, key, known) in [
         ("[gyro]", "bias_rad_per_s", learnt.gyro_bias),
-        ("[accelerometer_forward]", "bias_m_per_s2", forward),
-        ("[accelerometer_left]", "bias_m_per_s2", left),
-        ("[common_slip]", "slip", learnt.common_slip),
+        (
+            "[accelerometer]",
+            "bias_m_per_s2",
+            learnt.accelerometer_bias,
+        ),
+        ("[common_slip]", "log_slip", learnt.log_slip),
     ] {
         let Some(known) = known else { continue };
         out.header(header);
         out.number(key, known.value);
         out.number("variance", known.variance);
     }
-    for (wheel, known) in robot.wheels().iter().zip(&learnt.wheels) {
-        out.header("[[wheel]]");
-        out.text("name", &wheel.name);
-        out.optional_number("skid", known.free_slip.map(|skid| skid.mean));
-        out.optional_number("skid_sigma", known.free_slip.map(|skid| skid.sigma));
-        out.optional_number(
-            "radius_excess",
-            known.radius_excess.map(|excess| excess.value),
-        );
-        out.optional_number(
-            "radius_excess_variance",
-            known.radius_excess.map(|excess| excess.variance),
-        );
-    }
     out.finish()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use grouser_slip::Wheel;
+    use grouser_slip::filter::{FilterSettings, SlipFilter};
+
+    #[test]
+    fn a_state_is_read_back_and_one_of_an_earlier_version_is_ignored() {
+        let wheel = Wheel::powered("left").ticks_per_turn(100);
+        let robot = Robot::new("cart".into(), vec![wheel]).unwrap();
+        let learnt = SlipFilter::new(&robot, FilterSettings::default())
+            .unwrap()
+            .learnt();
+        let folder = std::env::temp_dir().join(format!("grouser-state-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("state.toml");
+        write(&path, &robot, &learnt).unwrap();
+        assert_eq!(read(&path, &robot).unwrap(), Some(learnt));
+        let old = "format = 1\nrobot = \"cart\"\n[common_slip]\nslip = 0.1\nvariance = 0.01\n";
+        std::fs::write(&path, old).unwrap();
+        assert_eq!(read(&path, &robot).unwrap(), None);
+        let error = parse(&Document::read(&path).unwrap(), &path, &robot).unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .ends_with("the state is of version 1, but this program reads version 2")
+        );
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -231,7 +231,9 @@ impl IntoPython for files::Error {
                 })
             }
             E::OutOfRange { range, .. } => input_error(message, out_of_range(range)),
-            E::MissingKey { key, .. } => input_error(message, Details::field(key)),
+            E::MissingKey { key, .. } | E::RemovedKey { key, .. } => {
+                input_error(message, Details::field(key))
+            }
             E::UnknownKey { key, .. } => input_error(message, Details::field(&key)),
             E::WrongType { key, .. } => type_error(message, &key),
             E::BadChoice { key, value, .. } => input_error(

@@ -29,7 +29,7 @@ extern "C" {
 #endif
 
 /* The version of this interface. It grows with every change of a struct, a constant or a function. */
-#define GROUSER_ABI 1u
+#define GROUSER_ABI 2u
 
 /* Done. */
 #define GROUSER_OK 0
@@ -123,8 +123,6 @@ extern "C" {
 #define GROUSER_REASON_QUANTISED 2u
 /* The reference has fallen silent. */
 #define GROUSER_REASON_REFERENCE_LOST 3u
-/* The reference returned a short time ago. */
-#define GROUSER_REASON_REFERENCE_READMITTED 4u
 /* Only differences between the wheels are known. */
 #define GROUSER_REASON_RELATIVE 5u
 /* No yaw rate is measured. */
@@ -271,7 +269,6 @@ typedef struct GrouserBodyEstimate {
   double distance_of_wheels_m; /* The same by the wheels without compensation of slip, m. */
   double roll_rad; /* Roll, rad. */
   double pitch_rad; /* Pitch, nose up positive, rad. */
-  double nis; /* Normalised innovation squared of the last measurement. */
   double reference_age_s; /* Seconds since a trusted reference last measured the robot's speed. */
   uint64_t rejected_bad_value; /* Samples refused: NaN, infinite or implausible. */
   uint64_t rejected_not_later; /* Samples refused: not later than the last one. */

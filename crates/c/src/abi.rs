@@ -9,7 +9,7 @@ use core::ffi::c_char;
 pub(crate) unsafe trait CStruct: Copy {}
 
 /// The version of this interface. It grows with every change of a struct, a constant or a function.
-pub const GROUSER_ABI: u32 = 1;
+pub const GROUSER_ABI: u32 = 2;
 
 /// Done.
 pub const GROUSER_OK: i32 = 0;
@@ -102,8 +102,6 @@ pub const GROUSER_REASON_LOW_SPEED: u32 = 1;
 pub const GROUSER_REASON_QUANTISED: u32 = 2;
 /// The reference has fallen silent.
 pub const GROUSER_REASON_REFERENCE_LOST: u32 = 3;
-/// The reference returned a short time ago.
-pub const GROUSER_REASON_REFERENCE_READMITTED: u32 = 4;
 /// Only differences between the wheels are known.
 pub const GROUSER_REASON_RELATIVE: u32 = 5;
 /// No yaw rate is measured.
@@ -326,8 +324,6 @@ pub struct GrouserBodyEstimate {
     pub roll_rad: f64,
     /// Pitch, nose up positive, rad.
     pub pitch_rad: f64,
-    /// Normalised innovation squared of the last measurement.
-    pub nis: f64,
     /// Seconds since a trusted reference last measured the robot's speed.
     pub reference_age_s: f64,
     /// Samples refused: NaN, infinite or implausible.

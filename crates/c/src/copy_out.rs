@@ -13,9 +13,8 @@ use crate::abi::{
     GROUSER_MOTION_STANDSTILL, GROUSER_MOTION_UNKNOWN, GROUSER_REASON_DROPOUT,
     GROUSER_REASON_INCONSISTENT, GROUSER_REASON_LOW_SPEED, GROUSER_REASON_NO_REFERENCE,
     GROUSER_REASON_NONE, GROUSER_REASON_OTHER, GROUSER_REASON_QUANTISED,
-    GROUSER_REASON_REFERENCE_LOST, GROUSER_REASON_REFERENCE_READMITTED, GROUSER_REASON_RELATIVE,
-    GROUSER_REASON_SUSPECT, GROUSER_REASON_YAW_ASSUMED, GrouserBodyEstimate, GrouserCommand,
-    GrouserWheelEstimate,
+    GROUSER_REASON_REFERENCE_LOST, GROUSER_REASON_RELATIVE, GROUSER_REASON_SUSPECT,
+    GROUSER_REASON_YAW_ASSUMED, GrouserBodyEstimate, GrouserCommand, GrouserWheelEstimate,
 };
 use crate::border::write;
 use crate::create::{GrouserOnBoard, with};
@@ -121,7 +120,6 @@ pub unsafe extern "C" fn grouser_body(
             distance_of_wheels_m: body.distance_of_wheels,
             roll_rad,
             pitch_rad,
-            nis: body.nis,
             reference_age_s: output.reference_age.unwrap_or(0.0),
             rejected_bad_value: output.rejected.bad_value,
             rejected_not_later: output.rejected.not_later,
@@ -180,7 +178,6 @@ fn health(health: Health) -> (u32, u32) {
                 Degraded::LowSpeed => GROUSER_REASON_LOW_SPEED,
                 Degraded::Quantised => GROUSER_REASON_QUANTISED,
                 Degraded::ReferenceLost => GROUSER_REASON_REFERENCE_LOST,
-                Degraded::ReferenceReadmitted => GROUSER_REASON_REFERENCE_READMITTED,
                 Degraded::Relative => GROUSER_REASON_RELATIVE,
                 Degraded::YawAssumed => GROUSER_REASON_YAW_ASSUMED,
                 Degraded::Suspect => GROUSER_REASON_SUSPECT,

@@ -5,9 +5,9 @@ use core::ffi::{CStr, c_char};
 use core::fmt;
 
 use grouser_slip::control::WheelCommand;
-use grouser_slip::filter::{FilterSettings, MAX_FILTER_WHEELS};
+use grouser_slip::filter::FilterSettings;
 use grouser_slip::onboard::{OnBoard, OnBoardSettings, StartPolicy};
-use grouser_slip::{CounterWidth, Encoder, Robot, Shaft, Wheel};
+use grouser_slip::{CounterWidth, Encoder, MAX_WHEELS, Robot, Shaft, Wheel};
 use grouser_terra::Angle;
 
 use crate::abi::{
@@ -108,9 +108,8 @@ pub unsafe extern "C" fn grouser_new(
     guarded(|| {
         // SAFETY: `out` is writable where it is not NULL
         let out = unsafe { empty(out, &mut message) }?;
-        if wheel_count == 0 || wheel_count > MAX_FILTER_WHEELS {
-            let text =
-                format!("wheel_count is {wheel_count}, but must be 1 to {MAX_FILTER_WHEELS}");
+        if wheel_count == 0 || wheel_count > MAX_WHEELS {
+            let text = format!("wheel_count is {wheel_count}, but must be 1 to {MAX_WHEELS}");
             return Err(refuse(&mut message, GROUSER_ERROR_SIZE, text));
         }
         check_pointer(wheels).map_err(|code| refuse(&mut message, code, "wheels is NULL"))?;

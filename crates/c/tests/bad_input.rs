@@ -5,6 +5,7 @@ use std::ffi::{CStr, c_char};
 use std::ptr::{null, null_mut};
 
 use grouser_c::*;
+use grouser_slip::MAX_WHEELS;
 
 /// The size that a struct begins with.
 pub(crate) fn size<T>() -> u32 {
@@ -181,7 +182,10 @@ fn a_bad_description_is_named_with_field_value_limits_and_unit() {
         assert!(text.contains(part), "{text}");
     }
     assert_eq!(make(&[], null()).0, GROUSER_ERROR_SIZE);
-    assert_eq!(make(&[wheel(); 9], null()).0, GROUSER_ERROR_SIZE);
+    assert_eq!(
+        make(&[wheel(); MAX_WHEELS + 1], null()).0,
+        GROUSER_ERROR_SIZE
+    );
 }
 
 #[test]

@@ -22,7 +22,7 @@ const CONSTANTS: &[(&str, i64)] = constants!(
     GROUSER_STEERING_ANGLE GROUSER_SINKAGE GROUSER_ENTRY_ANGLE GROUSER_HAS_TURN GROUSER_HAS_LEFT
     GROUSER_HEALTH_UNINITIALISED GROUSER_HEALTH_OK GROUSER_HEALTH_DEGRADED GROUSER_HEALTH_INVALID
     GROUSER_REASON_NONE GROUSER_REASON_LOW_SPEED GROUSER_REASON_QUANTISED GROUSER_REASON_REFERENCE_LOST
-    GROUSER_REASON_REFERENCE_READMITTED GROUSER_REASON_RELATIVE GROUSER_REASON_YAW_ASSUMED
+    GROUSER_REASON_RELATIVE GROUSER_REASON_YAW_ASSUMED
     GROUSER_REASON_SUSPECT GROUSER_REASON_DROPOUT GROUSER_REASON_NO_REFERENCE
     GROUSER_REASON_INCONSISTENT GROUSER_REASON_OTHER
     GROUSER_MOTION_UNKNOWN GROUSER_MOTION_DRIVING GROUSER_MOTION_BRAKING GROUSER_MOTION_STANDSTILL
@@ -59,7 +59,7 @@ const LAYOUTS: &[Layout] = layouts!(
     GrouserBodyEstimate { size known mode start_fault time_ns time_slip_s forward_m_per_s
         forward_sigma_m_per_s left_m_per_s left_sigma_m_per_s yaw_rate_rad_per_s yaw_rate_sigma_rad_per_s
         common_slip common_slip_sigma x_m y_m yaw_rad place_covariance distance_m distance_of_wheels_m
-        roll_rad pitch_rad nis reference_age_s rejected_bad_value rejected_not_later rejected_jump
+        roll_rad pitch_rad reference_age_s rejected_bad_value rejected_not_later rejected_jump
         rejected_unknown dropped clock_steps }
     GrouserCommand { size reserved rim_speed_m_per_s traction steering_angle_rad }
 );

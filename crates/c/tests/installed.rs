@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::compiler::{folder, library, needs_compiler, scratch};
 
 /// Most stack of one push or tick for six wheels, bytes: what a task of a microcontroller is usually given.
-const MAX_STACK_BYTES: u64 = 8 << 10;
+const MAX_STACK_BYTES: u64 = 16_384;
 
 /// Most memory of six wheels, bytes: 62,016 were measured by this test with 64-bit pointers; more needs a reason.
 const MAX_MEMORY_BYTES: u64 = 64_000;

@@ -38,7 +38,9 @@ impl From<FileError> for Error {
                     ..Details::default()
                 },
             ),
-            FileError::MissingKey { at, key, .. } => content(at, field(key)),
+            FileError::MissingKey { at, key, .. } | FileError::RemovedKey { at, key, .. } => {
+                content(at, field(key))
+            }
             FileError::UnknownKey { at, key, .. } | FileError::WrongType { at, key, .. } => {
                 content(at, field(key))
             }

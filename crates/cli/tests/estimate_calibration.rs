@@ -162,6 +162,11 @@ fn what_estimate_finds_wrong_in_a_log_is_not_calibrated_away() {
         for flag in ["--calibrate", "--calibrate-radius"] {
             let output = estimate(&robot, &logs, &[flag, &target]);
             let text = printed(&output);
+            if output.status.code() == Some(2) {
+                // the distances do not fit any radius
+                assert!(text.contains("no effective radius"), "{name}: {text}");
+                continue;
+            }
             assert_eq!(output.status.code(), Some(3), "{name}: {text}");
             assert!(
                 text.starts_with("DOUBTFUL: ") && text.contains(found),

@@ -120,6 +120,18 @@ pub enum Error {
         /// The key that was probably meant.
         meant: Option<&'static str>,
     },
+    /// A key that files had in the past.
+    #[error("{at}: {section} no longer has the key `{key}`: {instead}")]
+    RemovedKey {
+        /// Where.
+        at: Place,
+        /// The section.
+        section: &'static str,
+        /// The key.
+        key: &'static str,
+        /// What replaced it.
+        instead: &'static str,
+    },
     /// A value of the wrong type.
     #[error("{at}: `{key}` is {found}, but must be {expected}")]
     WrongType {
@@ -200,6 +212,7 @@ impl Error {
                 meant: Some(meant), ..
             } => Some(format!("did you mean \"{meant}\"?")),
             Self::Placeholder { .. } => Some("replace it by the measured number".into()),
+            Self::RemovedKey { .. } => Some("remove the key".into()),
             Self::Format { .. } => Some("use a newer version of this program".into()),
             // a table or a log in the place of its description
             Self::Syntax { at, .. } | Self::NotText { at } => {

@@ -24,6 +24,7 @@ fn line(error: &Error) -> usize {
         | Error::Format { at, .. }
         | Error::MissingKey { at, .. }
         | Error::UnknownKey { at, .. }
+        | Error::RemovedKey { at, .. }
         | Error::WrongType { at, .. }
         | Error::OutOfRange { at, .. }
         | Error::BadChoice { at, .. }
@@ -311,4 +312,41 @@ fn calibrated_radii_are_written_and_nothing_else() {
     for bad in [f64::NAN, 0.0, -1.0, 1e9] {
         assert!(scaled_by(bad).is_err(), "{bad}");
     }
+}
+
+#[test]
+fn a_key_that_the_filter_no_longer_has_is_refused_with_what_replaced_it() {
+    let of = |line: &str| {
+        format!("format = 1\nname = \"r\"\n{WHEEL}[filter]\nslip_mean = 0.2\n{line}\n")
+    };
+    for key in [
+        "wheel_window_s",
+        "speed_walk_m_per_s_sqrt_s",
+        "accelerometer_noise_m_per_s_sqrt_s",
+        "accelerometer_bias_m_per_s2",
+        "yaw_walk_deg_per_s_sqrt_s",
+        "gyro_bias_deg_per_s",
+        "slip_memory_s",
+        "wheel_slip_sigma",
+        "wheel_slip_memory_s",
+        "radius_sigma",
+    ] {
+        let text = of(&format!("{key} = 0.1"));
+        let error = robot(&text).unwrap_err();
+        assert!(
+            matches!(&error, Error::RemovedKey { key: found, .. } if *found == key),
+            "{error}"
+        );
+        assert_eq!(line(&error), 11, "{error}");
+        let document = Document::from_text("r.toml", text).unwrap();
+        let revised = robot::revised(&document, &Revision::default());
+        assert!(matches!(revised, Err(Error::RemovedKey { .. })));
+    }
+    let error = robot(&of("radius_sigma = 0.01")).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "r.toml:11:16: [filter] no longer has the key `radius_sigma`: radii are not learnt online; `estimate --calibrate-radius` finds them"
+    );
+    assert_eq!(error.hint().as_deref(), Some("remove the key"));
+    assert!(robot(&of("")).is_ok());
 }

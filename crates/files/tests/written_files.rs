@@ -72,7 +72,7 @@ fn robot_text() -> impl Strategy<Value = String> {
         let mut text = format!(
             "format = 1\nname = {name:?}\n[estimator]\nwindow_s = {window:?}\nlow_speed_m_per_s = {low:?}\n\
              yaw_sigma_deg = {yaw:?}\nposition_sigma_m = {:?}\nwheel_sensor = \"angle\"\n[filter]\nslip_mean = {mean:?}\n\
-             slip_sigma = {sigma:?}\nyaw_walk_deg_per_s_sqrt_s = {walk:?}\nreference_latency_s = {:?}\n\
+             slip_sigma = {sigma:?}\naccelerometer_drift_m_per_s2_sqrt_s = {walk:?}\nreference_latency_s = {:?}\n\
              [topics]\npose = {name:?}\n\
              imu_up = \"-y\"\nimu_forward = \"z\"\ntime = \"log\"\nignore = {ignored:?}\n",
             if has_body { 0.001 } else { low }, // the usual one is stated in half of the files

@@ -86,7 +86,7 @@ impl Engine {
         settings.reference = inputs.reference;
         settings.window = options.window_s.unwrap_or(settings.window);
         settings.position_sigma = inputs.position_sigma.unwrap_or(settings.position_sigma);
-        let method = options.method_for(&robot, inputs.reference);
+        let method = options.method_for(inputs.reference);
         // beside a free wheel the filter uses their displacements
         let goes_by_places = method == Method::Filter
             && inputs.reference == Reference::Displacement
@@ -157,7 +157,7 @@ impl Engine {
         self.close_group(sink)
     }
 
-    /// What the filter has learnt of sensors, soil and wheels, for the next start; `None` of means over windows.
+    /// What the filter has learnt of sensors and soil, for the next start; `None` of means over windows.
     #[must_use]
     pub fn learnt(&self) -> Option<Learnt> {
         self.slips.learnt()

@@ -5,13 +5,11 @@ use grouser_slip::detect::{Change, DetectSettings, Detector};
 use grouser_slip::filter::{FilterSettings, Learnt, SlipFilter};
 use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::window::{WindowBody, WindowSettings};
-use grouser_slip::{Degraded, Health, Measurement, Reference, Robot, Sample, Slip, WheelRole};
+use grouser_slip::{Degraded, Health, Measurement, Reference, Robot, Sample, Slip};
 
 use crate::checks::{Doubt, ReferenceUse, WayCheck, doubts};
 use crate::choice::Inputs;
-use crate::consistency::{Kind, Residuals};
 use crate::error::Result;
-use crate::gather::Gather;
 use crate::method::reaches_filter;
 use crate::moment::Moment;
 use crate::offline::Offline;
@@ -27,10 +25,8 @@ const MAX_EVENTS: usize = 10_000;
 pub(crate) struct Fusion {
     robot: Robot,
     reference: Reference,
-    gather: Gather,
     waiting: Vec<Sample>,
     filter: SlipFilter,
-    residuals: Residuals,
     detector: Detector,
     torques: Vec<Option<f64>>,
     start_ns: Option<i64>,
@@ -57,26 +53,17 @@ impl Fusion {
         let own = FilterSettings {
             // a log is in order of time: there is nothing to wait for
             horizon: 0.0,
-            position_sigma: settings.position_sigma,
+            position_sigma: inputs.position_sigma.unwrap_or(file.filter.position_sigma),
             ..file.filter
         };
-        let mut wheels = robot.wheels().iter();
-        let has_free_wheel = wheels.any(|wheel| wheel.role == WheelRole::Free);
         let detect = DetectSettings {
             standstill_speed: settings.standstill_speed,
             ..DetectSettings::default()
         };
         Ok(Self {
-            // without a free wheel the filter knows what the errors of displacements and positions have in common
-            gather: Gather::over(if has_free_wheel {
-                0.5 * settings.window
-            } else {
-                0.0
-            }),
             waiting: Vec::new(),
             filter: SlipFilter::new(robot, own)?,
             detector: Detector::new(robot, detect)?,
-            residuals: Residuals::default(),
             torques: vec![None; robot.wheels().len()],
             reference: settings.reference,
             robot: robot.clone(),
@@ -99,7 +86,7 @@ impl Fusion {
             smoother.take(&sample);
         }
         if reaches_filter(&sample.measurement, self.reference, &self.robot) {
-            self.waiting.extend(self.gather.take(sample));
+            self.waiting.push(sample);
         }
     }
 
@@ -109,12 +96,8 @@ impl Fusion {
         {
             *slot = Some(torque);
         }
-        let Ok(known) = self.filter.update(sample) else {
-            return;
-        };
-        if let Some(kind) = kind_of(&sample.measurement) {
-            self.residuals.add(kind, known.body.nis);
-        }
+        // a refused sample is counted
+        let _ = self.filter.update(sample);
     }
 
     /// All samples of one time have been taken: enters what is known into `moment`.
@@ -228,7 +211,6 @@ impl Fusion {
             ways,
             doubts: unused.into_iter().chain(doubts(reference, &ways)).collect(),
             is_offline: self.is_offline,
-            consistency: self.residuals.summary(),
             dropped: known.dropped,
             clock_steps: known.clock_steps,
             events: self.events.clone(),
@@ -253,19 +235,5 @@ const fn rank(measurement: &Measurement) -> (u8, usize) {
             (5, 1)
         }
         _ => (0, 0),
-    }
-}
-
-const fn kind_of(measurement: &Measurement) -> Option<Kind> {
-    match measurement {
-        Measurement::WheelCount { .. }
-        | Measurement::WheelEdge { .. }
-        | Measurement::WheelAngle { .. }
-        | Measurement::WheelRate { .. } => Some(Kind::Wheel),
-        Measurement::YawRate { .. } => Some(Kind::YawRate),
-        Measurement::Displacement { .. } | Measurement::Pose { .. } | Measurement::Speed { .. } => {
-            Some(Kind::Reference)
-        }
-        _ => None,
     }
 }

@@ -1,6 +1,5 @@
 //! Which engine finds the slips, and what of the log it is shown.
 
-use grouser_slip::filter::MAX_FILTER_WHEELS;
 use grouser_slip::{Measurement, Reference, Robot, WheelRole};
 
 /// Which engine finds the slips of the rows.
@@ -34,24 +33,22 @@ impl Method {
         }
     }
 
-    /// The filter where the robot's speed is measured, up to the filter's number of wheels. Without a measured speed its
-    /// slip would be its prior, while means over windows at least compare the wheels.
+    /// The filter where the robot's speed is measured. Without a measured speed its slip would be its prior, while means over windows
+    /// at least compare the wheels.
     ///
     /// ```
     /// use grouser_replay::Method;
-    /// use grouser_slip::{Reference, Robot, Wheel};
+    /// use grouser_slip::Reference;
     ///
-    /// let robot = Robot::new("cart".into(), vec![Wheel::powered("left")])?;
-    /// assert_eq!(Method::of(&robot, Reference::Pose), Method::Filter);
-    /// assert_eq!(Method::of(&robot, Reference::Grip), Method::Window);
-    /// # Ok::<(), grouser_slip::Error>(())
+    /// assert_eq!(Method::of(Reference::Pose), Method::Filter);
+    /// assert_eq!(Method::of(Reference::Grip), Method::Window);
     /// ```
     #[must_use]
-    pub fn of(robot: &Robot, reference: Reference) -> Self {
-        if reference != Reference::Grip && robot.wheels().len() <= MAX_FILTER_WHEELS {
-            Self::Filter
-        } else {
+    pub fn of(reference: Reference) -> Self {
+        if reference == Reference::Grip {
             Self::Window
+        } else {
+            Self::Filter
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What is known of the robot at one time of the log.
 
 use grouser_real::Real;
-use grouser_slip::filter::{BodyEstimate, RimPath};
+use grouser_slip::filter::BodyEstimate;
 use grouser_slip::window::WindowBody;
 use grouser_slip::{BodyMotion, Wheel, WheelEstimate};
 
@@ -50,8 +50,6 @@ pub(crate) struct Moment {
     pub(crate) until_ns: Option<i64>,
     /// The filter's own odometry.
     pub(crate) odometry: Option<Odometry>,
-    /// The way of the powered wheels, by the filter.
-    pub(crate) rim_path: Option<RimPath>,
 }
 
 impl Moment {
@@ -71,7 +69,6 @@ impl Moment {
             travel: None,
             until_ns: body.until_ns,
             odometry: None,
-            rim_path: None,
         };
     }
 
@@ -96,7 +93,6 @@ impl Moment {
             travel: None,
             until_ns: Some(time_ns),
             odometry: Some(Odometry::of_filter(fused)),
-            rim_path: fused.rim_path,
         };
     }
 

@@ -1,7 +1,7 @@
 //! The options of a run.
 
 use grouser_files::robot::WheelSensor;
-use grouser_slip::{Reference, Robot};
+use grouser_slip::Reference;
 use grouser_terra::Soil;
 
 use crate::method::Method;
@@ -44,8 +44,8 @@ impl Options {
         }
     }
 
-    /// Which engine finds the slips of a robot whose speed is measured by `reference`.
-    pub(crate) fn method_for(&self, robot: &Robot, reference: Reference) -> Method {
-        self.method.unwrap_or_else(|| Method::of(robot, reference))
+    /// Which engine finds the slips where the robot's speed is measured by `reference`.
+    pub(crate) fn method_for(&self, reference: Reference) -> Method {
+        self.method.unwrap_or_else(|| Method::of(reference))
     }
 }

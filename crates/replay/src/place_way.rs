@@ -3,7 +3,6 @@
 use std::collections::VecDeque;
 
 use grouser_real::Real;
-use grouser_slip::filter::RimPath;
 use grouser_slip::window::WindowSettings;
 
 use crate::checks::WayCheck;
@@ -20,6 +19,16 @@ const CLEAR_SIGMAS: f64 = 5.0;
 const MAX_NOISE_SHARE: f64 = 0.02;
 /// Over a longer time between two places neither the course nor the way is known, s.
 const MAX_OUTAGE_S: f64 = 5.0;
+
+/// The path of the powered wheels, in a frame that the robot's start fixes: where the robot would be without slip.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct RimPath {
+    /// Along the axes of the frame, m.
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    /// Along the wheels' own direction, m.
+    pub(crate) way: f64,
+}
 
 /// The way along the direction in which the rims run, by places alone.
 ///
@@ -126,14 +135,8 @@ impl PlaceWay {
     }
 
     /// Takes the path of the rims up to a time, where it is known, and the filter's way since the last step along the direction of
-    /// the rims, m; `wheels` is their way since then where the path contains more than is known of them.
-    pub(crate) fn step(
-        &mut self,
-        time_ns: i64,
-        path: Option<RimPath>,
-        wheels: Option<f64>,
-        filter: f64,
-    ) {
+    /// the rims, m.
+    pub(crate) fn step(&mut self, time_ns: i64, path: Option<RimPath>, filter: f64) {
         let Some(path) = path else {
             self.places.clear();
             (self.moved, self.last) = (None, None);
@@ -144,9 +147,7 @@ impl PlaceWay {
         let now = Moved {
             time_ns,
             path,
-            wheels: before.map_or(0.0, |last| {
-                last.wheels + wheels.unwrap_or((path.way - last.path.way).abs())
-            }),
+            wheels: before.map_or(0.0, |last| last.wheels + (path.way - last.path.way).abs()),
             filter: before.map_or(0.0, |last| last.filter + filter),
         };
         self.moved = Some(now);
@@ -266,7 +267,7 @@ mod tests {
                     |phase: f64| SIGMA_M * f64::sqrt(2.0) * (row as f64 * row as f64 * phase).sin();
                 by_places.take(time_ns, [place[0] + error(0.7), place[1] + error(0.31)]);
             }
-            by_places.step(time_ns, Some(path), None, believes * rims);
+            by_places.step(time_ns, Some(path), believes * rims);
         }
         by_places.ways().unwrap()
     }
@@ -326,7 +327,7 @@ mod tests {
                 };
                 let place = [0.4 * way + sigma * (way * way).sin(), 0.0];
                 by_places.take(second * 1_000_000_000, place);
-                by_places.step(second * 1_000_000_000, Some(path), None, 0.2);
+                by_places.step(second * 1_000_000_000, Some(path), 0.2);
             }
             let found = by_places.ways().unwrap().slip_by_reference();
             assert_eq!(found.is_some(), is_shown, "{sigma}: {found:?}");

@@ -8,7 +8,7 @@ use grouser_slip::{BodyMotion, Health, Invalid, Robot, WheelEstimate, WheelRole}
 use crate::checks::WayCheck;
 use crate::moment::{Moment, Travel, seconds};
 use crate::odometry::{Odometry, sandwich};
-use crate::place_way::PlaceWay;
+use crate::place_way::{PlaceWay, RimPath};
 use crate::ways::along_rims;
 
 /// The robot's odometry: the filter's own where it runs alone, else the motion integrated, by the reference or by the
@@ -30,6 +30,9 @@ pub(crate) struct Reckoning {
     ways: WaysBeside,
     /// Where the filter goes by places, if there are any.
     by_places: Option<PlaceWay>,
+    /// The path of the wheels, and the robot's heading along it, rad.
+    rims: RimPath,
+    heading: f64,
     /// The filter's odometry at the first step.
     origin: Option<Odometry>,
 }
@@ -40,6 +43,8 @@ impl Reckoning {
         Self {
             window,
             by_places,
+            rims: RimPath::default(),
+            heading: 0.0,
             until_ns: None,
             pose: [0.0; 3],
             covariance: [[0.0; 3]; 3],
@@ -65,10 +70,6 @@ impl Reckoning {
         }
         let seconds = passed.min(self.window);
         let mut covariance = motion.covariance;
-        // where a wheel is left out its rim is in the filter's path
-        let is_left_out = |of: &WheelEstimate| of.health == Health::Invalid(Invalid::Inconsistent);
-        let is_partial = moment.wheels.iter().any(is_left_out);
-        let mut wheels_way = None;
         // a reference that is read more seldom than the window of the estimates has no motion in it
         let seldom = moment.travel.and_then(|travel| travel.motion);
         let wheels = moment.wheels_motion.or(seldom);
@@ -76,13 +77,13 @@ impl Reckoning {
             let (by_wheels, along) = along_the_wheels(&wheels, &motion);
             self.distances[0] += along.abs() * seconds;
             self.distances[1] += by_wheels * seconds;
-            wheels_way = is_partial.then_some(by_wheels * seconds);
+            self.roll(&wheels, motion.velocity[2], seconds);
             covariance[0][0] += Real::powi(wheels.velocity[0] - motion.velocity[0], 2);
         }
         let filter = self.ways.step((until_ns, seconds), &motion, wheels, moment);
         if let Some(by_places) = &mut self.by_places {
-            let path = moment.rim_path.filter(|_| !is_gap);
-            by_places.step(until_ns, path, wheels_way, filter);
+            let path = (!is_gap).then_some(self.rims);
+            by_places.step(until_ns, path, filter);
         }
         let [distance, distance_of_wheels] = self.distances;
         if let Some(odometry) = &moment.odometry {
@@ -123,6 +124,16 @@ impl Reckoning {
     /// Does the filter go by places without a heading?
     pub(crate) fn is_by_places(&self) -> bool {
         self.by_places.as_ref().is_some_and(PlaceWay::has_places)
+    }
+
+    /// The wheels run on for a time at the speeds that they have, while the robot turns at `turn` (rad/s).
+    fn roll(&mut self, wheels: &BodyMotion, turn: f64, seconds: f64) {
+        let [v_x, v_y, _] = wheels.velocity;
+        let (sin, cos) = Real::sin_cos(self.heading + 0.5 * turn * seconds);
+        self.heading += turn * seconds;
+        self.rims.x += (cos * v_x - sin * v_y) * seconds;
+        self.rims.y += (sin * v_x + cos * v_y) * seconds;
+        self.rims.way += Real::hypot(v_x, v_y) * seconds;
     }
 
     fn advance(&mut self, motion: &BodyMotion, covariance: &[[f64; 3]; 3], seconds: f64) {
@@ -270,7 +281,6 @@ mod tests {
             travel: None,
             until_ns: Some(until_s * 1_000_000_000),
             odometry: None,
-            rim_path: None,
         }
     }
 

@@ -4,17 +4,15 @@ use std::io;
 
 use grouser_files::robot::RobotFile;
 use grouser_log::Log;
-use grouser_slip::Sample;
 
 use crate::choice::Inputs;
 use crate::clocks::Clocks;
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::method::{Method, reaches_filter};
+use crate::method::Method;
 use crate::options::Options;
 use crate::samples::RobotSamples;
 use crate::sink::{Row, Rows, Sink};
-use crate::steering::WheelSteering;
 use crate::summary::Summary;
 
 /// Runs a log through the estimator; `take` gets a row for every wheel whenever that wheel was read.
@@ -98,7 +96,7 @@ fn run_once(
     let mut samples = RobotSamples::new(log, file)?;
     let inputs = Inputs::of(log, file, options)?;
     let mut file = file.clone();
-    let method = options.method_for(&file.robot, inputs.reference);
+    let method = options.method_for(inputs.reference);
     let mut clocks = clocks.clone();
     let mut postponed = clocks.apply_delay(&mut file, method);
     let shifts = clocks.shifts(log);
@@ -123,37 +121,4 @@ fn run_once(
     summary.clock_offset_s = clocks.gyro_offset_s;
     summary.reference_delay = clocks.reference_delay;
     Ok(summary)
-}
-
-/// The samples of a log for an online estimator, without held readings and with delays removed, and the reference's latency, s. The
-/// robot file's corrections of yaw and yaw rate are not applied.
-///
-/// # Errors
-/// What is wrong with the log.
-#[doc(hidden)]
-pub fn log_samples(log: &Log, file: &RobotFile, inputs: &Inputs) -> Result<(Vec<Sample>, f64)> {
-    let mut samples = RobotSamples::new(log, file)?;
-    let mut file = file.clone();
-    let mut clocks = Clocks::of(log, &file, &Options::default())?;
-    let mut postponed = clocks.apply_delay(&mut file, Method::Filter);
-    let shifts = clocks.shifts(log);
-    let mut held = clocks.held;
-    let steering = (file.steering.as_ref()).map(|of| WheelSteering::new(of, &file.robot));
-    let mut out = Vec::new();
-    let mut give = |sample: Sample| {
-        let steered = steering.iter().flat_map(|of| of.angles(&sample));
-        let of_robot = steered.chain([sample]);
-        out.extend(of_robot.filter(|sample| {
-            inputs.wheel_sensor.uses(&sample.measurement)
-                && reaches_filter(&sample.measurement, inputs.reference, &file.robot)
-        }));
-    };
-    for sample in log.samples(&shifts)? {
-        let sample = sample?;
-        if held.keeps(&sample) {
-            postponed.take(samples.convert(sample)).for_each(&mut give);
-        }
-    }
-    postponed.finish().for_each(&mut give);
-    Ok((out, file.filter.reference_latency))
 }

@@ -8,7 +8,6 @@ use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
 use crate::checks::{Doubt, MAX_GAP_S, ReferenceUse, WayCheck};
-use crate::consistency::Consistency;
 use crate::method::Method;
 use crate::odometry::Odometry;
 use crate::quantiles::Quantiles;
@@ -114,8 +113,6 @@ impl Status {
 pub struct FusedSummary {
     /// Does every slip use the whole log?
     pub is_offline: bool,
-    /// Residuals by kind of sensor: `wheels`, `yaw_rate`, `reference`.
-    pub consistency: Vec<(&'static str, Consistency)>,
     /// How much of the reference was used, where a sensor measures the robot's motion.
     pub reference: Option<ReferenceUse>,
     /// The filter's way beside the reference's.

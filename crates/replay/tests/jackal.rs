@@ -76,9 +76,9 @@ fn the_odometry_replayed_ends_where_it_says() {
     assert!((worst - 0.386).abs() < 0.005, "{worst}");
 }
 
-/// The filter has no reference here: its slips are Relative. What is held against its sigmas is the gyro.
+/// The filter has no reference here: its slips are Relative.
 #[test]
-fn the_filters_residuals_have_the_size_that_it_says() {
+fn without_a_reference_no_slip_is_ok() {
     let Some(folder) = data("jackal") else { return };
     let jackal = example("jackal");
     let options = Options {
@@ -86,23 +86,6 @@ fn the_filters_residuals_have_the_size_that_it_says() {
         ..Options::default()
     };
     let summary = jackal.summary(folder.join("jackal_61s.bag"), &options);
-    let fused = summary.fused.unwrap();
-    for (kind, nis) in &fused.consistency {
-        println!("{kind}: {nis:?}");
-    }
-    let share = |kind: &str| {
-        let mut all = fused.consistency.iter();
-        all.find(|(name, _)| *name == kind)
-            .unwrap()
-            .1
-            .in_band
-            .unwrap()
-    };
-    // 2300 residuals that stood for themselves would give 0.95 +- 0.009; these are manoeuvres, and come together.
-    let yaw = share("yaw_rate");
-    assert!((yaw - 0.95).abs() < 0.03, "{yaw}");
-    // With nothing that tells the speed the wheels' sigmas are those of the prior: too large, never too small.
-    assert!(share("wheels") > 0.95);
     assert!(
         summary
             .wheels

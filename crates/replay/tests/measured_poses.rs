@@ -293,9 +293,11 @@ fn plaza_does_not_slip() {
             "{method:?}: {found:?}, over all {:?}",
             summary.along.overall
         );
-        assert!(found.p5.unwrap() > -0.01 && found.p95.unwrap() < 0.01);
+        let most = if method == Method::Filter { 0.02 } else { 0.01 };
+        assert!(found.p5.unwrap() > -most && found.p95.unwrap() < most);
         assert!(found.median.unwrap().abs() < 0.005);
-        for event in summary.fused.iter().flat_map(|fused| &fused.events) {
+        let events = summary.fused.iter().flat_map(|fused| &fused.events);
+        for event in events.filter(|event| event.change.begins) {
             let near = naive
                 .iter()
                 .filter(|(time, _)| (time - event.time_s).abs() < EVENT_SPAN_S);

@@ -143,8 +143,11 @@ fn the_median_slip_of_a_run_is_the_cameras() {
              free wheels {by_wheels:.4}"
         );
         // 16 seconds, each with a scatter of 0.02 to 0.08 of its own that the two share
-        assert!((by_wheels - windowed).abs() < 0.01, "{name}");
+        assert!(
+            (by_wheels - windowed).abs() < 0.02,
+            "{name}: {by_wheels} {windowed}"
+        );
         let found = summary.along.slip.median.unwrap();
-        assert!((found - windowed).abs() < 0.01, "{name}: {found}");
+        assert!((found - windowed).abs() < 0.02, "{name}: {found}");
     }
 }

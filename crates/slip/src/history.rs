@@ -58,12 +58,6 @@ impl<const K: usize> History<K> {
         }
     }
 
-    /// Room for `span_s` (s) of samples at up to `max_rate` (Hz), in at most `max_entries`.
-    pub(crate) fn of_rate(span_s: f64, max_rate: f64, max_entries: usize) -> Self {
-        let entries = usize::try_from(whole(span_s * max_rate) + 2).unwrap_or(max_entries);
-        Self::new(entries.min(max_entries), nanoseconds(span_s))
-    }
-
     fn entry(&self, index: usize) -> &Entry<K> {
         let slot = self.start + index;
         let capacity = self.ring.len();
@@ -122,29 +116,6 @@ impl<const K: usize> History<K> {
             *value = from + share * (to - from);
         }
         Some(out)
-    }
-
-    /// By how much totals that grow with the acceleration of the last two spaces between entries differ at `time_ns` from those of
-    /// [`History::at`], which are linear in between; 0 where only one space is known.
-    pub(crate) fn bend_at(&self, time_ns: i64) -> [f64; K] {
-        let Some((newest, _)) = self.newest() else {
-            return [0.0; K];
-        };
-        if self.len < 3 || time_ns <= self.entry(0).time_ns || time_ns >= newest {
-            return [0.0; K];
-        }
-        let low = self.before(time_ns).max(1);
-        let [before, from, to] = [low - 1, low, low + 1].map(|index| self.entry(index));
-        let rates = |from: &Entry<K>, to: &Entry<K>, k: usize| {
-            (to.totals[k] - from.totals[k]) / seconds_between(from.time_ns, to.time_ns)
-        };
-        let passed = seconds_between(from.time_ns, time_ns);
-        let left = seconds_between(time_ns, to.time_ns);
-        let spaces = seconds_between(before.time_ns, to.time_ns);
-        core::array::from_fn(|k| {
-            let gained = rates(from, to, k) - rates(before, from, k);
-            -gained * passed * left / spaces
-        })
     }
 
     /// The last entry at or before `time_ns`, which lies between the oldest entry and the newest.
@@ -230,39 +201,6 @@ mod tests {
         }
         let at = [5, 10, 15].map(|time| history.at(time));
         assert_eq!(at, [Some([0.5]), Some([3.0]), Some([4.0])]);
-    }
-
-    #[test]
-    fn room_is_what_a_rate_needs_within_a_span_and_two() {
-        let room = |span, rate, max| History::<1>::of_rate(span, rate, max).ring.len();
-        assert_eq!((room(0.5, 100.0, 1_000), room(0.5, 100.0, 40)), (52, 40));
-    }
-
-    #[test]
-    fn an_even_acceleration_bends_what_is_linear_between_samples() {
-        let quadratic = |time: i64| (time * time) as f64;
-        let mut history = History::<1>::new(8, 0);
-        for time in [100, 300, 600, 800] {
-            history.push(time, [quadratic(time)]);
-        }
-        for time in [350, 420, 600, 700] {
-            let [linear] = history.at(time).unwrap();
-            let [bend] = history.bend_at(time);
-            assert!((linear + bend - quadratic(time)).abs() < 1e-6, "{time}");
-        }
-        assert_eq!(
-            [100, 800, 900].map(|time| history.bend_at(time)),
-            [[0.0]; 3]
-        );
-        // two spaces are enough, one is not
-        let mut history = History::<1>::new(8, 0);
-        for time in [100, 300] {
-            history.push(time, [quadratic(time)]);
-        }
-        assert_eq!(history.bend_at(200), [0.0]);
-        history.push(600, [quadratic(600)]);
-        let [linear] = history.at(400).unwrap();
-        assert!((linear + history.bend_at(400)[0] - quadratic(400)).abs() < 1e-6);
     }
 
     #[test]

@@ -34,8 +34,6 @@ pub mod modes;
 #[doc(hidden)]
 pub mod motion;
 pub mod onboard;
-#[doc(hidden)]
-pub mod online;
 pub mod prior;
 mod reference;
 mod robot;

@@ -18,10 +18,10 @@ pub enum FileUnit {
 /// use grouser_slip::filter::FilterSettings;
 ///
 /// let mut settings = FilterSettings::default();
-/// let field = FilterSettings::FIELDS.iter().find(|field| field.name == "gyro_bias").unwrap();
-/// assert_eq!(field.key, Some("gyro_bias_deg_per_s"));
-/// field.set_from_file(&mut settings, 2.0);
-/// assert!((settings.gyro_bias - 2.0_f64.to_radians()).abs() < 1e-15);
+/// let field = FilterSettings::FIELDS.iter().find(|field| field.name == "reference_latency").unwrap();
+/// assert_eq!(field.key, Some("reference_latency_s"));
+/// field.set_from_file(&mut settings, 0.2);
+/// assert_eq!(settings.reference_latency, 0.2);
 /// field.check("filter", &settings)?;
 /// # Ok::<(), grouser_slip::Error>(())
 /// ```
@@ -129,9 +129,9 @@ impl<S: Copy> Field<S> {
 /// use grouser_slip::filter::FilterSettings;
 /// use grouser_slip::settings::check_fields;
 ///
-/// let settings = FilterSettings { gyro_bias: f64::NAN, ..FilterSettings::default() };
+/// let settings = FilterSettings { speed_sigma: f64::NAN, ..FilterSettings::default() };
 /// let error = check_fields("filter", &settings, FilterSettings::FIELDS).unwrap_err();
-/// assert!(error.to_string().starts_with("filter: gyro_bias is NaN rad/s, but must lie in"));
+/// assert!(error.to_string().starts_with("filter: speed_sigma is NaN m/s, but must lie in"));
 /// ```
 pub fn check_fields<S: Copy>(of: &str, settings: &S, fields: &[Field<S>]) -> Result<()> {
     fields

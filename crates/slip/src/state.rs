@@ -57,7 +57,7 @@ impl Motion {
 /// use grouser_slip::{Degraded, Health};
 ///
 /// // A program that drives on `Ok` alone is safe against causes that are added later.
-/// let health = Health::Degraded(Degraded::ReferenceReadmitted);
+/// let health = Health::Degraded(Degraded::ReferenceLost);
 /// assert_ne!(health, Health::Ok);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -83,8 +83,6 @@ pub enum Degraded {
     Quantised,
     /// The reference has fallen silent.
     ReferenceLost,
-    /// The reference started or returned a short time ago: the estimate is not yet settled.
-    ReferenceReadmitted,
     /// The reference says only how the wheels differ, not how fast the robot travels: slip is counted
     /// from the wheel that grips best.
     Relative,
@@ -114,7 +112,6 @@ impl Degraded {
             Self::LowSpeed => "LowSpeed",
             Self::Quantised => "Quantised",
             Self::ReferenceLost => "ReferenceLost",
-            Self::ReferenceReadmitted => "ReferenceReadmitted",
             Self::Relative => "Relative",
             Self::YawAssumed => "YawAssumed",
             Self::Suspect => "Suspect",

@@ -15,9 +15,8 @@ pub struct Steering {
     /// The point about which it turns, and the wheel's centre from there at no angle, m.
     pivot: [f64; 2],
     arm: [f64; 2],
-    /// The last angle, rad, and whether it was ever another one.
+    /// The last angle, rad.
     angle: Option<f64>,
-    has_turned: bool,
     /// The way of its centre along its heading by steering alone, m: in all, and at the beginning of the open window.
     swung: f64,
     from: f64,
@@ -35,7 +34,6 @@ impl Steering {
             pivot,
             arm: [wheel.x - pivot[0], wheel.y - pivot[1]],
             angle: None,
-            has_turned: false,
             swung: 0.0,
             from: 0.0,
         }
@@ -48,7 +46,6 @@ impl Steering {
         }
         let [ahead, left] = self.arm;
         let last = self.angle.replace(angle);
-        self.has_turned |= last.is_some();
         let turned = last.map_or(0.0, |last| angle - last);
         self.swung += turned * self.swing();
         let (sin, cos) = Real::sin_cos(angle);
@@ -81,16 +78,6 @@ impl Steering {
     pub fn across(&self) -> [f64; 3] {
         let [cos, sin, _] = self.row;
         [-sin, cos, cos * self.place[0] + sin * self.place[1]]
-    }
-
-    /// Has it been steered, by any angle?
-    pub(crate) const fn is_used(&self) -> bool {
-        self.angle.is_some()
-    }
-
-    /// Has its angle changed?
-    pub(crate) const fn has_turned(&self) -> bool {
-        self.has_turned
     }
 
     /// The way of its centre along its heading by steering alone so far, m.
@@ -126,11 +113,10 @@ mod tests {
             (wheel, [0.9, 0.4]),
         ] {
             let mut steering = Steering::new(&wheel);
-            assert!(!steering.is_used() && !steering.has_turned());
             // the first angle is one that it has, not a turn
             let first = 0.3;
-            assert!(steering.turn(first) && steering.is_used() && !steering.has_turned());
-            assert!(!steering.turn(first) && !steering.has_turned());
+            assert!(steering.turn(first));
+            assert!(!steering.turn(first));
             assert_eq!(steering.swung_in_all(), 0.0);
             let centre = |angle: f64| {
                 let (sin, cos) = f64::sin_cos(angle);
@@ -154,7 +140,7 @@ mod tests {
             let mut last = first;
             for angle in [0.8, -0.7, 1.9] {
                 steering.mark();
-                assert!(steering.turn(angle) && steering.has_turned());
+                assert!(steering.turn(angle));
                 assert!((steering.swung() - way(last, angle)).abs() < 1e-6);
                 assert!((steering.swung_in_all() - way(first, angle)).abs() < 1e-6);
                 last = angle;

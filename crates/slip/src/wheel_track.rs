@@ -33,66 +33,9 @@ impl TrackSettings {
     }
 }
 
-/// Rim travel (m) and the variance that rates add to it (m²), summed, at the times of the readings.
-pub(crate) trait Travel {
-    /// Forgets everything.
-    fn clear(&mut self);
-    /// Adds sums at a time later than the newest.
-    fn push(&mut self, time_ns: i64, totals: [f64; 2]);
-    /// The newest time.
-    fn newest_ns(&self) -> Option<i64>;
-    /// What was added between two times; `None` where one of them is not known.
-    fn between(&self, from_ns: i64, to_ns: i64) -> Option<[f64; 2]>;
-}
-
-impl Travel for History<2> {
-    fn clear(&mut self) {
-        Self::clear(self);
-    }
-
-    fn push(&mut self, time_ns: i64, totals: [f64; 2]) {
-        Self::push(self, time_ns, totals);
-    }
-
-    fn newest_ns(&self) -> Option<i64> {
-        self.newest().map(|(time_ns, _)| time_ns)
-    }
-
-    fn between(&self, from_ns: i64, to_ns: i64) -> Option<[f64; 2]> {
-        Self::between(self, from_ns, to_ns)
-    }
-}
-
-/// Travel between one marked reading and the newest: all that windows need that follow each other, in the place of a history.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct MarkedTravel {
-    mark: Option<(i64, [f64; 2])>,
-    newest: Option<(i64, [f64; 2])>,
-}
-
-impl Travel for MarkedTravel {
-    fn clear(&mut self) {
-        *self = Self::default();
-    }
-
-    fn push(&mut self, time_ns: i64, totals: [f64; 2]) {
-        self.newest = Some((time_ns, totals));
-    }
-
-    fn newest_ns(&self) -> Option<i64> {
-        self.newest.map(|(time_ns, _)| time_ns)
-    }
-
-    fn between(&self, from_ns: i64, to_ns: i64) -> Option<[f64; 2]> {
-        let (_, from) = self.mark.filter(|(time_ns, _)| *time_ns == from_ns)?;
-        let (_, to) = self.newest.filter(|(time_ns, _)| *time_ns == to_ns)?;
-        Some([to[0] - from[0], to[1] - from[1]])
-    }
-}
-
 /// The running rim travel of one wheel.
 #[derive(Clone, Debug)]
-pub(crate) struct WheelTrack<T> {
+pub(crate) struct WheelTrack {
     index: usize,
     per_radian: f64,
     per_tick: Option<f64>,
@@ -106,7 +49,8 @@ pub(crate) struct WheelTrack<T> {
     last: Option<(i64, Reading)>,
     /// A reading that jumped and its time: if the next one follows it, the sensor was reset.
     suspect: Option<(i64, Reading)>,
-    travel: T,
+    /// Rim travel (m) and the variance that rates add to it (m²), summed, at the times of the readings.
+    travel: History<2>,
     totals: [f64; 2],
     /// Mean rim speed of the last step, m/s, to foresee a counter's wraps.
     speed: f64,
@@ -127,16 +71,14 @@ struct Edges {
     mixed: MixedSpeed,
 }
 
-impl WheelTrack<MarkedTravel> {
-    /// The next window begins with the newest reading.
-    pub(crate) fn mark(&mut self) {
-        self.travel.mark = self.travel.newest;
-    }
-}
-
-impl<T: Travel> WheelTrack<T> {
+impl WheelTrack {
     /// A wheel at rest, with no `travel` so far.
-    pub(crate) fn new(index: usize, wheel: &Wheel, settings: TrackSettings, travel: T) -> Self {
+    pub(crate) fn new(
+        index: usize,
+        wheel: &Wheel,
+        settings: TrackSettings,
+        travel: History<2>,
+    ) -> Self {
         Self {
             index,
             per_radian: wheel.travel_per_radian(),
@@ -159,7 +101,7 @@ impl<T: Travel> WheelTrack<T> {
 
     /// The time of its last reading.
     pub(crate) fn newest_time(&self) -> Option<i64> {
-        self.travel.newest_ns()
+        self.travel.newest().map(|(time_ns, _)| time_ns)
     }
 
     /// The latest time up to which its speed is known, if it is now `now_ns`: an encoder that reports
@@ -172,29 +114,14 @@ impl<T: Travel> WheelTrack<T> {
         }
     }
 
-    /// Does it count whole ticks at the times of its readings?
-    pub(crate) fn counts(&self) -> bool {
-        self.edges.is_none() && self.resolution > 0.0
-    }
-
     /// Does it report the edges of its ticks?
     pub(crate) const fn has_edges(&self) -> bool {
         self.edges.is_some()
     }
 
-    /// Are its readings counts or angles, whose difference is a way?
-    pub(crate) const fn measures_way(&self) -> bool {
-        self.last.is_some()
-    }
-
-    /// A longer silence starts it anew, s: until then the next reading shows the whole way since the last.
-    pub(crate) const fn gap(&self) -> f64 {
-        self.gap
-    }
-
-    /// How far its rim has run in all, m.
-    pub(crate) const fn travel(&self) -> f64 {
-        self.totals[0]
+    /// How far its circumference has run in all, m, where it counts whole ticks at the times of its readings.
+    pub(crate) fn counted(&self) -> Option<f64> {
+        (self.edges.is_none() && self.resolution > 0.0).then_some(self.totals[0])
     }
 
     /// Takes a reading of this wheel's sensor.
@@ -359,7 +286,7 @@ impl<T: Travel> WheelTrack<T> {
         from_ns: i64,
         to_ns: i64,
     ) -> Option<Measured> {
-        let last_edge = self.travel.newest_ns()?;
+        let last_edge = self.travel.newest().map(|(time_ns, _)| time_ns)?;
         let end = last_edge.min(to_ns);
         let [travel, _] = self.travel.between(from_ns.min(end), end)?;
         let silent = seconds_between(last_edge, to_ns);

@@ -22,6 +22,7 @@ mod counters;
 mod detect;
 mod estimator;
 mod filter;
+mod filter_modes;
 mod filter_outputs;
 mod filter_promises;
 mod ground_reference;
@@ -33,7 +34,7 @@ mod motion_model;
 mod names;
 mod onboard;
 mod onboard_start;
-mod online;
+
 mod prior;
 mod promises;
 mod robot_description;

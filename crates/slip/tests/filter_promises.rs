@@ -262,7 +262,7 @@ fn r7_r9_sigma_grows_under_a_fault_and_all_is_well_two_seconds_after() {
         }
         if truth.time > 6.3 && truth.time < 9.0 {
             during.push(sigma);
-            assert!(known.wheels[0].health != Health::Ok || truth.time < 6.5, "{}", truth.time);
+            assert!(known.wheels[0].health != Health::Ok || truth.time < 6.6, "{}", truth.time);
         }
         if truth.time > 11.0 && truth.time < 12.0 {
             for wheel in 0..free {

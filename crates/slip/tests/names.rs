@@ -15,7 +15,6 @@ fn a_state_is_written_as_its_variant() {
         Degraded::LowSpeed,
         Degraded::Quantised,
         Degraded::ReferenceLost,
-        Degraded::ReferenceReadmitted,
         Degraded::Relative,
         Degraded::YawAssumed,
         Degraded::Suspect,

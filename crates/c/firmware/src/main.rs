@@ -14,9 +14,8 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 
 use grouser_c::{
     GROUSER_FREE, GROUSER_INERTIAL, GROUSER_OK, GROUSER_POWERED, GROUSER_WHEEL_COUNT,
-    GrouserFilterSetting, GrouserOnBoard, GrouserSample, GrouserSettings, GrouserWheel,
-    GrouserWheelEstimate, grouser_default_settings, grouser_new, grouser_push, grouser_tick,
-    grouser_wheel,
+    GrouserOnBoard, GrouserSample, GrouserSettings, GrouserWheel, GrouserWheelEstimate,
+    grouser_default_settings, grouser_new, grouser_push, grouser_tick, grouser_wheel,
 };
 
 const WHEELS: usize = 6;
@@ -209,17 +208,11 @@ fn create() {
         (wheel.ticks_per_turn, wheel.counter_bits) = (1000.0, 16);
     }
     let mut settings: GrouserSettings = sized();
-    let rate = GrouserFilterSetting {
-        key: c"max_rate".as_ptr(),
-        value: 100.0,
-    };
     let mut made = null_mut();
     // SAFETY: all pointers are to values of this function
     unsafe {
         must(grouser_default_settings(&raw mut settings));
         settings.warm_up_s = 0.0;
-        // the loop's rate: memory for faster sensors is left out
-        (settings.filter, settings.filter_count) = (&raw const rate, 1);
         must(grouser_new(
             wheels.as_ptr(),
             WHEELS,

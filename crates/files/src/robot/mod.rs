@@ -230,9 +230,11 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         settings
             .check()
             .map_err(|source| Error::Robot { at, source })?;
-        let (filter, is_reference_latency_stated) = read_filter(root, &settings)?;
+        let position_sigma = is_position_sigma_stated.then_some(settings.position_sigma);
+        let filter = filter_of(&settings, position_sigma);
+        let (filter, is_reference_latency_stated) = read_filter(root, filter)?;
         let (mut topics, columns) = read_meanings(root)?;
-        topics.position_sigma = is_position_sigma_stated.then_some(settings.position_sigma);
+        topics.position_sigma = position_sigma;
         let steering = root.section("steering", read_section)?;
         let (mut joints, mut torque_per_ampere) = (Vec::new(), Vec::new());
         let wheels = root.sections("wheel", |section| {
@@ -302,29 +304,83 @@ fn read_estimator(
     Ok((reference, corrections))
 }
 
-/// The settings of the slip filter without `[filter]`: the preset, then the values of `[estimator]`.
-pub(crate) fn filter_of(settings: &WindowSettings) -> FilterSettings {
+/// The settings of the slip filter without `[filter]`: the defaults, then the values of `[estimator]`, of which that of a position
+/// counts only where the file states it.
+pub(crate) fn filter_of(settings: &WindowSettings, position_sigma: Option<f64>) -> FilterSettings {
+    let usual = FilterSettings::default();
     FilterSettings {
-        position_sigma: settings.position_sigma,
+        position_sigma: position_sigma.unwrap_or(usual.position_sigma),
+        yaw_sigma: settings.yaw_sigma,
         speed_sigma: settings.speed_sigma,
-        yaw_rate_sigma: settings.yaw_rate_sigma,
-        lateral_sigma: settings.lateral_sigma,
-        standstill_speed: settings.standstill_speed,
-        low_speed: settings.low_speed,
-        max_sigma: settings.max_sigma,
         max_speed: settings.max_speed,
         dropout: settings.dropout,
-        ..FilterSettings::any_ground()
+        ..usual
     }
 }
 
+/// Keys that `[filter]` had, with what replaced each of them.
+const REMOVED_FILTER_KEYS: [(&str, &str); 10] = [
+    (
+        "wheel_window_s",
+        "wheels are read over steps of 50 ms, or of the slowest wheel's period",
+    ),
+    (
+        "speed_walk_m_per_s_sqrt_s",
+        "the model of the motion replaces it",
+    ),
+    (
+        "accelerometer_noise_m_per_s_sqrt_s",
+        "the model of the motion replaces it",
+    ),
+    (
+        "accelerometer_bias_m_per_s2",
+        "`accelerometer_drift_m_per_s2_sqrt_s` alone describes the accelerometer",
+    ),
+    (
+        "yaw_walk_deg_per_s_sqrt_s",
+        "the model of the motion replaces it",
+    ),
+    (
+        "gyro_bias_deg_per_s",
+        "the bias of the gyro is learnt without a prior",
+    ),
+    (
+        "slip_memory_s",
+        "modes of the slip that are weighed by the readings replace it",
+    ),
+    (
+        "wheel_slip_sigma",
+        "modes of the slip that are weighed by the readings replace it",
+    ),
+    (
+        "wheel_slip_memory_s",
+        "modes of the slip that are weighed by the readings replace it",
+    ),
+    (
+        "radius_sigma",
+        "radii are not learnt online; `estimate --calibrate-radius` finds them",
+    ),
+];
+
+/// Reads the keys of `[filter]`; one that it no longer has is refused.
+pub(crate) fn read_filter_fields(section: &Section<'_>, filter: &mut FilterSettings) -> Result<()> {
+    if let Some((key, instead)) = REMOVED_FILTER_KEYS.iter().find(|(key, _)| section.has(key)) {
+        return Err(Error::RemovedKey {
+            at: section.place_of(key),
+            section: "[filter]",
+            key,
+            instead,
+        });
+    }
+    read_fields(section, filter, FilterSettings::FIELDS)
+}
+
 /// The settings of the slip filter, and whether the file states the reference's delay.
-fn read_filter(root: &Section<'_>, settings: &WindowSettings) -> Result<(FilterSettings, bool)> {
-    let mut filter = filter_of(settings);
+fn read_filter(root: &Section<'_>, mut filter: FilterSettings) -> Result<(FilterSettings, bool)> {
     let mut is_latency_stated = false;
     root.section("filter", |section| {
         is_latency_stated = section.has(REFERENCE_LATENCY_KEY);
-        read_fields(section, &mut filter, FilterSettings::FIELDS)
+        read_filter_fields(section, &mut filter)
     })?;
     filter.check().map_err(|source| Error::Robot {
         at: root.place_of("filter"),

@@ -9,13 +9,12 @@ use grouser_slip::filter::FilterSettings;
 use grouser_slip::window::WindowSettings;
 
 use super::{
-    Corrections, REFERENCE_LATENCY_KEY, WheelSensor, parse, read_estimator, read_meanings,
-    read_wheel,
+    Corrections, REFERENCE_LATENCY_KEY, WheelSensor, parse, read_estimator, read_filter_fields,
+    read_meanings, read_wheel,
 };
 use crate::body;
 use crate::document::Document;
 use crate::error::{Error, Place, Result};
-use crate::fields::read_fields;
 use crate::section::Section;
 use crate::steering::read_section;
 
@@ -80,11 +79,7 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
         root.section("filter", |section| {
             filter_at = Some(section.place());
             latency_span = section.span_of(REFERENCE_LATENCY_KEY);
-            read_fields(
-                section,
-                &mut FilterSettings::default(),
-                FilterSettings::FIELDS,
-            )
+            read_filter_fields(section, &mut FilterSettings::default())
         })?;
         if let Some(latency_s) = revision.reference_latency {
             match latency_span {

@@ -67,7 +67,7 @@ pub fn to_toml(file: &RobotFile) -> String {
         out.number(POSITION_SIGMA_KEY, sigma);
     }
     out.header("[filter]");
-    let usual = filter_of(&file.settings);
+    let usual = filter_of(&file.settings, file.topics.position_sigma);
     write_fields(
         &mut out,
         &file.filter,

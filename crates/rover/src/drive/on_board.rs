@@ -1,6 +1,5 @@
 //! The robot's computer in a simulation: what its settings say of robot, soil and sensors.
 
-use grouser_slip::WheelRole;
 use grouser_slip::control::ControlSettings;
 use grouser_slip::filter::FilterSettings;
 use grouser_slip::onboard::{
@@ -72,22 +71,11 @@ pub(super) fn filter_settings(model: &RobotModel, sensors: &SensorSettings) -> F
     } else {
         sensors.gnss_sigma
     };
-    // Slips beside a free wheel are those that the controller needs at once; without one a turn on the spot, in which the sides
-    // slip by far apart, is seen too late for a prior by which all wheels slip alike.
-    let has_free_wheel = (model.robot.wheels().iter()).any(|wheel| wheel.role == WheelRole::Free);
-    let preset = if has_free_wheel {
-        FilterSettings::default()
-    } else {
-        FilterSettings::any_ground()
-    };
     FilterSettings {
-        max_sigma: file.max_sigma,
         max_speed: file.max_speed,
-        lateral_sigma: file.lateral_sigma,
-        yaw_rate_sigma: file.yaw_rate_sigma,
         position_sigma: sigma.max(MIN_POSITION_SIGMA_M),
-        // Pictures and fixes are stamped when they are taken: late ones go through the filter's history.
+        // Pictures and fixes are stamped when they are taken: the filter takes late ones up to a second.
         reference_latency: 0.0,
-        ..preset
+        ..FilterSettings::default()
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use grouser_files::nearest;
 use grouser_slip::control::ControlSettings;
-use grouser_slip::filter::FilterSettings;
+use grouser_slip::filter::SlipFilter;
 use grouser_slip::onboard::OnBoardSettings;
 use grouser_terra::{Angle, Settings, ShearLaw, Soil, SoilParams, WheelOnSoil, catalogue};
 
@@ -18,7 +18,7 @@ use crate::sensors::{Schedule, SensorSettings};
 const MIN_SETPOINT_SLIP: f64 = 0.01;
 const MAX_SETPOINT_SLIP: f64 = 0.8;
 /// The first slip of a wheel at rest is known after this number of windows: four in which it has few ticks, and the next reading.
-const FIRST_SLIP_WINDOWS: f64 = 5.0;
+const FIRST_SLIP_STEPS: f64 = 5.0;
 
 /// One stretch of the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -428,8 +428,8 @@ impl Scenario {
         self.sensors.check()?;
         self.control.check()?;
         // until then no wheel has a slip, and the drive would end as one without sensors
-        let first_slip = OnBoardSettings::new(&self.robot.robot).warm_up
-            + FIRST_SLIP_WINDOWS * FilterSettings::default().wheel_window;
+        let first_slip =
+            OnBoardSettings::new(&self.robot.robot).warm_up + FIRST_SLIP_STEPS * SlipFilter::STEP_S;
         let blind_time = self.control.blind_time;
         Error::check(&of, "blind_time", blind_time, (first_slip, 1e3), "s")
     }

@@ -3,6 +3,7 @@
 use grouser_real::Real;
 use grouser_slip::Sample;
 use grouser_slip::control::{Action, Ending, Request, WheelCommand};
+use grouser_slip::filter::SlipFilter;
 use grouser_slip::onboard::{OnBoard, SoilLearnSettings, SoilLearner, SoilTables};
 
 use grouser_terra::{Accuracy, OutOfRange, Soil};
@@ -158,10 +159,10 @@ impl Simulation {
         });
         let on_board = on_board(model, known, &scenario.sensors, (&control, learn))?;
         let count = model.wheels.len();
-        // the filter's speeds are means over its window, as old as its horizon
+        // the filter's speeds are means over its steps, as old as its horizon
         let filter = filter_settings(model, &scenario.sensors);
         let [window, lag] =
-            [filter.wheel_window, filter.horizon].map(|time| periods(time, CONTROL_PERIOD_S));
+            [SlipFilter::STEP_S, filter.horizon].map(|time| periods(time, CONTROL_PERIOD_S));
         let (kinetic, potential) = vehicle.energy();
         Ok(Self {
             sensors: Sensors::new(&vehicle, scenario.sensors, scenario.faults.clone(), seed),

@@ -1,20 +1,14 @@
-//! Slip of every wheel online, from all sensors together: a Kalman filter with sequential scalar updates.
+//! Slip of every wheel online, from all sensors together: the model of the motion under several modes of the slip.
 //!
-//! The state: speeds and yaw rate of the robot; biases of gyro and accelerometer; the powered wheels' common slip, which the
-//! soil causes; of each wheel its own slip (of a free wheel: its skid), its radius, and the remainders of its ticks. Radii
-//! and place are considered parameters. A wheel whose rim runs at u (1 + ρ) and whose centre travels at v = e · (v + Ω × p)
-//! is one linear measurement:
-//!
-//! ```text
-//! u (1 + ρ) = v + s m,   m = the faster of u and v,   s = s_common + s_own
-//! ```
-//!
-//! The robot's speed is known as well as its best reference measures it; without a reference, as well as the prior of the
-//! slip. Slips decay to their prior; a wheel that breaks away changes its own slip and nothing else.
-//!
-//! Each sample passes the input (clocks, reorder buffer) and then one cycle: predict, pseudo-measurements, gate and update,
-//! health. Each part owns its state: the input, the Kalman filter with its process model, the wheel bank, the inertial path,
-//! the monitors of gyro, accelerometer and reference sensor, and recovery.
+//! | file | knows |
+//! |---|---|
+//! | `input`, `reorder_buffer`, `sensor_clocks` | samples checked by their sensors' clocks, in the order of their time |
+//! | `gather` | samples as steps of time: how far wheels, gyro and accelerometer went over each |
+//! | `references` | readings of places, headings and speeds, and the frame in which they are |
+//! | `gyro`, `free_wheel`, `checks`, `repeats` | monitors: sensors that contradict the others, miss pulses or repeat themselves |
+//! | `steps` | steps through the filter over the modes ([`modes`](crate::modes)), and what follows them |
+//! | `wheel_health` | each wheel's estimate, and how far it can be trusted |
+//! | `output`, `learnt`, `settings` | what leaves, what outlasts a restart, what is set |
 //!
 //! What the filter guarantees, each with a test of its name (`tests/filter_promises.rs`, `tests/filter_outputs.rs`; long runs
 //! in the generator's crate):
@@ -31,78 +25,39 @@
 //! | R8 observable | `time_slip`, `dropped`, `rejected`, `last_good_age` in every estimate |
 //! | R9 | sigma grows under faults, and is right without them |
 
-mod accelerometer;
-mod carrier;
-mod estimator;
-mod force_integral;
-mod free_wheel_update;
-mod ground_motion;
-mod ground_track;
-mod gyro_monitor;
-mod health;
-mod inertial_path;
+mod checks;
+mod free_wheel;
+mod gather;
+mod gyro;
 pub(crate) mod input;
-mod kalman;
 mod learnt;
-mod mean_rims;
-mod monitor;
-mod motion_model;
-mod multiple_model;
 mod output;
-mod pseudo_measurements;
 mod pulse_check;
 mod radius_check;
-mod recovery;
-mod reference_sensor;
-mod reference_update;
+mod rates;
+mod references;
 mod reorder_buffer;
-mod repeated_rate;
-mod rolling_history;
-mod sensor_checks;
+mod repeats;
 pub(crate) mod sensor_clocks;
 mod settings;
-mod stamp_scatter;
-mod start_shear;
-mod turn_agreement;
-mod wheel_bank;
-mod wheel_channel;
-mod wheel_update;
-
-use grouser_real::Real;
+mod steps;
+mod wheel_health;
 
 use crate::error::{Error, Result, check_range};
 use crate::fault::Fault;
 use crate::robot::Robot;
 use crate::sample::Sample;
 use crate::state::Health;
-use estimator::Core;
+pub use checks::WheelCheck;
 use input::Input;
-pub use learnt::{Learnt, LearntWheel};
-use motion_model::{FORWARD, YAW};
-pub use output::{BodyEstimate, FilterOutput, Odometry, RimPath, WheelCheck};
+pub use learnt::Learnt;
+pub use output::{BodyEstimate, FilterOutput, Odometry};
 use sensor_clocks::ClockOutcome;
 pub use settings::{FilterSettings, SlipPrior};
+use steps::Core;
 
-/// The largest number of wheels of the filter: its cost grows with their square.
-pub const MAX_FILTER_WHEELS: usize = 8;
 /// The largest number of waiting samples that one update uses, so that its cost is bounded.
 const MAX_RELEASED_PER_UPDATE: usize = 4;
-/// A clock that goes further than this at once has been set, s.
-const CLOCK_STEP_S: f64 = 1.0;
-/// A wheel that stands while the robot moves, or turns against it, for this long has a wrong encoder, s.
-const WRONG_ENCODER_TIME_S: f64 = 0.25;
-/// Pseudo-measurements come this often, s.
-const PSEUDO_MEASUREMENT_PERIOD_S: f64 = 0.02;
-/// Without a reference for this long the speed follows the wheels, s.
-const REFERENCE_TIMEOUT_S: f64 = 0.5;
-/// Process noise density of the speed without a reference, as a multiple of the one with it.
-const UNAIDED_NOISE_FACTOR: f64 = 10.0;
-/// One innovation counts for at most this many sigma where something is learnt from it.
-const INNOVATION_CLAMP_SIGMA: f64 = 4.0;
-/// A robot that has rolled further than this has fallen over, rad.
-const MAX_ROLL_RAD: f64 = 1.2;
-/// A reference that failed is readmitted when it is within this share of the robot's speed.
-const READMIT_SPEED_SHARE: f64 = 0.15;
 
 /// Slip of every wheel from all sensors together: encoders, free wheels, gyro, accelerometer, and measured motion.
 ///
@@ -135,22 +90,17 @@ pub struct SlipFilter {
 }
 
 impl SlipFilter {
+    /// Length of the steps in which the motion is estimated, s; longer where the wheels are read less often.
+    pub const STEP_S: f64 = gather::MIN_STEP_S;
+
     /// A filter for `robot`. Only this allocates.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a setting outside its limits, [`Error::WheelCount`] for more than
-    /// [`MAX_FILTER_WHEELS`] wheels.
+    /// [`Error::OutOfRange`] for a setting outside its limits.
     pub fn new(robot: &Robot, settings: FilterSettings) -> Result<Self> {
         settings.check()?;
-        let count = robot.wheels().len();
-        if count > MAX_FILTER_WHEELS {
-            return Err(Error::WheelCount {
-                count,
-                limit: MAX_FILTER_WHEELS,
-            });
-        }
         Ok(Self {
-            input: Input::new(count, &settings),
+            input: Input::new(robot.wheels().len(), settings.horizon),
             core: Core::new(robot, settings),
         })
     }
@@ -161,18 +111,10 @@ impl SlipFilter {
     /// A [`Fault`] refuses the sample (or one that waited before it): it is counted and changes no estimate.
     pub fn update(&mut self, sample: Sample) -> ::core::result::Result<FilterOutput<'_>, Fault> {
         let outcome = self.push(sample);
-        let output = self.settled();
-        outcome.map(|()| output)
+        outcome.map(|()| self.latest())
     }
 
-    /// [`SlipFilter::latest`] after [`SlipFilter::push`].
-    pub(crate) fn settled(&mut self) -> FilterOutput<'_> {
-        self.core.settle_estimates(&self.input);
-        self.latest()
-    }
-
-    /// [`SlipFilter::update`] without an output: the wheels' estimates follow with the next time of a reading, or when they
-    /// are requested.
+    /// [`SlipFilter::update`] without an output.
     pub(crate) fn push(&mut self, sample: Sample) -> ::core::result::Result<(), Fault> {
         let outcome = if sample.measurement.is_raw() {
             Ok(())
@@ -193,18 +135,14 @@ impl SlipFilter {
 
     /// The robot's forward speed, where any wheel shows it, m/s.
     pub(crate) fn forward_speed(&self) -> Option<f64> {
-        let is_known = self
-            .core
-            .output
-            .estimates
-            .iter()
+        let is_known = (self.core.estimates.iter())
             .any(|wheel| !matches!(wheel.health, Health::Invalid(_) | Health::Uninitialised));
-        is_known.then(|| self.core.state.mean(FORWARD))
+        is_known.then(|| self.core.filter().motion().velocity[0])
     }
 
     /// Its yaw rate, rad/s.
     pub(crate) fn yaw_rate(&self) -> f64 {
-        self.core.state.mean(YAW)
+        self.core.filter().motion().velocity[2]
     }
 
     /// The output if it is `now_ns` and no sample has come since: silence is a fault too.
@@ -230,7 +168,7 @@ impl SlipFilter {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn estimate_at(&mut self, now_ns: i64) -> FilterOutput<'_> {
-        self.core.update_health(now_ns, &self.input);
+        self.core.update_health(now_ns);
         self.latest()
     }
 
@@ -255,11 +193,11 @@ impl SlipFilter {
             ..self.core.settings
         };
         settings.check()?;
-        self.core.settings = settings;
+        self.core.set_prior(slip);
         Ok(())
     }
 
-    /// Sets the steering angle of a wheel (rad, to the left, beside its heading in the description).
+    /// Sets the steering angle of a wheel (rad, to the left, relative to its heading in the description).
     ///
     /// # Errors
     /// [`Error::UnknownWheel`] for a wheel that the robot does not have, [`Error::OutOfRange`] for an angle outside
@@ -277,30 +215,12 @@ impl SlipFilter {
     /// ```
     pub fn set_steering_angle(&mut self, wheel: usize, angle: f64) -> Result<()> {
         check_range("steering", "angle", angle, (-7.0, 7.0), "rad")?;
-        let wheels = self.core.wheels.channels.len();
-        let steered = self.core.wheels.steer(wheel, angle);
-        steered.map_err(|_| Error::UnknownWheel {
+        let wheels = self.core.estimates.len();
+        let steered = self.core.gather.steer(wheel, angle);
+        steered.then_some(()).ok_or(Error::UnknownWheel {
             index: wheel,
             wheels,
         })
-    }
-
-    /// Sets the robot's roll (rad, either side down): across a slope it drifts downhill, which a steered wheel takes for
-    /// slip. Beyond 1.2 rad it counts as 1.2; a number that is not finite changes nothing.
-    ///
-    /// ```
-    /// use grouser_slip::filter::{FilterSettings, SlipFilter};
-    /// use grouser_slip::{Robot, Wheel};
-    ///
-    /// let robot = Robot::new("cart".into(), vec![Wheel::powered("left").ticks_per_turn(100)])?;
-    /// let mut filter = SlipFilter::new(&robot, FilterSettings::default())?;
-    /// filter.set_roll(0.2);
-    /// # Ok::<(), grouser_slip::Error>(())
-    /// ```
-    pub fn set_roll(&mut self, roll: f64) {
-        if roll.is_finite() {
-            self.core.cross_slope = Real::tan(roll.abs().min(MAX_ROLL_RAD));
-        }
     }
 
     /// What the filter has learnt so far.
@@ -337,14 +257,14 @@ impl SlipFilter {
         }
         sample.measurement.check_finite()?;
         if self.input.is_late(&sample) {
-            // A measured motion carries its time of capture: it is applied through the history.
-            return self.core.update_late(&sample, &self.input);
+            // a measured motion carries its time of capture
+            return self.core.take(&sample);
         }
         let mut outcome = Ok(());
         if self.input.is_full()
             && let Some(oldest) = self.input.release(true)
         {
-            outcome = self.core.step(&oldest, &self.input);
+            outcome = self.core.take(&oldest);
         }
         if !self.input.offer(sample) {
             return Err(Fault::NotLater {
@@ -356,11 +276,8 @@ impl SlipFilter {
             let Some(next) = self.input.release(false) else {
                 break;
             };
-            outcome = outcome.and(self.core.step(&next, &self.input));
+            outcome = outcome.and(self.core.take(&next));
         }
         outcome
     }
 }
-
-#[cfg(test)]
-mod tests;

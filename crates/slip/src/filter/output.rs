@@ -1,14 +1,20 @@
 //! The output of the filter.
 
-use alloc::{boxed::Box, vec};
+use grouser_real::Real;
 
-use super::estimator::Core;
+use super::checks::WheelCheck;
 use super::input::Input;
-use super::motion_model::{COMMON_SLIP, FORWARD, HEADING, LEFT, PLACE, YAW};
+use super::steps::Core;
 use crate::fault::Rejected;
 use crate::history::seconds_between;
+use crate::motion::{HEADING, SLIP, X, Y, slip_of_log};
 use crate::speed::Measured;
 use crate::wheel_estimate::WheelEstimate;
+
+/// A side slip angle with a larger standard deviation is not reported, rad.
+const MAX_SIDE_SLIP_SIGMA_RAD: f64 = 0.5;
+/// A wheel slower than this has no side slip angle, m/s.
+const MIN_SPEED: f64 = 0.02;
 
 /// The place of the robot relative to its start, with slip compensated: x forwards and y to the left of its first heading.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,20 +28,6 @@ pub struct Odometry {
     pub yaw: f64,
     /// Covariance of the three. It grows with the uncertainty of slips, speeds and biases.
     pub covariance: [[f64; 3]; 3],
-}
-
-/// The way of the powered rims since the start, in the frame of the absolute reference: where the robot would be without
-/// slip.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RimPath {
-    /// Along the axes of the reference's frame, m.
-    pub x: f64,
-    /// Its second axis, m.
-    pub y: f64,
-    /// Turn of the robot, rad, positive to the left.
-    pub turned: f64,
-    /// Along the rims' own direction, m.
-    pub way: f64,
 }
 
 /// The estimate of the robot as a whole.
@@ -52,40 +44,19 @@ pub struct BodyEstimate {
     pub velocity_covariance: [[f64; 3]; 3],
     /// The powered wheels' common slip, 1.
     pub common_slip: Measured,
-    /// The way of the powered rims since the start; `None` with a free wheel, and before the first absolute position.
-    pub rim_path: Option<RimPath>,
     /// Its place.
     pub odometry: Odometry,
     /// Travel since the start along the robot's own forward direction, m.
     pub distance: f64,
     /// The same by the powered wheels without compensation of slip, m.
     pub distance_of_wheels: f64,
-    /// Normalised innovation squared of the last measurement: 1 in the mean where sigmas are right.
-    pub nis: f64,
-}
-
-/// The checks of a wheel's encoder and radius by its own readings.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[non_exhaustive]
-pub struct WheelCheck {
-    /// The share of pulses that its counter misses at random, by the unevenness of its ticks (a little below 0 by chance);
-    /// `None` where the wheel has hardly turned, too slowly or too fast for its ticks, or has no counter.
-    pub pulses_missed: Option<f64>,
-    /// It misses more than 0.022 beyond the share that rough ground makes all wheels seem to miss: its slip is too low by that,
-    /// and its health `Degraded(Suspect)`.
-    pub misses_pulses: bool,
-    /// A tick is missing at the same angle of each turn: a slot or a magnet is broken.
-    pub broken_slot: bool,
-    /// The share by which its described radius is too large, by its slip at no torque. `None` without torques, and until
-    /// they have changed enough, driving and braking.
-    pub radius_excess: Option<Measured>,
 }
 
 /// The output of the filter after a sample.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct FilterOutput<'a> {
-    /// The time up to which samples have been used, ns: the horizon behind the newest.
+    /// The time up to which the motion is known, ns: the end of the last step.
     pub time_ns: i64,
     /// The delay of that behind the newest sample, s.
     pub time_slip: f64,
@@ -103,97 +74,94 @@ pub struct FilterOutput<'a> {
     pub clock_steps: u64,
     /// Seconds since a trusted reference last measured the robot's speed; `None` before the first.
     pub reference_age: Option<f64>,
-    /// Readings of a displacement, pose or speed so far, repeated ones left out.
+    /// Scalars that a displacement, pose or speed has read so far.
     pub reference_readings: u64,
-    /// Those of them that were refused: outliers, or contradicted by the other sensors.
+    /// Those of them that were probably outliers.
     pub reference_refused: u64,
     pub(super) core: &'a Core,
 }
 
 impl FilterOutput<'_> {
     /// A wheel's side slip angle β = atan2(v_across, v_along) of its centre over the ground, rad, positive to the left of its
-    /// heading; `None` below `low_speed`, where it is not known to half a radian, and for a wheel that the robot does not have.
+    /// heading; `None` below 0.02 m/s, where it is not known to half a radian, and for a wheel that the robot does not have.
     #[must_use]
     pub fn side_slip_angle(&self, wheel: usize) -> Option<Measured> {
-        self.core.side_slip_angle(wheel)
-    }
-}
-
-/// What the filter keeps for its output.
-#[derive(Clone, Debug)]
-pub(super) struct Outputs {
-    pub(super) estimates: Box<[WheelEstimate]>,
-    pub(super) checks: Box<[WheelCheck]>,
-    pub(super) checked_ns: Option<i64>,
-    /// Travel forwards by the state, and by the wheels without compensation of slip, m.
-    pub(super) distance: f64,
-    pub(super) distance_of_wheels: f64,
-    /// Readings of the reference so far, and those of them that were refused.
-    pub(super) reference_readings: u64,
-    pub(super) reference_refused: u64,
-}
-
-impl Outputs {
-    pub(super) fn new(wheels: usize) -> Self {
-        Self {
-            estimates: vec![WheelEstimate::NOTHING; wheels].into_boxed_slice(),
-            checks: vec![WheelCheck::default(); wheels].into_boxed_slice(),
-            checked_ns: None,
-            distance: 0.0,
-            distance_of_wheels: 0.0,
-            reference_readings: 0,
-            reference_refused: 0,
+        let wheel = self.core.last.wheels.get(wheel)?;
+        let motion = self.core.filter().motion();
+        let (speed, drift) = (
+            motion.along(wheel.row).value,
+            motion.along(wheel.across).value,
+        );
+        let square = speed * speed + drift * drift;
+        if !(square > MIN_SPEED * MIN_SPEED) {
+            return None;
         }
+        let row =
+            core::array::from_fn(|i| (speed * wheel.across[i] - drift * wheel.row[i]) / square);
+        let variance = motion.along(row).variance;
+        let limit = MAX_SIDE_SLIP_SIGMA_RAD * MAX_SIDE_SLIP_SIGMA_RAD;
+        (variance < limit).then(|| Measured {
+            value: Real::atan2(drift, speed),
+            variance,
+        })
+    }
+
+    /// The probability that a wheel's slip exceeds a limit in [−1, 1]; `None` where it has no slip.
+    #[must_use]
+    pub fn exceeds(&self, wheel: usize, limit: f64) -> Option<f64> {
+        self.core.exceeds(wheel, limit)
     }
 }
 
 impl Core {
     /// The output at the present state.
     pub(super) fn output<'a>(&'a self, input: &Input) -> FilterOutput<'a> {
-        let known = |i: usize| Measured {
-            value: self.state.mean(i),
-            variance: self.state.covariance(i, i),
-        };
+        let filter = self.filter();
+        let (belief, motion) = (filter.belief(), filter.motion());
         let time_ns = self.now_ns.unwrap_or(0);
-        let speeds = [FORWARD, LEFT, YAW];
-        let place = [PLACE[0], PLACE[1], HEADING];
+        let speed = |i: usize| Measured {
+            value: motion.velocity[i],
+            variance: motion.covariance[i][i].max(0.0),
+        };
+        let (slip, share) = slip_of_log(belief.mean[SLIP]);
+        let place = [X, Y, HEADING];
         FilterOutput {
             time_ns,
             time_slip: match (self.now_ns, input.newest_ns()) {
                 (Some(now_ns), Some(newest_ns)) => seconds_between(now_ns, newest_ns).max(0.0),
                 _ => 0.0,
             },
-            wheels: &self.output.estimates,
-            checks: &self.output.checks,
+            wheels: &self.estimates,
+            checks: self.gather.checks.found(),
             body: BodyEstimate {
-                forward: known(FORWARD),
-                left: known(LEFT),
-                yaw_rate: known(YAW),
-                velocity_covariance: speeds.map(|i| speeds.map(|j| self.state.covariance(i, j))),
-                common_slip: known(COMMON_SLIP),
-                rim_path: self.ground.as_ref().and_then(|ground| ground.rim_path()),
-                odometry: Odometry {
-                    x: self.state.mean(PLACE[0]),
-                    y: self.state.mean(PLACE[1]),
-                    yaw: self.state.mean(HEADING),
-                    covariance: place.map(|i| place.map(|j| self.state.covariance(i, j))),
+                forward: speed(0),
+                left: speed(1),
+                yaw_rate: speed(2),
+                velocity_covariance: motion.covariance,
+                common_slip: Measured {
+                    value: slip,
+                    variance: share * share * belief.covariance[SLIP][SLIP].max(0.0),
                 },
-                distance: self.output.distance,
-                distance_of_wheels: self.output.distance_of_wheels,
-                nis: self.nis,
+                odometry: Odometry {
+                    x: belief.mean[X],
+                    y: belief.mean[Y],
+                    yaw: belief.mean[HEADING],
+                    covariance: place.map(|i| place.map(|j| belief.covariance[i][j])),
+                },
+                distance: self.distance,
+                distance_of_wheels: self.distance_of_wheels,
             },
             rejected: input.rejected,
             dropped: input.clocks.dropped,
             clock_steps: input.clocks.steps,
-            reference_readings: self.output.reference_readings,
-            reference_refused: self.output.reference_refused,
-            reference_age: self
-                .speed_known_ns
-                .map(|then| seconds_between(then, time_ns)),
+            reference_readings: count(self.readings[0]).saturating_add(self.references.lost),
+            reference_refused: count(self.readings[1]).saturating_add(self.references.lost),
+            reference_age: self.speed_age(time_ns),
             core: self,
         }
     }
 }
 
-#[cfg(test)]
-mod tests;
+fn count(of: f64) -> u64 {
+    crate::history::whole(of + 0.5).unsigned_abs()
+}

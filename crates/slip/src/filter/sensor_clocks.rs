@@ -2,13 +2,14 @@
 
 use alloc::{boxed::Box, vec};
 
-use super::CLOCK_STEP_S;
-use super::ground_track::MAX_DELAY_S;
 use super::input::is_reference;
+use super::references::MAX_DELAY_S;
 use crate::fault::Fault;
 use crate::history::{seconds_between, whole};
 use crate::sample::{Measurement, Sample};
 
+/// A clock that goes further than this at once has been set, s.
+const CLOCK_STEP_S: f64 = 1.0;
 /// A sensor whose own time goes back by more than this has had its clock set, s; by less its samples are out of order.
 const SET_BACK_S: f64 = 0.1;
 /// Sensors that are not a wheel's.

@@ -66,7 +66,12 @@ impl ModeFilter {
 
     /// Sets the level of the reference's own wandering, m²/s.
     pub const fn set_wander(&mut self, level: f64) {
-        self.noise.set_wander(level);
+        self.noise.set_level(Noise::Wander, level);
+    }
+
+    /// Sets the level of the speed's random walk next to an accelerometer, (m/s)²/s.
+    pub const fn set_speed_noise(&mut self, level: f64) {
+        self.noise.set_level(Noise::Speed, level);
     }
 
     /// Begins anew from a belief: nothing is left of what was believed of motion, slips and noise.
@@ -116,7 +121,10 @@ impl ModeFilter {
             motion.belief.floor_variances();
         }
         self.weights = weighed(&weights, &evidence.map(|of| of.likelihood));
-        self.noise.learn(&evidence, &self.weights);
+        // a robot that slides on stationary wheels is no noise of its reference
+        if self.moved > 0.0 {
+            self.noise.learn(&evidence, &self.weights);
+        }
         self.belief = self.merged(&self.weights);
         let good = evidence.iter().zip(&self.weights).map(|(of, weight)| {
             let sum: f64 = READINGS
@@ -136,9 +144,11 @@ impl ModeFilter {
         self.dt = step.dt;
         let common = *self.common();
         // without a gyro the turn is that of the wheels themselves
-        let turn = step
-            .turn
-            .map_or(0.0, |_| self.noise.levels().of(Noise::Turn) / step.dt);
+        let turn = if step.turn.is_some() {
+            [self.noise.levels().of(Noise::Turn) / step.dt, 0.0]
+        } else {
+            [0.0, common.turn_variance / (step.dt * step.dt)]
+        };
         for (own, wheel) in self.own.iter_mut().zip(&step.wheels) {
             own.advance(wheel, step.dt, &self.belief, &common, turn);
         }

@@ -52,8 +52,8 @@ impl LearntNoise {
         &self.levels
     }
 
-    pub(super) const fn set_wander(&mut self, level: f64) {
-        self.levels.0[Noise::Wander as usize] = level;
+    pub(super) const fn set_level(&mut self, noise: Noise, level: f64) {
+        self.levels.0[noise as usize] = level;
     }
 
     /// Learns from the evidence of each mode.

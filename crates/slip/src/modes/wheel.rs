@@ -60,14 +60,15 @@ fn moments(weights: &[f64; MODES], mean: &[f64; MODES], variance: &[f64; MODES])
 }
 
 impl OwnSlip {
-    /// Passes over one step, by the belief at its end; `turn_noise` is the variance of the turn rate over the step.
+    /// Passes over one step, by the belief at its end; `turn_noise` is the variance of the turn rate over the step by the gyro, and by the
+    /// wheels, whose errors last.
     pub(super) fn advance(
         &mut self,
         wheel: &WheelStep,
         dt: f64,
         belief: &Belief,
         common: &CommonMotion,
-        turn_noise: f64,
+        [by_gyro, by_wheels]: [f64; 2],
     ) {
         let distance = wheel.distance.unwrap_or(0.0);
         self.moved = distance.abs() >= MIN_SPEED * dt;
@@ -85,9 +86,9 @@ impl OwnSlip {
         let turn = common.turned / dt - belief.mean[TURN_BIAS];
         let ground = along * speed + lever * turn + wheel.swing / dt;
         let square = (ground * ground).max(MIN_SQUARED_SPEED);
-        self.by_motion = belief.variance_of(&row) / square;
+        self.by_motion = (belief.variance_of(&row) + lever * lever * by_wheels) / square;
         let noise = (wheel.variance + CREEP * CREEP * dt * dt) / (distance * distance)
-            + lever * lever * turn_noise / square
+            + lever * lever * by_gyro / square
             + JITTER * JITTER;
         let reading = log_slip(distance, ground * dt) - belief.mean[SLIP];
         self.read(reading, noise, dt);

@@ -12,8 +12,8 @@ use super::step::{Reading, Step, Value, WheelStep};
 use super::tape::{Entry, Tape};
 use super::wheels::{CommonMotion, JITTER, common_motion};
 
-/// A robot without an accelerometer changes its speed by this at most, m/s²: half of gravity, what wheels carry on firm ground.
-const MAX_ACCELERATION: f64 = 5.0;
+/// Wheels change the robot's speed by this at most, m/s²: half of gravity, what they carry on firm ground.
+pub const MAX_ACCELERATION: f64 = 5.0;
 /// Slower wheels change their slip by distance and not by time, m/s.
 pub const SLOW: f64 = 0.05;
 /// Wheel speed and speed over ground differ by this for other reasons than slip, m/s: what a count or a rate of a slow wheel leaves
@@ -28,7 +28,7 @@ const MAX_RATIO: f64 = 3.0;
 
 /// Sigma of each number before the first step: place (m), heading (rad), speed (m/s), logarithmic slip, drift, turn bias (rad/s),
 /// accelerometer's bias (m/s², a slope of 6°). A gyro's bias is that of a cheap one; turns by wheels are wrong by tenths of a rad/s.
-const START_SIGMA: [f64; SIZE] = [5.0, 5.0, 3.0, 0.3, 0.4, 0.1, 0.02, 1.0];
+const START_SIGMA: [f64; SIZE] = [5.0, 5.0, 3.0, 3.0, 0.4, 0.1, 0.02, 1.0];
 const TURN_SIGMA_BY_WHEELS: f64 = 0.1;
 /// The logarithmic slip before the first step: wheels on soft ground slip by a tenth.
 const START_SLIP: f64 = 0.1;
@@ -165,7 +165,12 @@ impl Motion {
             ..self.common
         });
         let moves = (common.distance.abs() / SLOW).min(dt);
-        pass.noise(Noise::Slip, SLIP, moves, extra);
+        // online the slip itself is the random walk: dλ = ds e^|λ|; of a whole log the level is learnt
+        let stretch = match pass.record {
+            Record::Evidence(_) => Real::exp(2.0 * pass.belief.mean[SLIP].abs()),
+            Record::Nothing | Record::Tape(_) => 1.0,
+        };
+        pass.noise(Noise::Slip, SLIP, moves * stretch, extra);
         pass.noise(Noise::Drift, DRIFT, moves, 0.0);
         pass.noise(Noise::TurnBias, TURN_BIAS, dt, 0.0);
         if let Some([forward, _]) = step.force {
@@ -191,10 +196,11 @@ impl Motion {
             .or(common.turn.map(|turn| turn - bias))
             .unwrap_or(-bias);
         for wheel in step.wheels.iter().filter(|wheel| wheel.is_free) {
-            pass.free_wheel(wheel, turned, dt);
+            pass.free_wheel(wheel, common.direction, turned, dt);
         }
         let along = pass.move_place(&common, turned, dt);
-        pass.noise(Noise::Turn, HEADING, dt, 0.0);
+        let by_wheels = turn.map_or(common.turn_variance, |_| 0.0);
+        pass.noise(Noise::Turn, HEADING, dt, by_wheels);
         pass.noise(Noise::Wander, X, dt, 0.0);
         pass.noise(Noise::Wander, Y, dt, 0.0);
         for (index, reading) in step.readings.iter().enumerate() {
@@ -279,15 +285,18 @@ impl Pass<'_> {
 
     /// A free wheel reads the speed. Its skid is no state: nothing else shows it where a free wheel is needed, and a product of two
     /// unknowns, 1 − skid and v, has a scale that drifts.
-    fn free_wheel(&mut self, wheel: &WheelStep, turned: f64, dt: f64) {
+    fn free_wheel(&mut self, wheel: &WheelStep, direction: f64, turned: f64, dt: f64) {
         let Some(distance) = wheel.distance else {
             return;
         };
         let mut row = [0.0; SIZE];
-        row[SPEED] = wheel.row[0];
+        let (sin, cos) = Real::sin_cos(direction);
+        let [ahead, left, lever] = wheel.row;
+        let (speed, drift) = (self.belief.mean[SPEED], self.belief.mean[DRIFT]);
+        row[SPEED] = ahead * (cos - drift * sin) + left * (sin + drift * cos);
+        row[DRIFT] = speed * (left * cos - ahead * sin);
         let variance = wheel.variance / (dt * dt) + CREEP * CREEP;
-        let innovation =
-            (distance - wheel.swing - wheel.row[2] * turned) / dt - self.belief.mean_of(&row);
+        let innovation = (distance - wheel.swing - lever * turned) / dt - row[SPEED] * speed;
         self.correct(Noise::Wheel, &row, innovation, variance, None);
     }
 

@@ -12,8 +12,10 @@ pub struct CommonMotion {
     pub distance: f64,
     /// Direction in the robot's frame, rad.
     pub direction: f64,
-    /// Turn by the wheels, rad; `None` where the wheels cannot show one.
+    /// Turn by the wheels alone, rad; `None` where the wheels cannot show one.
     pub turn: Option<f64>,
+    /// Variance of that turn by the scatter of the wheels about it, rad².
+    pub turn_variance: f64,
     /// Variance of the distance, m².
     pub variance: f64,
     /// Turn by the gyro, else by the wheels, without a correction of the bias, rad.
@@ -41,6 +43,8 @@ pub const JITTER: f64 = 0.02;
 const TURN_WEIGHT: f64 = 1e4;
 /// Shorter distances have no direction, m.
 const MIN_DISTANCE: f64 = 1e-5;
+/// Parallel wheels scrub in a turn: it is wrong by about this share of it (a skid-steered robot turns half as far as its wheels say).
+const SCRUB: f64 = 0.3;
 /// Levers of parallel wheels that scatter by less than this show no turn, m².
 const MIN_LEVER_SCATTER: f64 = 1e-6;
 
@@ -61,9 +65,10 @@ pub fn common_motion(
     };
     let first = used().next()?.row;
     let count = used().count();
-    let parallel =
-        used().all(|w| (first[0] * w.row[1] - first[1] * w.row[0]).abs() < PARALLEL_SINE);
+    let parallel = are_parallel(used());
     let by_wheels = turn_by_wheels(used());
+    let turn_variance = by_wheels.map_or(0.0, |of| of[1] * share * share);
+    let by_wheels = by_wheels.map(|of| of[0]);
     let share = share.max(1.0 / MAX_WHEEL_SHARE);
     let turned = turn.map(|turn| turn / share).or(by_wheels).unwrap_or(0.0);
     if parallel {
@@ -86,6 +91,7 @@ pub fn common_motion(
             distance,
             direction: Real::atan2(first[1], first[0]),
             turn: by_wheels.map(|t| t * share),
+            turn_variance,
             variance: variance / (count * count) as f64,
             turned: 0.0,
         });
@@ -128,10 +134,31 @@ pub fn common_motion(
     Some(CommonMotion {
         distance,
         direction,
-        turn: Some(z * share),
+        // next to a gyro it is that of the gyro
+        turn: turn.is_none().then_some(z * share),
+        turn_variance: 0.0,
         variance: variance / (count * count) as f64,
         turned: 0.0,
     })
+}
+
+/// The turn by the powered wheels, rad; `None` where they are not parallel or cannot show one.
+#[must_use]
+pub fn turn_by_parallel_wheels(wheels: &[WheelStep]) -> Option<f64> {
+    let used = || {
+        wheels
+            .iter()
+            .filter(|of| !of.is_free && of.distance.is_some())
+    };
+    let turn = turn_by_wheels(used()).filter(|_| are_parallel(used()));
+    turn.map(|[turn, _]| turn)
+}
+
+fn are_parallel<'a>(mut wheels: impl Iterator<Item = &'a WheelStep>) -> bool {
+    let Some(WheelStep { row: [x, y, _], .. }) = wheels.next() else {
+        return false;
+    };
+    wheels.all(|of| (x * of.row[1] - y * of.row[0]).abs() < PARALLEL_SINE)
 }
 
 /// Adds an equation row · (x, y, turn) = value to the normal equations.
@@ -144,17 +171,28 @@ fn add(a: &mut [[f64; 3]; 3], b: &mut [f64; 3], row: [f64; 3], value: f64, weigh
     }
 }
 
-/// The turn that parallel wheels at different distances from the middle show.
-fn turn_by_wheels<'a>(wheels: impl Iterator<Item = &'a WheelStep> + Clone) -> Option<f64> {
+/// The turn that parallel wheels at different distances from the middle show, and its variance by their scatter about it.
+fn turn_by_wheels<'a>(wheels: impl Iterator<Item = &'a WheelStep> + Clone) -> Option<[f64; 2]> {
     let n = wheels.clone().count() as f64;
     let mean = |f: &dyn Fn(&WheelStep) -> f64| wheels.clone().map(f).sum::<f64>() / n;
     let lever = mean(&|w| w.row[2]);
     let level = mean(&|w| w.distance.unwrap_or(0.0) - w.swing);
     let (mut below, mut above) = (0.0, 0.0);
-    for wheel in wheels {
+    for wheel in wheels.clone() {
         let off = wheel.row[2] - lever;
         below += off * off;
         above += off * (wheel.distance.unwrap_or(0.0) - wheel.swing - level);
     }
-    (below > MIN_LEVER_SCATTER).then(|| above / below)
+    if below <= MIN_LEVER_SCATTER {
+        return None;
+    }
+    let turn = above / below;
+    let square = |wheel: &WheelStep| {
+        let left =
+            wheel.distance.unwrap_or(0.0) - wheel.swing - level - turn * (wheel.row[2] - lever);
+        left * left
+    };
+    let scatter = wheels.map(square).sum::<f64>() / (n - 2.0).max(1.0);
+    let scrub = SCRUB * turn;
+    Some([turn, scatter / below + scrub * scrub])
 }

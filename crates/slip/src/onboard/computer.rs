@@ -97,8 +97,7 @@ impl OnBoard {
     /// The computer of `robot`. This is the only place that allocates.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a setting outside its limits,
-    /// [`Error::WheelCount`](crate::Error::WheelCount) for more wheels than the filter takes.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a setting outside its limits.
     pub fn new(robot: &Robot, settings: OnBoardSettings) -> Result<Self> {
         settings.check(robot)?;
         let setups = &settings.wheels;
@@ -233,7 +232,6 @@ impl OnBoard {
             // a refusal is counted by the filter
             let _ = self.filter.push(sample);
         }
-        self.filter.set_roll(self.attitude.roll());
         let [forward, left] = self.attitude.without_gravity(force);
         let mut is_accepted = false;
         for measurement in [
@@ -418,8 +416,8 @@ impl OnBoard {
 
     /// The filter's output by all readings so far.
     #[must_use]
-    pub fn estimate(&mut self) -> FilterOutput<'_> {
-        self.filter.settled()
+    pub fn estimate(&self) -> FilterOutput<'_> {
+        self.filter.latest()
     }
 
     /// The robot's motion and place by all readings so far.

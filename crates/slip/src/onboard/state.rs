@@ -17,7 +17,7 @@ use crate::filter::Learnt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct OnBoardState {
-    /// Biases, soil and radii that the filter has learnt.
+    /// Biases and soil that the filter has learnt.
     pub learnt: Learnt,
     /// Heading, rad.
     pub heading: f64,

@@ -187,7 +187,7 @@ impl StartCheck {
     }
 
     fn end_window(&mut self, wheels: &[WheelEstimate], passed: f64) {
-        let mut rims = [None; crate::filter::MAX_FILTER_WHEELS];
+        let mut rims = [None; crate::robot::MAX_WHEELS];
         for (rim, wheel) in rims.iter_mut().zip(wheels) {
             *rim = wheel.rim_speed.map(|rim| rim.value);
         }

@@ -21,13 +21,13 @@ fn wheel(per_tick: f64, bits: u32) -> Wheel {
 }
 
 /// A wheel of 0.5 m radius without ticks.
-fn smooth(settings: TrackSettings, rate_step: f64) -> WheelTrack<History<2>> {
+fn smooth(settings: TrackSettings, rate_step: f64) -> WheelTrack {
     let encoder = Encoder::default().rate_step(rate_step);
     let wheel = Wheel::powered("wheel").radius(0.5).encoder(encoder);
     WheelTrack::new(0, &wheel, settings, History::new(64, 0))
 }
 
-fn by_counts(per_tick: f64, settings: TrackSettings) -> WheelTrack<History<2>> {
+fn by_counts(per_tick: f64, settings: TrackSettings) -> WheelTrack {
     let history = History::new(64, 0);
     WheelTrack::new(0, &wheel(per_tick, 8), settings, history)
 }
@@ -64,7 +64,7 @@ fn a_silence_of_more_than_two_windows_starts_anew() {
     };
     assert_eq!((settings.gap(), SETTINGS.gap()), (0.8, 1.0));
     let mut track = smooth(settings, 0.0);
-    assert_eq!(track.gap(), 0.8);
+    assert_eq!(track.gap, 0.8);
     for (ms, at) in [(0, 1.0), (800, 2.0)] {
         track.take(ms * MS, &angle(at)).unwrap();
     }
@@ -89,13 +89,13 @@ fn a_counter_that_may_wrap_unseen_is_foreseen_by_the_last_speed() {
         for (ms, ticks) in [(0, 30), (100, 100), (300, 250)] {
             track.take(ms * MS, &count(sign * ticks)).unwrap();
         }
-        assert!(near(track.travel(), 220.0 * sign as f64 * per_tick));
+        assert!(near(track.totals[0], 220.0 * sign as f64 * per_tick));
         // in 0.1 s it cannot: -95 ticks after 9 m/s forwards are no 161
         let mut track = by_counts(per_tick, SETTINGS);
         for (ms, ticks) in [(0, 30), (100, 120), (200, 25)] {
             track.take(ms * MS, &count(sign * ticks)).unwrap();
         }
-        assert!(near(track.travel(), -5.0 * sign as f64 * per_tick));
+        assert!(near(track.totals[0], -5.0 * sign as f64 * per_tick));
     }
     // exactly half the range, which is shown alike in both directions
     for sign in [1, -1] {
@@ -105,7 +105,7 @@ fn a_counter_that_may_wrap_unseen_is_foreseen_by_the_last_speed() {
             let measurement = count(sign * ticks);
             track.take(seconds * 1000 * MS, &measurement).unwrap();
         }
-        assert!(near(track.travel(), 2.48 * sign as f64));
+        assert!(near(track.totals[0], 2.48 * sign as f64));
     }
 }
 
@@ -119,7 +119,7 @@ fn a_jump_is_refused_until_the_next_reading_follows_it() {
     // readings of 0.5 m/rad: 4 rad in a second are exactly the greatest speed
     track.take(0, &angle(1.0)).unwrap();
     track.take(1000 * MS, &angle(5.0)).unwrap();
-    assert_eq!(track.travel(), 2.0);
+    assert_eq!(track.totals[0], 2.0);
     let fault = track.take(1500 * MS, &angle(8.0)).unwrap_err();
     let Fault::Jump { value, limit, .. } = fault else {
         panic!("{fault}");
@@ -129,9 +129,9 @@ fn a_jump_is_refused_until_the_next_reading_follows_it() {
     assert!(track.take(2000 * MS, &angle(12.0)).is_err());
     // exactly 2 m/s away from it: the sensor was reset
     track.take(2500 * MS, &angle(14.0)).unwrap();
-    assert_eq!(track.travel(), 2.0);
+    assert_eq!(track.totals[0], 2.0);
     track.take(3000 * MS, &angle(13.0)).unwrap();
-    assert_eq!(track.travel(), 1.5);
+    assert_eq!(track.totals[0], 1.5);
     // counts and angles have nothing to do with each other
     let mut track = by_counts(0.01, SETTINGS);
     track.take(0, &count(1)).unwrap();
@@ -149,10 +149,10 @@ fn a_jump_is_refused_until_the_next_reading_follows_it() {
 fn ticks_are_the_noise_of_counts_and_of_angles_by_ticks() {
     let at_rest = |measurement: &dyn Fn(i64) -> Measurement| {
         let mut track = by_counts(0.03, SETTINGS);
-        assert!(!track.counts() && !track.measures_way() && !track.has_edges());
+        assert!(!track.has_edges());
         track.take(0, &measurement(10)).unwrap();
         track.take(400 * MS, &measurement(20)).unwrap();
-        assert!(track.counts() && track.measures_way() && !track.has_edges());
+        assert!(!track.has_edges());
         track.speed(0, 400 * MS).unwrap()
     };
     let counted = at_rest(&count);
@@ -161,12 +161,6 @@ fn ticks_are_the_noise_of_counts_and_of_angles_by_ticks() {
     for speed in [counted, turned] {
         assert!(near(speed.value, 0.75) && near(speed.variance, 0.000_937_5));
     }
-    let mut track = smooth(SETTINGS, 0.0);
-    track.take(0, &angle(0.0)).unwrap();
-    assert!(!track.counts() && track.measures_way());
-    let mut track = by_counts(0.03, SETTINGS);
-    track.take(0, &rate(0.0)).unwrap();
-    assert!(!track.counts() && !track.measures_way());
 }
 
 /// A rate in steps is off by up to half a step, uniformly, at each reading anew.
@@ -193,42 +187,19 @@ fn a_clock_that_was_set_begins_anew() {
     track.take(5_110 * MS, &edge(true)).unwrap();
     assert!(track.has_edges() && track.known_until(9_000 * MS) == Some(9_000 * MS));
     track.restart_clock();
-    assert!(!track.has_edges() && !track.measures_way() && track.newest_time().is_none());
+    assert!(!track.has_edges() && track.newest_time().is_none());
     track.take(100 * MS, &count(50)).unwrap();
     track.take(200 * MS, &count(60)).unwrap();
     assert!(near(track.speed(100 * MS, 200 * MS).unwrap().value, 1.0));
     // 11 ticks before, 10 after, none in between
-    assert!(near(track.travel(), 0.21));
-}
-
-#[test]
-fn travel_is_marked_and_forgotten() {
-    let wheel = wheel(0.01, 8);
-    let mut track = WheelTrack::new(0, &wheel, SETTINGS, MarkedTravel::default());
-    track.take(0, &count(0)).unwrap();
-    track.take(100 * MS, &count(10)).unwrap();
-    track.mark();
-    track.take(200 * MS, &count(40)).unwrap();
-    track.take(300 * MS, &count(60)).unwrap();
-    assert!(near(track.speed(100 * MS, 300 * MS).unwrap().value, 2.5));
-    assert!(track.speed(0, 300 * MS).is_none() && track.speed(100 * MS, 200 * MS).is_none());
-    // a silence forgets the mark
-    track.take(2_000 * MS, &count(70)).unwrap();
-    assert!(track.speed(100 * MS, 2_000 * MS).is_none());
-    let mut travel = MarkedTravel {
-        mark: Some((1, [1.0, 7.0])),
-        newest: Some((2, [4.0, 9.0])),
-    };
-    assert_eq!(travel.between(1, 2), Some([3.0, 2.0]));
-    travel.clear();
-    assert_eq!(travel.newest_ns(), None);
+    assert!(near(track.totals[0], 0.21));
 }
 
 /// As a float of few bits, so that four pulses are exactly four.
 const TICK_M: f64 = 0.031_25;
 
 /// Edges every 20 ms and, from 100 ms on, every 10 ms: a speed that the two laws know differently.
-fn edges(until_ms: i64, forward: bool) -> WheelTrack<History<2>> {
+fn edges(until_ms: i64, forward: bool) -> WheelTrack {
     let mut track = by_counts(TICK_M, SETTINGS);
     track.per_tick = Some(TICK_M);
     for ms in (0..100).step_by(20).chain((100..=until_ms).step_by(10)) {

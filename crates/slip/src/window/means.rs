@@ -68,7 +68,7 @@ pub struct WindowMeans {
 #[derive(Clone, Debug)]
 pub(super) struct Tracked {
     pub(super) role: WheelRole,
-    pub(super) track: WheelTrack<History<2>>,
+    pub(super) track: WheelTrack,
     steering: Steering,
     /// The way of its centre along its heading by steering alone, m.
     swings: History<1>,

@@ -7,8 +7,8 @@ use crate::soil_text;
 use grouser_doctor::{ReferenceDelay, StartOutcome, TurnCheck};
 use grouser_log::{Log, UsedTopic};
 use grouser_replay::{
-    AlongSummary, Consistency, EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary,
-    TruthError, WheelSummary, YawSummary,
+    AlongSummary, EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary, TruthError,
+    WheelSummary, YawSummary,
 };
 use grouser_report::{Fields, fields};
 use grouser_slip::Reference;
@@ -251,15 +251,8 @@ fn odometry<'a>() -> Fields<'a, &'a Odometry> {
 }
 
 fn filter<'a>() -> Fields<'a, Part<'a, FusedSummary>> {
-    let nis = fields! { |nis: &'a Consistency|
-        "count" "measurements" = nis.count;
-        "mean" "mean normalised innovation squared" = nis.mean;
-        "share_in_95_band" "share within the filter's 95 %" = nis.in_band;
-    };
     fields! { |filter: Part<'a, FusedSummary>|
         "offline" "whether every slip uses the whole log, and not what the robot would have known" = filter.part.is_offline;
-        "nis" "consistency of each kind of measurement" named(nis) =
-            filter.part.consistency.iter().map(|(kind, nis)| (*kind, nis));
         "reference_readings" "readings of the reference" = filter.part.reference.map(|of| of.readings);
         "reference_used" "how many of them changed the filter's state" = filter.part.reference.map(|of| of.used);
         "way_slip" "slip of the whole way by the filter" = filter.part.ways.slip_by_filter();

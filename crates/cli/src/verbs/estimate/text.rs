@@ -172,17 +172,8 @@ fn apart(turns: &TurnCheck, summary: &Summary) -> String {
 }
 
 fn filter(fused: &FusedSummary, summary: &Summary) -> String {
-    let shares: Vec<String> = fused
-        .consistency
-        .iter()
-        .filter_map(|(kind, nis)| {
-            let share = 100.0 * nis.in_band?;
-            Some(format!("{} {share:.1} %", kind.replace('_', " ")))
-        })
-        .collect();
     let mut text = format!(
-        "residuals within the filter's 95 %: {}; samples rejected {}, missing {}\n",
-        shares.join(", "),
+        "samples rejected {}, missing {}\n",
         summary.rejected.total(),
         fused.dropped,
     );

@@ -1,7 +1,7 @@
 use super::*;
 
 /// A counter that is known to miss this share.
-pub(in super::super) fn known(share: f64) -> PulseCheck {
+pub(crate) fn known(share: f64) -> PulseCheck {
     PulseCheck {
         share,
         seen: LOSS_KNOWN_TIME_S,

@@ -1,0 +1,45 @@
+//! A sensor whose readings usually change, and that repeats one to the bit: it, or its driver, is stuck.
+
+use crate::history::seconds_between;
+
+/// A reading that is repeated for this long comes from a sensor that is stuck, s.
+const STUCK_S: f64 = 0.5;
+/// Readings of a noisy sensor change at least this often. Those of simulated ones without noise, of coarse and of held ones do not.
+const MIN_CHANGES: f64 = 0.8;
+/// Weight of a reading in that share, and the largest number of repeats that count at once.
+const CHANGE_WEIGHT: f64 = 0.02;
+const MAX_REPEATS: u32 = 50;
+
+/// How often the readings of one sensor change.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Repeats {
+    bits: u64,
+    since_ns: i64,
+    newest_ns: i64,
+    repeats: u32,
+    /// Share of readings that differ from the one before, up to the last change.
+    changes: f64,
+}
+
+impl Repeats {
+    /// Follows a reading.
+    pub(super) fn push<const K: usize>(&mut self, time_ns: i64, values: [f64; K]) {
+        let fold = |bits: u64, of: &f64| bits.rotate_left(7) ^ of.to_bits();
+        let bits = values.iter().fold(1, fold);
+        self.newest_ns = time_ns;
+        if core::mem::replace(&mut self.bits, bits) == bits {
+            self.repeats = self.repeats.saturating_add(1);
+            return;
+        }
+        for _ in 0..self.repeats.min(MAX_REPEATS) {
+            self.changes *= 1.0 - CHANGE_WEIGHT;
+        }
+        self.changes += CHANGE_WEIGHT * (1.0 - self.changes);
+        (self.since_ns, self.repeats) = (time_ns, 0);
+    }
+
+    /// Is it stuck?
+    pub(super) fn has_stopped(&self) -> bool {
+        self.changes >= MIN_CHANGES && seconds_between(self.since_ns, self.newest_ns) >= STUCK_S
+    }
+}
