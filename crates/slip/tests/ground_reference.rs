@@ -6,7 +6,7 @@
 )]
 
 use grouser_slip::filter::{FilterSettings, SlipFilter};
-use grouser_slip::{Degraded, Health, Measurement, Robot, Sample, Wheel};
+use grouser_slip::{Health, Measurement, Robot, Sample, Wheel};
 
 use crate::noise::Noise;
 

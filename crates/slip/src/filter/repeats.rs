@@ -16,7 +16,7 @@ pub(super) struct Repeats {
     bits: u64,
     since_ns: i64,
     newest_ns: i64,
-    repeats: u32,
+    times: u32,
     /// Share of readings that differ from the one before, up to the last change.
     changes: f64,
 }
@@ -28,14 +28,14 @@ impl Repeats {
         let bits = values.iter().fold(1, fold);
         self.newest_ns = time_ns;
         if core::mem::replace(&mut self.bits, bits) == bits {
-            self.repeats = self.repeats.saturating_add(1);
+            self.times = self.times.saturating_add(1);
             return;
         }
-        for _ in 0..self.repeats.min(MAX_REPEATS) {
+        for _ in 0..self.times.min(MAX_REPEATS) {
             self.changes *= 1.0 - CHANGE_WEIGHT;
         }
         self.changes += CHANGE_WEIGHT * (1.0 - self.changes);
-        (self.since_ns, self.repeats) = (time_ns, 0);
+        (self.since_ns, self.times) = (time_ns, 0);
     }
 
     /// Is it stuck?
