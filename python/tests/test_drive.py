@@ -97,8 +97,8 @@ def test_a_controller_in_python_limits_the_slip() -> None:
     for seed in (1, 2):
         ours = drive.run(SCENARIO, controller=careful, seed=seed, duration_s=6.0)
         plain = drive.run(SCENARIO, controller=open_loop, seed=seed, duration_s=6.0)
-        # the commands reach the wheels: slower rims, less energy
-        assert ours.energy_j < plain.energy_j
+        # the commands reach the wheels, which are slower
+        assert ours.distance_m < 0.8 * plain.distance_m
         assert ours.track["slip"].shape == (600, len(SCENARIO.wheels))
 
 
