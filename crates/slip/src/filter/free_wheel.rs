@@ -18,7 +18,7 @@ const MEMORY_S: f64 = 2.0;
 const SIGMAS: f64 = 5.0;
 const MIN_GAP: f64 = 0.02;
 /// What lasts longer than a skid is another speed of the robot, s.
-const SKID_S: f64 = 5.0;
+const SKID_S: f64 = 3.0;
 /// What measurements add to the speed has at least this variance, (m/s)².
 const MIN_ADDED: f64 = 1e-8;
 /// The noise of the accelerometer next to a free wheel follows its squares over about a hundred steps; an outlier counts as three sigma. It is at most thirty
@@ -98,7 +98,9 @@ impl FreeWheelMonitor {
             *since += dt;
             let is_stationary = free.abs() < MIN_SPEED && !turns;
             let is_back = (free - usual).abs() < RETURN_SHARE * *size;
-            if is_stationary || is_back || *since > SKID_S {
+            // a wheel that does not turn is locked, however long
+            let lasts = *since > SKID_S && free.abs() > MIN_SPEED;
+            if is_stationary || is_back || lasts {
                 self.jump = None;
             }
         } else if let Some(last) = self.last {

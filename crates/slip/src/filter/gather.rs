@@ -367,7 +367,8 @@ impl Gather {
         if self.gyro.is_wrong() || wheels_turn && self.turn.is_stuck() {
             step.turn = None;
         }
-        if wheels_turn && self.force.is_stuck() {
+        // messages without an accelerometer hold zeros
+        if wheels_turn && self.force.is_constant() {
             step.force = None;
         }
     }

@@ -51,6 +51,11 @@ impl<const K: usize> Rates<K> {
         self.repeats.has_stopped()
     }
 
+    /// Does the sensor repeat its reading, as one that is not there?
+    pub(super) fn is_constant(&self) -> bool {
+        self.repeats.is_constant()
+    }
+
     /// The time of its newest reading.
     pub(super) const fn newest_ns(&self) -> Option<i64> {
         match self.last {

@@ -40,6 +40,11 @@ impl Repeats {
 
     /// Is it stuck?
     pub(super) fn has_stopped(&self) -> bool {
-        self.changes >= MIN_CHANGES && seconds_between(self.since_ns, self.newest_ns) >= STUCK_S
+        self.changes >= MIN_CHANGES && self.is_constant()
+    }
+
+    /// Does it repeat its reading, whether it usually changes or not?
+    pub(super) fn is_constant(&self) -> bool {
+        seconds_between(self.since_ns, self.newest_ns) >= STUCK_S
     }
 }
