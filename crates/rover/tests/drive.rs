@@ -333,7 +333,7 @@ distance_m = 12.0
 }
 
 /// So slow that neither speed stands out of its noise where rims wait for the robot, and round a corner, for which a skid-steer
-/// and a rocker-bogie slip: both arrive within twice the time that they take without any control of slip.
+/// and a rocker-bogie slip: both arrive within three times the time that they take without any control of slip.
 #[test]
 fn slow_robots_with_a_camera_arrive() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/robots");
@@ -379,7 +379,7 @@ heading_deg = 40.0
             assert_eq!(open.outcome, Outcome::Arrived, "{robot} {seed}: {open:?}");
             let ratio = own.duration / open.duration;
             // at 0.09 m/s a camera of 10 Hz shows slip within half a minute
-            assert!(ratio < 2.0, "{robot} {seed}: {ratio}");
+            assert!(ratio < 3.0, "{robot} {seed}: {ratio}");
         }
     }
 }
