@@ -12,17 +12,18 @@ use crate::motion::{
     Belief, FORCE_BIAS, MAX_ACCELERATION, MIN_SPEED, Row, SIZE, SPEED, Step, WheelStep,
 };
 
-/// The sum, and the usual share, fade over this time, s: a robot starts or stops within a second or two.
+/// The sum, and the usual share, fade over this time, s. A prior: a robot starts or stops within a second or two.
 const MEMORY_S: f64 = 2.0;
 /// A contradiction is beyond this many sigma, and the sum beyond this speed, m/s.
 const SIGMAS: f64 = 5.0;
 const MIN_GAP: f64 = 0.02;
-/// What lasts longer than a skid is another speed of the robot, s.
+/// A changed speed that lasts longer is the robot's, s. A choice, not measured: shorter accepts longer skids as slip, longer delays real
+/// changes of slip next to an accelerometer that does not measure them.
 const SKID_S: f64 = 3.0;
-/// What measurements add to the speed has at least this variance, (m/s)².
+/// What measurements add to the speed has at least this variance, (m/s)²: against a division by zero.
 const MIN_ADDED: f64 = 1e-8;
-/// The noise of the accelerometer next to a free wheel follows its squares over about a hundred steps; an outlier counts as three sigma. It is at most thirty
-/// times the prior's sigma: then the accelerometer shows nothing.
+/// The noise of the accelerometer next to a free wheel follows its squares over about a hundred steps, a choice; an outlier counts as three
+/// sigma. It is at most thirty times the prior's sigma: then the accelerometer shows nothing.
 const SCALE_RATE: f64 = 0.01;
 const MAX_SQUARE: f64 = 9.0;
 const MAX_SCALE: f64 = 1e3;
@@ -30,7 +31,7 @@ const MAX_SCALE: f64 = 1e3;
 const MIN_AHEAD: f64 = 0.98;
 /// Wheels that start shear the soil before the robot moves, s.
 const START_S: f64 = 0.5;
-/// The accelerometer is off by this between two steps, m/s²: gravity where the slope changes by six degrees, and shaking.
+/// The accelerometer is off by this between two steps, m/s². A prior: gravity where the slope changes by six degrees, and shaking.
 const FORCE_ERROR: f64 = 1.0;
 /// A wheel is as fast as usual again where it is off by less than this share of the jump.
 const RETURN_SHARE: f64 = 0.5;

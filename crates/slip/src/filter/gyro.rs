@@ -10,7 +10,7 @@ const MIN_TURN_RAD_PER_S: f64 = 0.05;
 const OPPOSITE_CORRELATION: f64 = -0.3;
 /// A gyro that shows this many times the wheels' turn, and in step with it, has another unit: no tyre skids sideways that much. One
 /// side that slips turns the robot too, but not in step with the wheels. One that shows this share of their turn or less shows its bias,
-/// whose sign says nothing, beside a side that slips.
+/// whose sign says nothing, next to a side that slips.
 const UNIT_FACTOR: f64 = 5.0;
 const IN_STEP_CORRELATION: f64 = 0.8;
 /// A contradiction that lasts this long condemns the gyro, s, and agreement this many times as long clears it.
