@@ -158,6 +158,10 @@ python-wheels:
     bash python/wheels
     bash python/under_qemu python/target/release-wheels/*abi3*aarch64.whl tests/test_wheel.py tests/test_command.py tests/test_arguments.py
 
+# ten thousand random problems with kinks and jumps of each kind: no search returns less than it has seen; minutes
+best-seen problems="10000":
+    GROUSER_STARTS={{problems}} cargo test --release --package grouser-opt --test all best_seen:: -- --nocapture
+
 # random starts of each published and each shipped problem: no solution may be refuted by 200 probes of 1e-4 around it; minutes
 refuted starts="450":
     GROUSER_STARTS={{starts}} cargo test --release --package grouser-opt --package grouser-design --test all refuted:: -- --nocapture

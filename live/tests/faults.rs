@@ -5,7 +5,7 @@
 mod peers;
 
 use grouser_log::message::View;
-use peers::{Node, Peer, Place, python, read, wheel_robot};
+use peers::{Node, PATIENCE, Peer, Place, python, read, wheel_robot};
 use serde_json::{Value, json};
 
 /// The driven wheels' slip: rims at 0.25 m/s, the robot at 0.2 m/s.
@@ -42,7 +42,7 @@ impl Run {
         let arguments = [&["--look-s", "1"], arguments].concat();
         let node = Node::start(&place, &wheel_robot(&place), &arguments);
         let mut run = Self { peer, node, place };
-        run.peer.until_slip(20.0, is_right);
+        run.peer.until_slip(is_right);
         Some(run)
     }
 
@@ -55,7 +55,7 @@ impl Run {
             if message.contains(words) {
                 return message.to_owned();
             }
-            assert!(begun.elapsed().as_secs() < 8, "no `{words}` in {status}");
+            assert!(begun.elapsed() < PATIENCE, "no `{words}` in {status}");
             std::thread::sleep(std::time::Duration::from_millis(50));
         }
     }
@@ -77,14 +77,14 @@ fn killed_and_back(transport: &'static str) {
     run.peer.call(&json!(["open", "listener"]));
     run.peer.call(&json!(["listen", "listener"]));
     run.peer.call(&json!(["stop", "driver"]));
-    let silent = run.peer.until_slip(4.0, |message| slip(message).is_none());
+    let silent = run.peer.until_slip(|message| slip(message).is_none());
     assert!(silent < 3.0, "{silent}");
     assert_eq!(health(&run.peer.slip()), "Invalid(Dropout)");
     assert!(run.until_told("is silent").contains("/joint_states"));
     run.peer.call(&json!(["open", "again"]));
     run.peer.call(&json!(["drive", "again", {}]));
     // it stands for a second, drives, and is trusted after the filter's own two seconds
-    run.peer.until_slip(15.0, is_right);
+    run.peer.until_slip(is_right);
     run.end();
 }
 
@@ -128,9 +128,9 @@ fn clock_jump(transport: &'static str) {
             let ahead = stamp - i64::try_from(now.as_secs()).unwrap();
             (ahead - offset_s).abs() < 3
         };
-        let recovered = run.peer.until_slip(6.0, |message| {
-            is_right(message) && is_of_this_clock(message)
-        });
+        let recovered = run
+            .peer
+            .until_slip(|message| is_right(message) && is_of_this_clock(message));
         assert!(
             recovered < 3.0,
             "{recovered} s after a step to {offset_s} s"
@@ -318,7 +318,7 @@ fn joint_interfaces(transport: &'static str) {
     let text = read(&file) + &fields.collect::<String>();
     std::fs::write(&file, text).unwrap();
     let node = Node::start(&place, &file, &["--look-s", "1"]);
-    peer.until_slip(20.0, is_right);
+    peer.until_slip(is_right);
     let ended = node.interrupt(&place);
     assert_eq!(ended.code, Some(0), "{}{}", ended.out, ended.err);
     assert!(ended.out.contains("/dynamic_joint_states"), "{}", ended.out);
@@ -384,7 +384,7 @@ fn name_in_the_graph(transport: &'static str) {
         if nodes == expected {
             break;
         }
-        assert!(begun.elapsed().as_secs() < 8, "{nodes}");
+        assert!(begun.elapsed() < PATIENCE, "{nodes}");
         std::thread::sleep(std::time::Duration::from_millis(50));
     }
     run.end();

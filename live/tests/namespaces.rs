@@ -139,7 +139,7 @@ fn lossy(transport: &'static str, names: [&'static str; 3]) {
     let node = Node::start(&place, &wheel_robot(&place), &["--look-s", "1"]);
     let slip = |message: &Value| message["slip"][0].as_f64();
     let is_right = |message: &Value| slip(message).is_some_and(|slip| (slip - 0.2).abs() < 0.02);
-    peer.until_slip(30.0, is_right);
+    peer.until_slip(is_right);
 
     network.lose(0.2);
     let before = count(&mut peer);
@@ -181,9 +181,8 @@ fn lossy(transport: &'static str, names: [&'static str; 3]) {
         let part = |name: &str| stamp[name].as_f64().unwrap_or(0.0);
         part("sec") + 1e-9 * part("nanosec") > restored_s
     };
-    let again = peer.until_slip(30.0, |message| {
-        is_new(message) && is_right(message) && message["health"][0] == "Ok"
-    });
+    let again = peer
+        .until_slip(|message| is_new(message) && is_right(message) && message["health"][0] == "Ok");
     eprintln!("{transport}: right again {again:.1} s after an outage of 3 s");
     node.interrupt(&place);
 }

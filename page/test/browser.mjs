@@ -16,6 +16,9 @@ export const ROOT = fileURLToPath(new URL('../..', import.meta.url));
 const GROUSER = process.env.GROUSER ?? 'grouser';
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
+/** The longest wait for anything: a loaded machine is slow, and only what never comes fails. */
+const WAIT_MS = 240000;
+
 let browser;
 before(async () => {
   browser = await chromium.launch({
@@ -30,7 +33,7 @@ export async function withPage(options, use) {
   const { hash = '', width = 1400, height = 900, dark = false, address = PAGE, allow = () => false } = options;
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', acceptDownloads: true });
   const page = await context.newPage();
-  page.setDefaultTimeout(120000); // a loaded machine is slow, and the runner has its own limit
+  page.setDefaultTimeout(WAIT_MS);
   const errors = [];
   page.on('console', (message) => ['error', 'warning'].includes(message.type()) && errors.push(message.text()));
   page.on('pageerror', (error) => errors.push(String(error)));
@@ -47,6 +50,21 @@ export async function withPage(options, use) {
   } finally {
     await context.close();
   }
+}
+
+/** Waits until faces are there, and what is drawn in a frame, or after it has its width, is drawn. */
+export async function settled(page) {
+  await page.evaluate(async () => {
+    await document.fonts.ready;
+    for (let i = 0; i < 3; i += 1) await new Promise(requestAnimationFrame);
+  });
+}
+
+/** Gives the window another size, and waits until the page has it. */
+export async function resized(page, width, height) {
+  await page.setViewportSize({ width, height });
+  await page.waitForFunction(([w, h]) => innerWidth === w && innerHeight === h, [width, height]);
+  await settled(page);
 }
 
 /** Serious findings of axe on what the page shows. */

@@ -41,10 +41,10 @@ test('a folder of a web server is the page: explorer, optimiser, drive and figur
       await page.click('a[data-view="optimise"]');
       await page.waitForFunction(() => document.querySelector('.problem textarea')?.value.length > 50);
       await page.getByRole('button', { name: 'Solve' }).click();
-      await page.waitForSelector('.front-dot', { timeout: 60000 });
+      await page.waitForSelector('.front-dot');
       await page.click('a[data-view="run"]');
       await page.getByRole('button', { name: 'Drive the sandbox' }).click();
-      await page.waitForSelector('.run-body:not([hidden])', { timeout: 240000 });
+      await page.waitForSelector('.run-body:not([hidden])');
     });
   });
 });

@@ -2,12 +2,12 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { boxOf, seriousFindings, withPage } from './browser.mjs';
+import { boxOf, resized, seriousFindings, settled, withPage } from './browser.mjs';
 
 const VIEWS = ['explore', 'optimise', 'run'];
 /** Drives the sandbox, then a scenario and its drivers by their names. */
 async function driven(page, ...choices) {
-  const ended = () => page.waitForFunction(() => /driven in/.test(document.querySelector('.run-status')?.textContent ?? ''), null, { timeout: 240000 });
+  const ended = () => page.waitForFunction(() => /driven in/.test(document.querySelector('.run-status')?.textContent ?? ''));
   if (!choices.length) {
     await page.getByRole('button', { name: 'Drive the sandbox' }).click();
     await ended();
@@ -35,7 +35,7 @@ test('every view fits a phone and has labels that can be read, light and dark', 
         if (hash === 'run') {
           await driven(page);
           await page.getByRole('button', { name: 'One chart for each wheel' }).click();
-          await page.waitForTimeout(300);
+          await settled(page);
           // no cell of the wheels' table is cut off
           const cut = await page.evaluate(() => {
             const { right } = document.querySelector('.wheels').closest('.card').getBoundingClientRect();
@@ -86,7 +86,7 @@ test('a wide screen is filled: the wheel beside its curves, pictures beside the 
         await page.getByRole('button', { name: 'Solve' }).click();
         await page.waitForSelector('.front-dot');
       }
-      await page.waitForTimeout(300);
+      await settled(page);
       const cards = await page.evaluate(() => [...document.querySelectorAll('main .card')].filter((one) => one.checkVisibility())
         .map((one) => one.getBoundingClientRect()).map(({ left, right, bottom }) => ({ left, right, bottom })));
       assert.ok(Math.min(...cards.map(({ left }) => left)) < 40 && Math.max(...cards.map(({ right }) => right)) > 1860, `${hash}: margins`);
@@ -145,8 +145,22 @@ test('a run on paper has its pictures and keys in colour, and nothing to operate
     for (const name of ['.map', '.slip-key', '.decisions']) assert.ok(await page.locator(name).first().isVisible(), name);
     assert.equal(await page.evaluate(() => getComputedStyle(document.querySelector('.slip-key'), '::before').printColorAdjust), 'exact');
     // A4 at 96 dpi without margins
-    await page.setViewportSize({ width: 718, height: 1046 });
+    await resized(page, 718, 1046);
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth) <= 718);
+  });
+});
+
+test('a page that is ready has drawn its view', async () => {
+  await withPage({ hash: '#explore' }, async (page) => {
+    await page.addInitScript(() => {
+      new MutationObserver(() => {
+        if (document.body?.dataset.ready) window.drawn ??= [...document.querySelectorAll('.plot')].filter((plot) => plot.checkVisibility()).map((plot) => plot.hasAttribute('viewBox'));
+      }).observe(document, { subtree: true, attributes: true });
+    });
+    await page.reload();
+    await page.waitForFunction(() => window.drawn);
+    const drawn = await page.evaluate(() => window.drawn);
+    assert.ok(drawn.length > 1 && drawn.every(Boolean), `${drawn}`);
   });
 });
 
@@ -158,7 +172,7 @@ test('explorer and front on paper: pictures fill their width, and the problem is
         await page.waitForSelector('.front-dot');
       }
       await page.emulateMedia({ media: 'print' });
-      await page.setViewportSize({ width: 718, height: 1046 });
+      await resized(page, 718, 1046);
       const plots = await page.locator('.plot').evaluateAll((all) => all.filter((plot) => plot.checkVisibility()).map((plot) => {
         const [, , width, height] = plot.getAttribute('viewBox').split(' ').map(Number);
         const box = plot.getBoundingClientRect();

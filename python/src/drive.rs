@@ -107,7 +107,7 @@ impl Scenario {
         self.scenario.duration
     }
 
-    /// The slip to run at: the file's, else the slip of greatest tractive efficiency.
+    /// The slip setpoint: the file's, else the slip of greatest tractive efficiency.
     #[getter]
     fn optimum_slip(&self) -> f64 {
         self.optimum
@@ -312,6 +312,8 @@ fn result_dict<'py>(
     dict.set_item("energy_j_per_m", result.energy_per_metre())?;
     dict.set_item("worst_slip", result.worst_slip)?;
     dict.set_item("deep_share", result.deep_share)?;
+    let undeclared = result.undeclared.map(|found| found.to_string());
+    dict.set_item("undeclared_no_data", undeclared)?;
     dict.set_item("slip_rmse", result.slip.rmse)?;
     dict.set_item("slip_bias", result.slip.bias)?;
     dict.set_item("refused", result.refused)?;

@@ -176,9 +176,8 @@ fn summary_dict<'py>(py: Python<'py>, summary: &Summary) -> PyResult<Bound<'py, 
         "pose_covariance",
         odometry.map(|odometry| odometry.pose_covariance),
     )?;
-    let doubts = summary.doubts();
-    let doubts: Vec<String> = doubts.iter().map(ToString::to_string).collect();
-    dict.set_item("doubts", doubts)?;
+    dict.set_item("doubts", summary.doubts_in_words())?;
+    dict.set_item("reservations", summary.reservations())?;
     Ok(dict)
 }
 

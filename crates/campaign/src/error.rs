@@ -15,7 +15,7 @@ pub enum Error {
     /// A file that cannot be read.
     #[error(transparent)]
     File(#[from] grouser_files::Error),
-    /// A reading of the paper's problem, or the slip to run at.
+    /// A reading of the paper's problem, or the slip setpoint.
     #[error(transparent)]
     Design(#[from] grouser_design::Error),
     /// The run on sand.

@@ -22,6 +22,7 @@ mod log;
 mod measured_data;
 mod module_cycles;
 mod optimize;
+mod owners_mistakes;
 mod recordings;
 mod test_commands;
 mod whole_files;

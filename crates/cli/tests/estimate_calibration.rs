@@ -169,7 +169,7 @@ fn what_estimate_finds_wrong_in_a_log_is_not_calibrated_away() {
             }
             assert_eq!(output.status.code(), Some(3), "{name}: {text}");
             assert!(
-                text.starts_with("DOUBTFUL: ") && text.contains(found),
+                text.starts_with("WARNING: ") && text.contains(found),
                 "{name}: {text}"
             );
             assert!(text.contains("new.toml` is not written"), "{name}: {text}");
@@ -231,7 +231,7 @@ fn a_log_that_is_too_short_to_calibrate_is_doubtful() {
         let text = printed(&output);
         assert_eq!(output.status.code(), Some(3), "{text}");
         assert!(
-            text.contains("DOUBTFUL: the wheels ran") && text.contains("wrote "),
+            text.contains("WARNING: the wheels ran") && text.contains("wrote "),
             "{text}"
         );
     }
@@ -347,7 +347,7 @@ fn true_slips_that_do_not_fit_the_log_are_doubtful_or_refused() {
         let (code, text, object) = compare(&format!("{name}.truth"), text);
         assert_eq!(code, Some(3), "{name}: {text}");
         assert!(
-            text.contains("DOUBTFUL: left: ") && text.contains("have a true slip beside them"),
+            text.contains("WARNING: left: ") && text.contains("have a true slip beside them"),
             "{name}: {text}"
         );
         assert!(

@@ -124,13 +124,13 @@ fn a_doubtful_soil_ends_with_3() {
     assert_eq!(output.status.code(), Some(3), "{output:?}");
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
-        text.starts_with("DOUBTFUL: 50 of 150 shear readings"),
+        text.starts_with("WARNING: 50 of 150 shear readings"),
         "{text}"
     );
     assert!(
         fs::read_to_string(&soil)
             .unwrap()
-            .contains("DOUBTFUL: 50 of 150")
+            .contains("WARNING: 50 of 150")
     );
     let output = grouser(&["identify", &tests, "--json"]);
     assert_eq!(output.status.code(), Some(3));

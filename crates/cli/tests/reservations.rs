@@ -181,11 +181,14 @@ fn wheels_that_are_read_seldom_have_what_would_do() {
             [output.stdout, output.stderr].map(|of| String::from_utf8(of).unwrap());
         let flags = ["--method", "window", "--window-s", window];
         let flags_line = flags.join(" ");
-        assert!(
-            notes(&text).iter().any(|note| note.contains(&flags_line)),
-            "{text}"
-        );
-        assert!(errors.is_empty(), "{errors}");
+        // the filter's steps are at most a second long
+        let says = if period_s < 1.0 {
+            assert!(errors.is_empty(), "{errors}");
+            notes(&text).concat()
+        } else {
+            errors
+        };
+        assert!(says.contains(&flags_line), "{says}");
         let (text, _, object) = run(&arguments, &flags);
         assert!(notes(&text).is_empty(), "{text}");
         let slip = object["wheels"]["left"]["median"].as_f64().unwrap();

@@ -5,6 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use proptest::test_runner::{Config, RngSeed};
+
 use crate::repository::{cargo, files, root};
 
 /// The tests of a program by their full names, and the files that it is made of.
@@ -188,4 +190,12 @@ fn every_file_of_tests_belongs_to_a_program() {
     }
     assert!(unused.is_empty(), "in no program: {unused:#?}");
     assert!(count >= 150, "only {count} files");
+}
+
+/// A user's tree stays as it is, and a user's cases are those of everybody: `.cargo/config.toml`.
+#[test]
+fn property_tests_have_one_seed_and_leave_no_file() {
+    let usual = Config::default();
+    assert!(usual.failure_persistence.is_none());
+    assert!(matches!(usual.rng_seed, RngSeed::Fixed(_)));
 }

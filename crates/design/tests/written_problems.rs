@@ -34,7 +34,7 @@ fn check(builder: &DesignBuilder, x: &[f64]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 128, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
     fn a_problem_read_again_is_the_same(

@@ -5,7 +5,8 @@
 use std::io::Write as _;
 
 use grouser_doctor::{Doctor, Uses, Window};
-use grouser_files::{Document, robot};
+use grouser_files::Document;
+use grouser_files::robot::{self, WheelSensor};
 use grouser_slip::window::{WindowMeans, WindowSettings};
 use grouser_slip::{Measurement, Reference, Sample};
 
@@ -33,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ..file.settings
     };
     let mut means = WindowMeans::new(&file.robot, settings)?;
-    let mut doctor = Doctor::new(&file, &settings);
+    let mut doctor = Doctor::new(&file, &settings, WheelSensor::Rate);
     let (mut x, mut y, mut yaw) = (0.0, 0.0, 0.0_f64);
     for step in 0..1200_i32 {
         let (now_ns, time_s) = (50_000_000 * i64::from(step), 0.05 * f64::from(step));

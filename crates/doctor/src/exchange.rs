@@ -11,7 +11,7 @@ const MIN_TURN_RAD: f64 = 0.5;
 /// An exchanged wheel's arm has the other side's sign and at least this share of its length; slip in bends changes the length.
 const MIN_ARM_SHARE: f64 = 0.5;
 /// The other side's bends explain at least this share of what is left of the wheel's speeds.
-const MIN_EXPLAINED_SHARE: f64 = 0.5;
+const MIN_EXPLAINED_SHARE: f64 = 0.7;
 /// Slips explain all but this share of the yaw rates at most: bends that are all alike show no arms.
 const MIN_FREE_SHARE: f64 = 0.05;
 /// Slips are of the order of 1: this times their square is added to the squares of speeds, m²/s. A robot that turns on the spot
@@ -28,6 +28,8 @@ pub struct ExchangeCheck {
     /// Is it certain that they are exchanged, because other wheels or the reference turn with the gyro? If not, the sign of the
     /// gyro may be wrong instead.
     pub is_certain: bool,
+    /// Are they all wheels that have a side? Then the frame of gyro and reference may be mirrored instead.
+    pub is_whole: bool,
 }
 
 /// Regression of each wheel's speed against the mean of all, in bends, on the robot's speed (its slip), the same with the sign
@@ -130,6 +132,7 @@ impl ExchangeWatch {
         let (left, right) = (wheels.iter().any(is_left), !wheels.iter().all(is_left));
         (left && right).then(|| ExchangeCheck {
             is_certain: is_sign_certain || !others.is_empty(),
+            is_whole: others.is_empty(),
             wheels: wheels.iter().map(|place| self.wheels[*place]).collect(),
         })
     }

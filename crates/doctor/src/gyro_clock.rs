@@ -4,6 +4,8 @@ use grouser_files::robot::WheelSensor;
 use grouser_slip::window::{WindowEstimator, WindowSettings};
 use grouser_slip::{Measurement, Reference, Robot, Sample, WheelRole};
 
+use crate::reference_delay::track::Track;
+
 /// Turns are compared over this time, s: long against a sample, short against a manoeuvre.
 const WINDOW_S: f64 = 0.2;
 /// Offsets are looked for up to this, s.
@@ -30,7 +32,11 @@ pub fn gyro_offset<E: From<grouser_slip::Error>>(
 ) -> Result<Option<f64>, E> {
     let (encoders, gyro) = turns(robot, sensor, samples)?;
     let size = encoders.iter().map(|turn| turn.1.abs()).sum::<f64>() / encoders.len().max(1) as f64;
-    if gyro.len() < 2 || !(size * WINDOW_S > MIN_TURN_RAD) {
+    // The same windows for every offset, or the ends of the log would choose it.
+    let margin = RANGE_S + STEP_S + 0.5 * WINDOW_S;
+    let is_covered = |of: &&(f64, f64)| gyro.between(of.0 - margin, of.0 + margin).is_finite();
+    let encoders: Vec<(f64, f64)> = encoders.iter().filter(is_covered).copied().collect();
+    if encoders.is_empty() || !(size * WINDOW_S > MIN_TURN_RAD) {
         return Ok(None);
     }
     let cost = |offset: f64| disagreement(&encoders, &gyro, offset);
@@ -55,8 +61,8 @@ pub fn gyro_offset<E: From<grouser_slip::Error>>(
     Ok(Some(best(coarse, STEP_S, 0.1 * STEP_S)))
 }
 
-/// Yaw rate by the wheels in windows around a time, and yaw by the gyro at a time; s, rad/s, rad.
-type Turns = (Vec<(f64, f64)>, Vec<(f64, f64)>);
+/// Yaw rate by the wheels in windows around a time, s and rad/s, and the turn by the gyro.
+type Turns = (Vec<(f64, f64)>, Track);
 
 fn turns<E: From<grouser_slip::Error>>(
     robot: &Robot,
@@ -73,10 +79,9 @@ fn turns<E: From<grouser_slip::Error>>(
         .wheels()
         .iter()
         .rposition(|wheel| wheel.role == WheelRole::Powered);
-    let (mut encoders, mut gyro) = (Vec::new(), Vec::new());
+    let (mut encoders, mut gyro, mut readings) = (Vec::new(), Track::default(), 0);
     let mut start_ns = None;
     let mut last: Option<(f64, f64)> = None;
-    let mut yaw = 0.0;
     for sample in samples {
         let sample = sample?;
         let start = *start_ns.get_or_insert(sample.time_ns);
@@ -85,13 +90,13 @@ fn turns<E: From<grouser_slip::Error>>(
             continue;
         }
         if let Measurement::YawRate { rate } = sample.measurement {
-            if let Some((before, rate_before)) = last {
-                yaw += 0.5 * (rate + rate_before) * (time - before);
-            }
-            last = Some((time, rate));
-            if gyro.len() < MAX_READINGS {
-                gyro.push((time, yaw));
-            }
+            let passed = last
+                .replace((time, rate))
+                .map_or(0.0, |(before, rate_before)| {
+                    0.5 * (rate + rate_before) * (time - before)
+                });
+            gyro.add(time, passed);
+            readings += 1;
         } else if sample.measurement.is_rotation() {
             // Only the wheels are shown to this estimator: a refused sample is no matter here.
             if let Ok(estimate) = estimator.update(sample)
@@ -102,7 +107,7 @@ fn turns<E: From<grouser_slip::Error>>(
                 encoders.push((time - 0.5 * WINDOW_S, rate.value));
             }
         }
-        if encoders.len() >= MAX_READINGS && gyro.len() >= MAX_READINGS {
+        if encoders.len() >= MAX_READINGS && readings >= MAX_READINGS {
             break;
         }
     }
@@ -110,38 +115,11 @@ fn turns<E: From<grouser_slip::Error>>(
 }
 
 /// Mean |turn by encoders − turn by gyro|, rad, if the gyro's clock is ahead by `offset`.
-fn disagreement(encoders: &[(f64, f64)], gyro: &[(f64, f64)], offset: f64) -> f64 {
-    let (Some(first), Some(last)) = (gyro.first(), gyro.last()) else {
-        return f64::INFINITY;
-    };
-    // The same windows for every offset, or the ends of the log would choose it.
-    let margin = RANGE_S + STEP_S + 0.5 * WINDOW_S;
-    let mut sum = 0.0;
-    let mut count = 0.0;
-    for &(time, rate) in encoders {
-        if time < first.0 + margin || time > last.0 - margin {
-            continue;
-        }
-        let from = yaw_at(gyro, time + offset - 0.5 * WINDOW_S);
-        let to = yaw_at(gyro, time + offset + 0.5 * WINDOW_S);
-        sum += (rate * WINDOW_S - (to - from)).abs();
-        count += 1.0;
-    }
-    if count > 0.0 {
-        sum / count
-    } else {
-        f64::INFINITY
-    }
-}
-
-fn yaw_at(gyro: &[(f64, f64)], time: f64) -> f64 {
-    let next = gyro.partition_point(|reading| reading.0 <= time);
-    match (
-        next.checked_sub(1).map(|before| gyro[before]),
-        gyro.get(next),
-    ) {
-        (Some((t0, y0)), Some(&(t1, y1))) => y0 + (y1 - y0) * (time - t0) / (t1 - t0),
-        (Some((_, yaw)), None) => yaw,
-        (None, _) => gyro.first().map_or(0.0, |reading| reading.1),
-    }
+fn disagreement(encoders: &[(f64, f64)], gyro: &Track, offset: f64) -> f64 {
+    let apart = encoders.iter().map(|(time, rate)| {
+        let middle = time + offset;
+        let turn = gyro.between(middle - 0.5 * WINDOW_S, middle + 0.5 * WINDOW_S);
+        (rate * WINDOW_S - turn).abs()
+    });
+    apart.sum::<f64>() / encoders.len() as f64
 }

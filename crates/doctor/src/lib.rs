@@ -13,10 +13,12 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod axes;
+mod distance;
 mod doctor;
 mod encoder_signs;
 mod exchange;
 mod findings;
+mod frozen;
 mod gyro_clock;
 mod held;
 mod mistake;
@@ -29,8 +31,10 @@ mod start;
 mod steering;
 mod turn_pair;
 mod turns;
+mod wiring;
 
 pub use axes::AxisCheck;
+pub use distance::DistanceCheck;
 pub use doctor::{Doctor, Window};
 pub use exchange::ExchangeCheck;
 pub use findings::{Findings, Uses};

@@ -16,11 +16,29 @@ use crate::steering::SteeringFault;
 pub enum Mistake {
     /// The speed over ground is never negative, though the wheels ran this far backwards, m.
     SpeedWithoutSign(f64),
+    /// The wheels never turn backwards, though the robot drove this far backwards, m.
+    WheelsWithoutSign(f64),
     /// In bends wheels of both sides show the speeds of the other side.
     Exchanged {
         /// Is it certain that they are exchanged, and not the sign of the gyro?
         is_certain: bool,
+        /// Are all wheels concerned? Then the frame of gyro and reference may be mirrored instead.
+        is_whole: bool,
     },
+    /// The log goes on elsewhere after a silence that ended at this time, s.
+    SecondDrive(f64),
+    /// Between these times, s, the reference stands while the wheels run, and then it jumps.
+    Frozen([f64; 2]),
+    /// Wheels of both sides show equal readings, bit by bit in the robot's order.
+    SameSensor(u64),
+    /// The reference follows the wheels without noise and slip.
+    Derived,
+    /// The gyro shows no turn while pose and wheels do.
+    YawRateConstant,
+    /// The robot goes this many times as far as its wheels everywhere, or less; or it slips so much.
+    Scale(f64),
+    /// The wheels turn the robot by this multiple of its turn; or they scrub.
+    Track(f64),
     /// The pose disagrees with gyro or wheels.
     Pose(PoseFault),
     /// The gyro turns by this multiple of what pose and wheels turn by.
@@ -37,6 +55,7 @@ pub enum Mistake {
 }
 
 impl fmt::Display for Mistake {
+    #[allow(clippy::too_many_lines, reason = "one arm a mistake")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::SpeedWithoutSign(way) => write!(
@@ -44,14 +63,91 @@ impl fmt::Display for Mistake {
                 "the speed over ground is never negative, but the wheels ran {way:.1} m backwards: it is the size of the speed. \
                  `meaning = \"speed_size\"` (of its column, or under `[[topics.field]]`) gives it the sign of the wheels"
             ),
-            Self::Exchanged { is_certain } => write!(
+            Self::WheelsWithoutSign(way) => write!(
+                f,
+                "the wheels never turn backwards, but the robot drove {way:.1} m backwards: their encoders have no sign; \
+                 `--from-s` and `--to-s` select a span without reverse"
+            ),
+            Self::Exchanged {
+                is_certain,
+                is_whole,
+            } => write!(
                 f,
                 "in bends wheels show the speeds of the other side: left and right encoders are exchanged{}",
-                if *is_certain {
-                    ""
-                } else {
-                    ", or the yaw rate has the wrong sign"
+                match (is_certain, is_whole) {
+                    (true, false) => "",
+                    (true, true) => {
+                        ", or the frame is mirrored: y, yaw and gyro count to the right, as in NED (`scale = -1.0` in their \
+                         columns turns them round)"
+                    }
+                    (false, _) => {
+                        ", or the yaw rate has the wrong sign, as in a mirrored frame (NED)"
+                    }
                 }
+            ),
+            Self::SecondDrive(time_s) => write!(
+                f,
+                "at {time_s:.1} s, after a silence of all sensors, the robot is elsewhere or its counters begin again: the log \
+                 holds more than one drive (`--from-s` and `--to-s` select one)"
+            ),
+            Self::Frozen([from_s, to_s]) => write!(
+                f,
+                "from {from_s:.1} s to {to_s:.1} s the reference stands while the wheels run, and then it jumps: it was frozen or \
+                 lost, and slips of that span do not hold"
+            ),
+            Self::SameSensor(wheels) => write!(
+                f,
+                "{} {} of the robot file always shows the speed of the other side, in bends too: it shows another wheel's \
+                 sensor",
+                if wheels.count_ones() > 1 {
+                    "one of the wheels"
+                } else {
+                    "wheel"
+                },
+                places(*wheels)
+            ),
+            Self::Derived => write!(
+                f,
+                "the reference follows the wheels without noise and without any slip: it is derived from the wheels (wheel \
+                 odometry, or a filter that uses it), and no slip is observable by it; name a sensor of the ground"
+            ),
+            Self::YawRateConstant => write!(
+                f,
+                "the gyro shows no turn while pose and wheels do: another axis of the IMU points up (`imu_up`, or another \
+                 column), or its rate is not measured"
+            ),
+            Self::Scale(scale) => {
+                let (size, what) = if *scale < 1.0 {
+                    (1.0 / scale, "the wheels run at least")
+                } else {
+                    (*scale, "the robot goes at least")
+                };
+                write!(
+                    f,
+                    "{what} {size:.2} times as far as {} at any time: is `gear` or `ticks_per_turn` that of another shaft (the \
+                     motor's), or `radius_m` {}, or {}?",
+                    if *scale < 1.0 {
+                        "the robot goes"
+                    } else {
+                        "its wheels run"
+                    },
+                    if *scale < 1.0 {
+                        "the diameter"
+                    } else {
+                        "too small"
+                    },
+                    if *scale < 1.0 {
+                        format!("do the wheels slip by {:.2} and more", 1.0 - scale)
+                    } else {
+                        "is the reference in another unit".to_owned()
+                    }
+                )
+            }
+            Self::Track(scale) => write!(
+                f,
+                "the wheels turn the robot {scale:.2} times as much as it turns: is the track (`y_m` of the wheels) described \
+                 too {}, or do the wheels scrub in turns (skid steering)?",
+                if *scale > 1.0 { "small" } else { "large" }
             ),
             Self::Pose(fault) => pose_fault(f, *fault),
             Self::YawRateScale(scale) => write!(
@@ -71,9 +167,7 @@ impl fmt::Display for Mistake {
                 )
             }
             Self::Reversed(wheels) => {
-                let places = (0..u64::BITS).filter(|index| wheels >> index & 1 == 1);
-                let places: Vec<String> = places.map(|index| (index + 1).to_string()).collect();
-                let (noun, verb) = match places.len() {
+                let (noun, verb) = match wheels.count_ones() {
                     1 => ("wheel", "turns"),
                     _ => ("wheels", "turn"),
                 };
@@ -81,7 +175,7 @@ impl fmt::Display for Mistake {
                     f,
                     "{noun} {} of the robot file {verb} against the robot's motion and others with it: `reversed = true` says so \
                      of an encoder",
-                    places.join(", ")
+                    places(*wheels)
                 )
             }
             Self::ReferenceTurned(angle) => write!(
@@ -100,6 +194,13 @@ impl fmt::Display for Mistake {
             ),
         }
     }
+}
+
+/// The places of wheels in the robot file, counted from 1.
+fn places(wheels: u64) -> String {
+    let places = (0..u64::BITS).filter(|index| wheels >> index & 1 == 1);
+    let places: Vec<String> = places.map(|index| (index + 1).to_string()).collect();
+    places.join(", ")
 }
 
 fn pose_fault(f: &mut fmt::Formatter<'_>, fault: PoseFault) -> fmt::Result {

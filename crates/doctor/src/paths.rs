@@ -1,8 +1,8 @@
-//! Paths of a pose beside those of the wheels: their length, and on straight ones the direction.
+//! Straight paths of a pose: the direction in which it moves beside its yaw.
 
 use std::f64::consts::PI;
 
-use grouser_real::{Real, median, solve, wrap_angle};
+use grouser_real::{Real, solve, wrap_angle};
 
 /// Straight paths: their length, m, and in standard deviations of a place; how far they turn, rad, and their longest time, s.
 pub(crate) const MIN_PATH_M: f64 = 0.5;
@@ -31,7 +31,6 @@ struct Begun {
     time_ns: i64,
     place: [f64; 2],
     yaw: f64,
-    by_wheels: f64,
     sign: f64,
 }
 
@@ -40,15 +39,11 @@ struct Begun {
 pub(crate) struct Paths {
     low_speed: f64,
     min_path: f64,
-    /// Mean speed of the powered wheels, m/s, and the sum of their distance, m.
+    /// Mean speed of the powered wheels, m/s.
     speed: f64,
-    by_wheels: f64,
     open_straight: Option<Begun>,
     /// Course less yaw, and the direction along the yaw in which the wheels drove, of straight paths, rad.
     straight: Vec<[f64; 2]>,
-    open: Option<Begun>,
-    /// Lengths by the pose as multiples of those by the wheels.
-    scales: Vec<f64>,
 }
 
 impl Paths {
@@ -61,10 +56,9 @@ impl Paths {
         }
     }
 
-    /// Takes the mean speed of the powered wheels, m/s, which they had for `passed` seconds.
-    pub(crate) const fn step(&mut self, speed: f64, passed: f64) {
+    /// Takes the mean speed of the powered wheels, m/s.
+    pub(crate) const fn step(&mut self, speed: f64) {
         self.speed = speed;
-        self.by_wheels += speed * passed;
     }
 
     /// Takes a place, m, and its yaw, rad.
@@ -78,17 +72,15 @@ impl Paths {
             time_ns: now_ns,
             place,
             yaw,
-            by_wheels: self.by_wheels,
             sign,
         };
         let passed = |begun: &Begun| now_ns.saturating_sub(begun.time_ns) as f64 * 1e-9;
-        let (mut straight, mut any) = (self.open_straight, self.open);
         let is_straight = |begun: &Begun| {
             begun.sign == sign
                 && wrap_angle(yaw - begun.yaw).abs() < MAX_BEND_RAD
                 && passed(begun) < MAX_PATH_TIME_S
         };
-        straight = straight.filter(is_straight);
+        let mut straight = self.open_straight.filter(is_straight);
         if let Some(begun) = straight {
             let [dx, dy] = [place[0] - begun.place[0], place[1] - begun.place[1]];
             if Real::hypot(dx, dy) >= self.min_path {
@@ -102,25 +94,6 @@ impl Paths {
             }
         }
         self.open_straight = straight.or((sign != 0.0).then_some(here));
-        any = any.filter(|begun| passed(begun) < MAX_PATH_TIME_S);
-        if let Some(begun) = any {
-            let by_wheels = (self.by_wheels - begun.by_wheels).abs();
-            if by_wheels >= self.min_path {
-                let passed = Real::hypot(place[0] - begun.place[0], place[1] - begun.place[1]);
-                if self.scales.len() < MAX_PATHS {
-                    self.scales.push(passed / by_wheels);
-                }
-                any = None;
-            }
-        }
-        self.open = any.or(Some(here));
-    }
-
-    /// Lengths by the pose as multiples of those by the wheels: the median, and the value below which nine of ten are.
-    pub(crate) fn scales(&self) -> Option<[f64; 2]> {
-        let mut scales = self.scales.clone();
-        let middle = median(&mut scales).filter(|_| scales.len() >= MIN_PATHS)?;
-        Some([middle, scales[scales.len() * 9 / 10]])
     }
 
     /// Length of the mean unit vector of an angle of the straight paths.

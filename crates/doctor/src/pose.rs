@@ -25,6 +25,10 @@ const MIN_WHEELS_CORRELATION: f64 = 0.4;
 const MIN_GYRO_CORRELATION: f64 = 0.5;
 /// Multiples of the wheels' turn that a robot turns by: wheels of a skid-steered one turn it by less than without slip.
 const WHEELS_SCALES: RangeInclusive<f64> = 0.1..=2.0;
+/// A turn over that time is a bend beyond this, rad: the bias of a gyro lies below.
+const MIN_BEND_RAD: f64 = 0.15;
+/// Turns by wheels are a multiple of the robot's with this correlation.
+const MIN_TRACK_CORRELATION: f64 = 0.95;
 /// No robot turns by more between two poses, rad: a yaw that was turned round does.
 const MAX_JUMP_RAD: f64 = 2.5;
 /// A sensor in degrees that is taken for one in radians turns by this multiple, within this share: wheels show turns no better.
@@ -43,12 +47,6 @@ const MAX_PATH_GAP_S: f64 = 1.0;
 const MAX_STEERING_RAD: f64 = 1.5;
 const MAX_WHEEL_STEERING_RAD: f64 = 7.0;
 const READINGS_PER_OUTLIER: i64 = 50;
-/// A reference that goes this much farther than the wheels in the median has another unit.
-const MAX_WAY_SCALE: f64 = 3.0;
-/// One whose ways are shorter than this share of the wheels', in nine of ten cases, probably has: the slip of a robot that
-/// drives is not as great all the time, and centimetres are the next unit.
-const MIN_WAY_SCALE: f64 = 0.125;
-
 /// How a pose disagrees with the robot's other sensors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -70,27 +68,12 @@ pub enum PoseFault {
 pub struct PoseCheck {
     /// How it disagrees with other sensors.
     pub fault: Option<PoseFault>,
-    /// Its median way as a multiple of the wheels'.
-    pub way_scale: Option<f64>,
     /// The gyro's turn as a multiple of the pose's, where wheels and pose agree and the gyro does not.
     pub gyro_scale: Option<f64>,
     /// The angle from its yaw to the course of straight ways, rad, where it is clear.
     pub course: Option<f64>,
     /// Does its yaw turn as the gyro does?
     pub(crate) gyro_agrees: bool,
-    /// Nine of ten of its ways are a lesser multiple of the wheels' than this.
-    long_way_scale: Option<f64>,
-}
-
-impl PoseCheck {
-    /// Ways of the pose that are all far shorter than the wheels': another unit, or a robot that is stuck all the time.
-    pub(crate) fn small_unit(&self) -> Option<PoseFault> {
-        let is_small = |scale: &f64| *scale < MIN_WAY_SCALE;
-        self.long_way_scale
-            .filter(is_small)
-            .and(self.way_scale)
-            .map(PoseFault::Unit)
-    }
 }
 
 /// Is it the scale of degrees that are taken for radians?
@@ -103,8 +86,6 @@ fn is_degrees(scale: f64) -> bool {
 pub(crate) struct PoseWatch {
     /// Heading of wheels that all point one way and are not steered, rad.
     heading: Option<f64>,
-    /// Do the powered wheels point one way, so that their mean is the robot's speed?
-    is_parallel: bool,
     /// Does one angle steer wheels of one body?
     is_ackermann: bool,
     gyro: GyroTurn,
@@ -123,6 +104,8 @@ pub(crate) struct PoseWatch {
     course_wheels: TurnPair,
     /// Readings of steering angles that no steering has, each less those that may pass for outliers; `None` without readings.
     beyond: Option<i64>,
+    /// |Turn| in bends by gyro or pose since it was taken last, rad.
+    turned: f64,
     /// Place, m, and heading, rad, by wheels without slip; where the last course began by places and by wheels; the courses by both.
     path: [f64; 3],
     course_from: Option<[[f64; 2]; 2]>,
@@ -144,7 +127,6 @@ impl PoseWatch {
         let along = common_heading(robot, Real::cos(0.02));
         let heading = along.filter(|_| is_fixed);
         Self {
-            is_parallel: along.is_some(),
             is_ackermann: steering.is_some_and(|steering| steering.kind == SteeringKind::Ackermann),
             heading: heading.map(|[cos, sin]| Real::atan2(sin, cos)),
             min_course: MIN_PATH_M.max(COURSE_SIGMAS * sigma),
@@ -187,7 +169,7 @@ impl PoseWatch {
         let before = std::mem::replace(&mut self.speed, speed);
         let last_ns = self.stepped_ns.replace(now_ns);
         let passed = last_ns.map_or(0.0, |last_ns| now_ns.saturating_sub(last_ns) as f64 * 1e-9);
-        self.paths.step(speed, passed);
+        self.paths.step(speed);
         if last_ns.is_some() {
             let [x, y, turn] = self.by_wheels(body);
             self.wheels += turn * passed;
@@ -265,6 +247,10 @@ impl PoseWatch {
         self.turn_ns = Some(now_ns);
         let (pose, gyro) = (std::mem::take(&mut self.turn), self.gyro.pass());
         let wheels = std::mem::take(&mut self.wheels);
+        let turn = if self.has_gyro { gyro } else { pose };
+        if turn.abs() > MIN_BEND_RAD {
+            self.turned += turn.abs();
+        }
         if passed < MAX_TURN_TIME_S {
             if self.has_gyro {
                 self.gyro_pose.add(gyro, pose);
@@ -276,25 +262,44 @@ impl PoseWatch {
 
     /// What was found.
     pub(crate) fn summary(&self) -> PoseCheck {
-        let scales = self.paths.scales().filter(|_| self.is_parallel);
-        let way_scale = scales.map(|[median, _]| median);
         let (yaw, gyro_scale) = self.yaw();
-        let fault = yaw
-            .or_else(|| self.paths.is_mirrored().then_some(PoseFault::PlaceMirrored))
-            .or_else(|| {
-                way_scale
-                    .filter(|scale| *scale > MAX_WAY_SCALE)
-                    .map(PoseFault::Unit)
-            });
+        let fault = yaw.or_else(|| self.paths.is_mirrored().then_some(PoseFault::PlaceMirrored));
         PoseCheck {
             course: (self.heading.filter(|_| fault.is_none()))
                 .and_then(|heading| self.paths.offset(heading)),
             fault,
-            way_scale,
             gyro_scale,
             gyro_agrees: self.gyro_pose.is_known() && self.gyro_pose.agrees(1.0),
-            long_way_scale: scales.map(|[_, long]| long),
         }
+    }
+
+    /// |Turn| in bends since the last call, rad.
+    pub(crate) fn take_turned(&mut self) -> f64 {
+        std::mem::take(&mut self.turned)
+    }
+
+    /// Does the gyro show no turn while pose and wheels turn alike?
+    pub(crate) fn is_gyro_constant(&self) -> bool {
+        let pose = self.gyro_pose.exchanged();
+        let wheels = &self.wheels_pose;
+        let wheels_agree = wheels.is_known() && wheels.correlation() > MIN_CORRELATION;
+        self.has_gyro && pose.is_known() && wheels_agree && pose.second_is_constant()
+    }
+
+    /// The turn by the wheels as a multiple of that by gyro or pose, where both turn alike.
+    pub(crate) fn wheels_turn(&self) -> Option<f64> {
+        if self.beyond.is_some() {
+            return None;
+        }
+        let pose = self.wheels_pose.exchanged();
+        let by = if self.gyro_wheels.is_known() {
+            &self.gyro_wheels
+        } else {
+            &pose
+        };
+        let is_alike = by.is_known() && by.correlation() > MIN_TRACK_CORRELATION;
+        let scale = by.scale();
+        (is_alike && scale > 0.0).then_some(scale)
     }
 
     /// Is the sign of the robot's turns certain: is there no gyro, or one that turns as the reference does?

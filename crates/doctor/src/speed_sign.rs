@@ -12,6 +12,9 @@ pub(crate) struct SignWatch {
     has_sign: bool,
     /// The way of the wheels backwards while the speed was positive, m.
     backwards: f64,
+    /// Do wheels turn backwards too? The way of the reference forwards and backwards while they turn forwards, m.
+    have_wheels_sign: bool,
+    by_reference: [f64; 2],
     until_ns: Option<i64>,
 }
 
@@ -22,8 +25,9 @@ impl SignWatch {
         }
     }
 
-    /// Takes the window that ended at `body.until_ns`, once.
-    pub(crate) fn step(&mut self, body: &WindowBody, low_speed: f64) {
+    /// Takes the window that ended at `body.until_ns`, once, and the speeds of the wheels over it, m/s.
+    pub(crate) fn step(&mut self, body: &WindowBody, wheels: &[Option<f64>], low_speed: f64) {
+        self.have_wheels_sign |= wheels.iter().flatten().any(|speed| *speed < -low_speed);
         let last_ns = std::mem::replace(&mut self.until_ns, body.until_ns);
         let (Some(last_ns), Some(until_ns)) = (last_ns, body.until_ns) else {
             return;
@@ -32,10 +36,19 @@ impl SignWatch {
             return;
         };
         let [speed, rims] = [motion, wheels].map(|motion| motion.velocity[0]);
+        let passed_s = (until_ns.saturating_sub(last_ns) as f64 * 1e-9).min(1.0);
         if rims < -low_speed && speed > low_speed {
-            let passed_s = (until_ns.saturating_sub(last_ns) as f64 * 1e-9).min(1.0);
             self.backwards -= rims * passed_s;
+        } else if rims > low_speed && speed.abs() > low_speed {
+            self.by_reference[usize::from(speed < 0.0)] += speed.abs() * passed_s;
         }
+    }
+
+    /// The way of the robot backwards, m, beside wheels that never turn backwards and go forwards with it.
+    pub(crate) fn wheels_without_sign(&self) -> Option<f64> {
+        let [forwards, backwards] = self.by_reference;
+        let both = forwards > MIN_WAY_M && backwards > MIN_WAY_M;
+        (both && !self.have_wheels_sign).then_some(backwards)
     }
 
     /// The way of the wheels backwards, m, beside a speed without a sign.

@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use grouser_doctor::{Doctor, Findings, Uses};
-use grouser_files::{Document, robot};
+use grouser_files::Document;
+use grouser_files::robot::{self, WheelSensor};
 use grouser_slip::Reference;
 use grouser_slip::window::WindowSettings;
 
@@ -26,7 +27,7 @@ pub(crate) fn doctor(wheels: &[[f64; 3]], low_speed: f64) -> Doctor {
         position_sigma: 0.01,
         ..file.settings
     };
-    Doctor::new(&file, &settings)
+    Doctor::new(&file, &settings, WheelSensor::Rate)
 }
 
 /// What it finds where everything is used.

@@ -61,3 +61,26 @@ fn a_slip_from_the_start_beyond_any_geometry_is_called() {
     let found = drive(60, [0.0, 0.0], (0.15, 0.0));
     assert!(found.alarms_beyond_geometry > 0, "{found:?}");
 }
+
+/// A wheel is named where it is twenty times likelier than any other explanation, and not before.
+#[test]
+fn a_wheel_is_named_by_its_odds() {
+    let (mut named, mut unnamed) = (0, 0);
+    for slip in [0.05, 0.08, 0.12, 0.2] {
+        for seconds in (4..60).step_by(4) {
+            let found = drive(seconds, [0.0, 0.0], (slip, 0.0));
+            let is_likely = found.likelier > 20.0_f64.ln();
+            if found.alarms_beyond_geometry == 0 {
+                assert_eq!(found.wheel, None, "{seconds} s: {found:?}");
+            } else if found.wheel.is_some() {
+                assert!(is_likely, "{seconds} s: {found:?}");
+                named += 1;
+            } else {
+                assert!(found.likelier < 21.0_f64.ln(), "{seconds} s: {found:?}");
+                unnamed += 1;
+            }
+        }
+    }
+    println!("{named} named, {unnamed} not");
+    assert!(named > 0 && unnamed > 0, "{named} named, {unnamed} not");
+}

@@ -43,8 +43,12 @@
 //! steer_rate_deg_per_s = 60.0
 //! ```
 
+use grouser_slip::onboard::{CarrierLink, MAX_CARRIER_LINKS, WheelCarrier};
+use grouser_slip::{Robot, Wheel};
+
 use crate::error::{Error, Result};
 use crate::section::Section;
+use crate::suspension::SuspensionJoint;
 
 /// The body of a robot.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,6 +144,69 @@ pub struct WheelBody {
     pub steer_range: f64,
     /// rad/s.
     pub steer_rate: f64,
+}
+
+impl BodyFile {
+    /// For each link the number of the joint that turns it, and +1 or -1 where the joint's angle turns it nose down or up: links that
+    /// a differential joins share one joint.
+    #[must_use]
+    pub fn joints(&self) -> Vec<(usize, f64)> {
+        let mut joints: Vec<(usize, f64)> = Vec::with_capacity(self.links.len());
+        let mut count = 0;
+        for link in &self.links {
+            let before = &self.links[..joints.len()];
+            let other = (link.opposite.as_ref())
+                .and_then(|other| before.iter().position(|link| link.name == *other));
+            joints.push(if let Some(other) = other {
+                let (joint, sign) = joints[other];
+                (joint, -sign)
+            } else {
+                count += 1;
+                (count - 1, 1.0)
+            });
+        }
+        joints
+    }
+
+    /// Its joints, by the links that they turn.
+    pub(crate) fn suspension(&self) -> Vec<SuspensionJoint> {
+        let links = self.links.iter().zip(self.joints());
+        let named = links.map(|(link, (joint, sign))| SuspensionJoint {
+            link: link.name.clone(),
+            joint,
+            sign,
+        });
+        named.collect()
+    }
+
+    /// What carries each wheel of the robot. A link that is not described carries like the chassis.
+    #[must_use]
+    pub fn carriers(&self, robot: &Robot) -> Vec<WheelCarrier> {
+        let joints = self.joints();
+        let of_wheel = |(wheel, body): (&Wheel, &WheelBody)| {
+            let mut chain = Vec::new();
+            let mut on = body.on.as_ref();
+            while let Some(index) =
+                on.and_then(|on| self.links.iter().position(|link| link.name == *on))
+                && chain.len() < MAX_CARRIER_LINKS
+            {
+                let link = &self.links[index];
+                let (joint, sign) = joints[index];
+                let pivot = [link.pivot[0], link.pivot[2]];
+                chain.push(CarrierLink { joint, sign, pivot });
+                on = link.on.as_ref();
+            }
+            let centre = [wheel.x, body.z.unwrap_or(wheel.radius)];
+            (chain.into_iter().rev())
+                .fold(WheelCarrier::on_chassis(centre), WheelCarrier::with_link)
+        };
+        robot
+            .wheels()
+            .iter()
+            .zip(&self.wheels)
+            .map(of_wheel)
+            .collect()
+    }
 }
 
 const LENGTH: (f64, f64) = (-100.0, 100.0);

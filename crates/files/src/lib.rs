@@ -31,6 +31,7 @@ mod section;
 pub mod soil;
 pub mod steering;
 mod suggestion;
+pub mod suspension;
 mod toml_text;
 pub mod topics;
 pub mod unit;

@@ -40,6 +40,7 @@ use grouser_slip::{Robot, WheelRole};
 use crate::columns::{Column, check_together, read_meaning};
 use crate::error::{Error, Result};
 use crate::section::Section;
+use crate::suspension::SuspensionJoint;
 
 /// The numbers of one topic's messages.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,6 +128,10 @@ pub struct Topics {
     pub fields: Vec<TopicFields>,
     /// The wheels' joints, in the robot's order.
     pub joints: Vec<Joint>,
+    /// The joints of the suspension, where the file describes the robot's body.
+    pub suspension: Option<Vec<SuspensionJoint>>,
+    /// Does `[estimator]` state where the reference is mounted? Then transforms do not.
+    pub is_mounting_stated: bool,
     /// The standard deviation of a place by the reference, m, where `[estimator]` states it.
     pub position_sigma: Option<f64>,
 }
@@ -134,6 +139,12 @@ pub struct Topics {
 impl Topics {
     /// Every topic that the file names for a use.
     pub fn named(&self) -> impl Iterator<Item = &str> {
+        let fields = self.fields.iter().map(|fields| fields.topic.as_str());
+        self.named_whole().chain(fields)
+    }
+
+    /// Those that are not named by a field.
+    pub fn named_whole(&self) -> impl Iterator<Item = &str> {
         let one = [
             &self.wheels,
             &self.contact,
@@ -144,8 +155,7 @@ impl Topics {
             &self.command,
         ];
         let odometry = self.wheel_odometry.iter().map(|odometry| &odometry.topic);
-        let fields = self.fields.iter().map(|fields| &fields.topic);
-        let all = one.into_iter().flatten().chain(odometry).chain(fields);
+        let all = one.into_iter().flatten().chain(odometry);
         all.map(String::as_str)
     }
 }
@@ -233,6 +243,8 @@ pub(crate) fn read_topics(section: &Section<'_>) -> Result<Topics> {
         ignore: ignore.into_iter().map(str::to_owned).collect(),
         fields,
         joints: Vec::new(),
+        suspension: None,
+        is_mounting_stated: false,
         position_sigma: None,
     };
     if let (Some(up), Some(forward)) = (topics.imu_up, topics.imu_forward)

@@ -12,10 +12,7 @@ fn every_kind_has_a_column_or_a_reason() {
             .any(|(_, meaning, _)| meaning.kind() == *kind);
         let reason = match kind {
             MeasurementKind::WheelEdge => Some("logs have counters"),
-            MeasurementKind::Inertial => Some("logs have the yaw rate and accelerations"),
-            MeasurementKind::JointAngle | MeasurementKind::Carrier => {
-                Some("the log's estimator does not follow the suspension")
-            }
+            MeasurementKind::Carrier => Some("it follows from the angles of the joints"),
             MeasurementKind::MotorCurrent => {
                 Some("a current is a torque once the robot file has its factor")
             }

@@ -2,12 +2,14 @@
 //! what is no robot is refused with its reason.
 
 use std::fmt::Write as _;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use grouser_files::robot::RobotFile;
 use grouser_files::urdf::{Converted, UrdfError, robot_file};
 use grouser_files::{Document, robot};
 use grouser_slip::WheelRole;
+
+use crate::processor_time::ThreadTime;
 
 const FIVE_WHEEL: &str = include_str!("../../../examples/robots/five-wheel.urdf");
 const SHIPPED: &str = include_str!("../../../examples/robots/five-wheel.toml");
@@ -506,7 +508,7 @@ fn boxes_around_a_rim_are_its_lugs() {
 /// XML: nesting, size, every cut and turned bits.
 #[test]
 fn hostile_descriptions_end() {
-    let begun = Instant::now();
+    let begun = ThreadTime::now();
     let deep = format!(
         "{}{}",
         "<robot>".repeat(100_000),

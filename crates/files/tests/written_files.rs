@@ -129,6 +129,7 @@ fn map() -> impl Strategy<Value = ColumnMap> {
         |(file, separator, (a, b), (align_clock, time, (_, unit)), rest)| {
             let (column, wheel, factor, missing) = rest;
             let of = |meaning, wheel, factor| Column {
+                joint: None,
                 column: column.clone(),
                 meaning,
                 wheel,

@@ -161,7 +161,7 @@ impl Identification {
         let doubts = self.doubts();
         let mut list: Vec<String> = doubts
             .iter()
-            .map(|doubt| format!("DOUBTFUL: {doubt}"))
+            .map(|doubt| format!("WARNING: {doubt}"))
             .collect();
         let single = self.of_single_tests();
         if !single.is_empty() {

@@ -299,7 +299,7 @@ fn job_of_plates(job: &Job) -> Job {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(48))]
 
     /// τ = (c + σ tan φ)(1 − e^(−j/K)) is found again, also from tests that end before the rise does.
     #[test]

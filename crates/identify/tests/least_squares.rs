@@ -79,7 +79,7 @@ fn points() -> impl Strategy<Value = Vec<(f64, f64)>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     /// The textbook's formulas of a straight line with weights w: slope S_xy/S_xx about the weighted means, errors from
     /// S_xx. Huber's answer is that of its own weights.

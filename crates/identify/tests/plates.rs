@@ -26,7 +26,7 @@ fn close(found: f64, wanted: f64, relative: f64) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(48))]
 
     /// With one plate ln p = ln k + n ln z is a straight line: slope and intercept with their textbook errors, widened for
     /// residuals that follow each other.

@@ -260,11 +260,23 @@ pub enum Error {
         /// The poses that they hold, in words.
         poses: String,
     },
-    /// A database as ROS 2 recorded before MCAP.
-    #[error("{file}: is a SQLite database, as rosbag2 wrote them, which is not read")]
-    Database {
+    /// The robot file places an antenna, and the log has a pose with its heading.
+    #[error(
+        "{log}: `antenna_x_m` and `antenna_y_m` of the robot file have no effect on a pose with its heading"
+    )]
+    NoPlaces {
+        /// The log as it was named.
+        log: String,
+    },
+    /// A file of another program.
+    #[error("{file}: is {kind}, which is not read")]
+    Foreign {
         /// The file.
         file: String,
+        /// Its kind.
+        kind: &'static str,
+        /// The command that converts it.
+        advice: &'static str,
     },
     /// One path for tables and for bags or MCAP files.
     #[error("{path}: means both tables and bags or MCAP files")]
@@ -317,11 +329,10 @@ impl Error {
             Self::UnfitTopic { .. } => {
                 Some("any number of a message can be named under `[[topics.field]]`".into())
             }
-            Self::Database { .. } => Some(
-                "`pip install rosbags`, then `rosbags-convert --src DIR --dst OUT --dst-storage mcap` makes an MCAP file of \
-                 the folder that holds it"
-                    .into(),
+            Self::NoPlaces { .. } => Some(
+                "`reference_x_m` and `reference_y_m` in `[estimator]` are of what measures a pose or a speed".into(),
             ),
+            Self::Foreign { advice, .. } => Some((*advice).into()),
             Self::Mixed { .. } => Some("name the files that are meant".into()),
             Self::NoJoints { .. } => Some("`joint` of a `[[wheel]]` names its joint".into()),
             Self::NotANumber { hint, .. } => hint.map(Into::into),

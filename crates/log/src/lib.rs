@@ -23,6 +23,7 @@ pub mod container;
 pub mod csv;
 mod error;
 mod find;
+mod foreign;
 mod log;
 mod measures;
 mod merge;

@@ -17,6 +17,10 @@ pub(crate) struct Slots(Vec<Slot>);
 enum Slot {
     /// A measurement of one number or counter, and the wheel's index.
     One(MeasurementKind, usize, Part),
+    /// An angle of the suspension: the joint, and its sense.
+    Joint(Part, usize, f64),
+    /// Specific force and angular rate forwards, to the left, upwards.
+    Inertial([Part; 6]),
     /// Forwards, and to the left where that is measured.
     Acceleration(Part, Option<Part>),
     Displacement(Part, Part, Option<Part>, Frame),
@@ -131,6 +135,21 @@ impl Slots {
                 Meaning::AccelerationForward => {
                     Some(Slot::Acceleration(own, part(Meaning::AccelerationLeft)))
                 }
+                Meaning::JointAngle => {
+                    (column.joint.as_ref()).map(|joint| Slot::Joint(own, joint.joint, joint.sign))
+                }
+                Meaning::AccelerationUp => {
+                    let all = [
+                        Meaning::AccelerationForward,
+                        Meaning::AccelerationLeft,
+                        Meaning::AccelerationUp,
+                        Meaning::RollRate,
+                        Meaning::PitchRate,
+                        Meaning::YawRate,
+                    ];
+                    let parts: Vec<Part> = all.into_iter().filter_map(part).collect();
+                    parts.try_into().ok().map(Slot::Inertial)
+                }
                 Meaning::DisplacementForward => {
                     let turn = part(Meaning::DisplacementTurn);
                     part(Meaning::DisplacementLeft)
@@ -174,6 +193,7 @@ impl Slots {
 
     /// Gives every reading to `take`; one that lacks a part is left out. `number` gives a column in SI,
     /// `count` a column as the bits of a counter; `None` stands for no value. `fix` makes places of fixes.
+    #[allow(clippy::too_many_lines, reason = "one arm a kind of reading")]
     pub(crate) fn readings(
         &self,
         number: &dyn Fn(Part) -> Result<Option<f64>, BadField>,
@@ -199,6 +219,25 @@ impl Slots {
                         parts.numbers[0] = number(part)?;
                         Measurement::from_parts(kind, parts)
                     }
+                }
+                Slot::Joint(angle, joint, sign) => number(angle)?.map(|angle| {
+                    let angle = sign * angle;
+                    Measurement::JointAngle { joint, angle }
+                }),
+                Slot::Inertial(parts) => {
+                    let mut all = [0.0; 6];
+                    let mut is_complete = true;
+                    for (slot, part) in all.iter_mut().zip(parts) {
+                        match number(part)? {
+                            Some(number) => *slot = number,
+                            None => is_complete = false,
+                        }
+                    }
+                    let [x, y, z, roll, pitch, yaw] = all;
+                    is_complete.then_some(Measurement::Inertial {
+                        force: [x, y, z],
+                        rate: [roll, pitch, yaw],
+                    })
                 }
                 Slot::Acceleration(forward, left) => {
                     // Where it is not measured at all, the run puts that of the robot's turn in its place.

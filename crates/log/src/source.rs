@@ -1,5 +1,7 @@
 //! What a log is read from: a file, or anything that can be read from any place.
 
+mod zstd_file;
+
 use std::fs;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -10,10 +12,20 @@ use flate2::bufread::MultiGzDecoder;
 use grouser_files::regular;
 
 use crate::error::{Cell, Error, Result};
+use crate::foreign;
+use zstd_file::ZstdFile;
+
+/// How many bytes compressed data may unfold to in all for each of its own bytes, beyond the first 64 MiB: a file of many small bombs
+/// would take minutes. Logs unfold to less than a hundred.
+const UNFOLDING: u64 = 256;
+
+/// What compressed data of `packed` bytes may unfold to, bytes.
+pub(crate) const fn unfolded_limit(packed: u64) -> u64 {
+    (64 << 20) + UNFOLDING.saturating_mul(packed)
+}
 
 const BUFFER_BYTES: usize = 1 << 16;
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
-const SQLITE_MAGIC: &[u8] = b"SQLite format 3\0";
 
 /// What can be read from any place.
 pub(crate) trait Input: Send {
@@ -251,7 +263,10 @@ impl Source {
     pub(crate) fn open(&self) -> Result<Shared> {
         Ok(match &self.held {
             Some(held) => held.clone(),
-            None => Shared::new(regular::open(&self.path)?),
+            None => match ZstdFile::open(&self.path)? {
+                Some(expanded) => Shared::new(expanded),
+                None => Shared::new(regular::open(&self.path)?),
+            },
         })
     }
 
@@ -263,23 +278,19 @@ impl Source {
         }
     }
 
-    /// Refuses what ROS 2 recorded before MCAP: a database. What cannot be opened is left to the reader that opens it.
-    pub(crate) fn refuse_database(&self) -> Result<()> {
-        let mut start = [0; SQLITE_MAGIC.len()];
-        let starts = |shared: Shared| {
-            shared
-                .read_at(0, &mut start)
-                .is_ok_and(|_| start == SQLITE_MAGIC)
-        };
-        if self.open().is_ok_and(starts) {
-            return Err(Error::Database { file: self.name() });
+    /// Refuses files of other programs. What cannot be opened is left to the reader that opens the file.
+    pub(crate) fn refuse_foreign(&self) -> Result<()> {
+        let mut start = [0; foreign::LOOKED_BYTES];
+        let read = self.open().map(|shared| shared.read_at(0, &mut start));
+        match read {
+            Ok(Ok(length)) => foreign::refuse(&self.name(), &start[..length]),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     /// Opens it as text; gzip is known by its first bytes, whatever the name. Bytes that are read are added to `count`.
     pub(crate) fn text(&self, count: &Arc<AtomicU64>) -> Result<Box<dyn BufRead + Send>> {
-        self.refuse_database()?;
+        self.refuse_foreign()?;
         let counted = Counted {
             source: self.open()?,
             offset: 0,
@@ -297,7 +308,12 @@ impl Source {
         })?;
         if start == GZIP_MAGIC {
             let decoder = MultiGzDecoder::new(file);
-            Ok(Box::new(BufReader::with_capacity(BUFFER_BYTES, decoder)))
+            let mut text = BufReader::with_capacity(BUFFER_BYTES, decoder);
+            // what cannot be expanded is reported where it is read
+            if let Ok(start) = text.fill_buf() {
+                foreign::refuse_packed(&self.name(), start)?;
+            }
+            Ok(Box::new(text))
         } else {
             Ok(Box::new(file))
         }

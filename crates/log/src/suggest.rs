@@ -10,7 +10,9 @@ use grouser_files::{PLACEHOLDER, TomlText};
 
 use crate::message::short;
 use crate::recording::speed_of_number;
-use crate::sheet::{Guess, Sheet, SheetColumn, guess, is_beyond_radians, open_question, perhaps};
+use crate::sheet::{
+    Guess, Sheet, SheetColumn, guess, is_beyond_radians, is_second_clock, open_question, perhaps,
+};
 use crate::survey::{Survey, Topic, Use};
 
 /// More wheels than a robot has.
@@ -235,7 +237,12 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
                 TomlText::quoted(&sheet.columns[time.column].name),
                 time.unit,
                 time.nanoseconds.map_or_else(String::new, |column| format!(
-                    ", nanoseconds = {}",
+                    ", {} = {}",
+                    if time.unit == "date" {
+                        "time_of_day"
+                    } else {
+                        "nanoseconds"
+                    },
                     TomlText::quoted(&sheet.columns[column].name)
                 ))
             );
@@ -244,6 +251,7 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
             table.push_str("time = { column = \"time\", unit = \"s\" }  # not found: name it\n");
         }
     }
+    table.push_str(&missing(sheet));
     table.push_str("columns = [\n");
     let has_heading = sheet.has(Meaning::PoseYaw) || sheet.has(Meaning::OrientationZ);
     let lacks_yaw = sheet.has(Meaning::PoseX) && !has_heading;
@@ -261,6 +269,25 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
                 && (guess.meaning != Meaning::PoseYaw || lacks_yaw || column.name.starts_with('/'))
             {
                 let _ = writeln!(table, "    # {}  # {condition}", entry(column, &guess));
+            } else if sheet.header_lines == 0 && Some(index) != time && column.numbers > 0 {
+                let counts = if column.whole {
+                    "; of a counter the sum since the start is read, not the ticks since the row before"
+                } else {
+                    ""
+                };
+                let _ = writeln!(
+                    table,
+                    "    # {{ column = {}, meaning = \"\", unit = \"\" }},  # from {} to {}: what is it, in which unit?{counts}",
+                    TomlText::quoted(&column.name),
+                    column.min,
+                    column.max
+                );
+            } else if sheet.time.is_some() && Some(index) != time && is_second_clock(column) {
+                let _ = writeln!(
+                    table,
+                    "    # {}: another clock; columns that are stamped by it need a file of their own",
+                    TomlText::quoted(&column.name)
+                );
             }
             continue;
         };
@@ -279,6 +306,21 @@ fn table(sheet: &Sheet, file_name: &str) -> String {
         table = lines.collect();
     }
     table
+}
+
+/// The words for numbers that are missing, as a column map lists them.
+fn missing(sheet: &Sheet) -> String {
+    let words = sheet.columns.iter();
+    let mut words: Vec<&str> = words
+        .filter_map(|column| column.missing.as_deref())
+        .collect();
+    words.sort_unstable();
+    words.dedup();
+    let quoted: Vec<String> = words.into_iter().map(TomlText::quoted).collect();
+    if quoted.is_empty() {
+        return String::new();
+    }
+    format!("missing = [{}]\n", quoted.join(", "))
 }
 
 /// What a column map says of a column.

@@ -1,6 +1,6 @@
 //! Angles of wheels that a driver wraps to one turn, put together again.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use grouser_slip::{Measurement, Sample};
 
@@ -15,7 +15,8 @@ const TINY_STEP_RAD: f64 = 0.05;
 /// The angle of one joint.
 ///
 /// A jump of more than half a turn is a wrap if all angles so far are within one turn (−π to π, or 0 to 2π) and the step
-/// without it continues the one before. After the first wrap every such jump is one, until an angle leaves the turn.
+/// without it continues the one before. After the first wrap every such jump is one, until an angle leaves the turn. So is
+/// a jump of several turns from one end of them to the other (−2π to 2π, say).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Angle {
     last: Option<f64>,
@@ -25,7 +26,8 @@ pub(crate) struct Angle {
     most: f64,
     /// What is added, rad.
     turns: f64,
-    wraps: bool,
+    /// The whole turns within which it is kept, rad; 0 before its first wrap.
+    period: f64,
 }
 
 impl Angle {
@@ -36,7 +38,7 @@ impl Angle {
         least: f64::NEG_INFINITY,
         most: f64::INFINITY,
         turns: 0.0,
-        wraps: false,
+        period: 0.0,
     };
 
     /// Takes an angle, rad, and returns the one that counts on.
@@ -47,19 +49,14 @@ impl Angle {
         // 0 is within every turn
         (self.least, self.most) = (self.least.min(angle), self.most.max(angle));
         let step = angle - self.last.replace(angle).unwrap_or(angle);
-        let small = if self.most.max(-self.least) <= PI + ROUNDING_RAD {
-            SMALL_STEP_RAD
-        } else if self.most - self.least <= TAU + ROUNDING_RAD {
-            TINY_STEP_RAD
-        } else {
-            0.0
-        };
-        if small > 0.0 && step.abs() > PI {
-            let short = step - TAU.copysign(step);
-            let continues =
-                short * self.step > 0.0 && short.abs() < 2.0 * self.step.abs() + SMALL_STEP_RAD;
-            if self.wraps || continues || short.abs() < small {
-                self.wraps = true;
+        let jump = (step.abs() / TAU).round().max(1.0) * TAU;
+        let period = if self.period > 0.0 { self.period } else { jump };
+        let is_about_zero = self.most.max(-self.least) <= 0.5 * period + ROUNDING_RAD;
+        let is_within = is_about_zero || self.most - self.least <= period + ROUNDING_RAD;
+        if is_within && step.abs() > 0.5 * period {
+            let short = step - period.copysign(step);
+            if self.period > 0.0 || self.is_wrap(short, period, is_about_zero, angle - step) {
+                self.period = period;
                 self.turns += short - step;
                 self.step = short;
             }
@@ -69,9 +66,31 @@ impl Angle {
         angle + self.turns
     }
 
+    /// Is a first jump from `last` a wrap, which leaves a step of `short`? Of several turns it must cross the end of them.
+    fn is_wrap(&self, short: f64, period: f64, is_about_zero: bool, last: f64) -> bool {
+        let continues =
+            short * self.step > 0.0 && short.abs() < 2.0 * self.step.abs() + SMALL_STEP_RAD;
+        if period > TAU {
+            let middle = if is_about_zero {
+                0.0
+            } else {
+                (0.5 * period).copysign(self.most + self.least)
+            };
+            let is_crossed = (last + short - middle).abs() >= 0.5 * period - ROUNDING_RAD;
+            return continues && is_crossed;
+        }
+        continues
+            || short.abs()
+                < if is_about_zero {
+                    SMALL_STEP_RAD
+                } else {
+                    TINY_STEP_RAD
+                }
+    }
+
     /// Did it ever wrap?
     pub(crate) const fn wraps(&self) -> bool {
-        self.wraps
+        self.period > 0.0
     }
 }
 
@@ -98,6 +117,8 @@ impl Angles {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     /// The greatest error of angles that a driver sends by `wrap`, against those that it wraps, less whole turns at the
@@ -134,6 +155,20 @@ mod tests {
                 "{step}"
             );
             assert!(error(&angles, |a| a.rem_euclid(TAU)) < 1e-9, "{step}");
+        }
+        for turns in [2.0, 3.0, 10.0] {
+            let period = turns * TAU;
+            for step in [0.1, 1.0, 2.5] {
+                let of = |angles: &[f64]| {
+                    let half = error(angles, |a| {
+                        (a + 0.5 * period).rem_euclid(period) - 0.5 * period
+                    });
+                    half.max(error(angles, |a| a.rem_euclid(period)))
+                };
+                let many: Vec<f64> = (0..2000).map(|row| 0.4 + step * f64::from(row)).collect();
+                let back: Vec<f64> = many.iter().rev().map(|angle| angle - 2.8).collect();
+                assert!(of(&many) < 1e-9 && of(&back) < 1e-9, "{turns} {step}");
+            }
         }
         // at rest where it wraps
         let shaking: Vec<f64> = (0..20).map(|k| PI + 0.001 * f64::from(k % 3 - 1)).collect();

@@ -8,6 +8,8 @@
 
 #[path = "support/measured_data.rs"]
 mod measured_data;
+#[path = "support/processor_time.rs"]
+mod processor_time;
 mod scratch;
 mod written;
 
@@ -38,6 +40,7 @@ mod recordings;
 mod recovered_files;
 mod seeds;
 mod sheets;
+mod strange_drivers;
 mod streams;
 mod suggestions;
 mod surveys;

@@ -326,7 +326,13 @@ fn an_antenna_beside_the_origin_needs_a_gyro() {
     assert!(says(std::slice::from_ref(&fix), antenna));
     assert!(!says(std::slice::from_ref(&fix), ""));
     assert!(!says(&[fix, imu], antenna));
-    assert!(!says(&[pose("/pose")], antenna));
+}
+
+#[test]
+fn an_antenna_beside_a_pose_is_refused() {
+    let refused = over(file(&[pose("/pose")]), "antenna_x_m = 0.5").unwrap_err();
+    assert!(matches!(refused, Error::NoPlaces { .. }), "{refused}");
+    assert!(refused.hint().unwrap().contains("reference_x_m"));
 }
 
 #[test]

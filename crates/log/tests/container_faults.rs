@@ -3,12 +3,13 @@
 
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use grouser_log::Error;
 use grouser_log::container::{Container, Damage, Event, Format};
 use grouser_log::write::copy;
 
+use crate::processor_time::ThreadTime;
 use crate::scratch::Folder;
 use crate::written;
 use crate::written::{ChunkAt, Packing, Plan, Row, Written, read};
@@ -32,7 +33,7 @@ fn all() -> Vec<(Written, usize)> {
 
 /// Reads within limits of memory.
 fn guarded(bytes: &[u8]) -> (Vec<Row>, Vec<Damage>) {
-    let (mut found, begin) = (None, Instant::now());
+    let (mut found, begin) = (None, ThreadTime::now());
     let memory = allocation_counter::measure(|| found = Some(read(bytes.to_vec()).unwrap()));
     let limit = (64 << 20) + 2 * bytes.len() as u64;
     assert!(memory.bytes_max < limit, "{} bytes", memory.bytes_max);
@@ -357,7 +358,7 @@ fn a_file_that_shrinks_while_it_is_read_ends() {
             .unwrap()
             .set_len(20)
             .unwrap();
-        let begin = Instant::now();
+        let begin = ThreadTime::now();
         let mut reported = false;
         while let Some(event) = container.next() {
             reported |= matches!(event, Event::Damage(_));

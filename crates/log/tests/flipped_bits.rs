@@ -1,10 +1,11 @@
 //! Every bit of files of 16 KiB flipped. A part of the bits runs always; all of them by
 //! `just dense`.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use grouser_log::container::Damage;
 
+use crate::processor_time::ThreadTime;
 use crate::written;
 use crate::written::{Packing, Plan, Row, Written, cases, read};
 
@@ -41,7 +42,7 @@ fn flip_everywhere(file: &Written, step: usize, magic: usize, checked: bool) {
         count += 1;
         let (byte, mut bytes) = (bit / 8, file.bytes.clone());
         bytes[byte] ^= 1 << (bit % 8);
-        let begin = Instant::now();
+        let begin = ThreadTime::now();
         let Ok((rows, damages)) = read(bytes) else {
             assert!(byte < magic, "bit {bit}: refused");
             continue;

@@ -3,12 +3,14 @@
 use std::fmt::Write as _;
 use std::io::Cursor;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use grouser_log::container::{Channel, Encoding};
 use grouser_log::message::Definition;
 use grouser_log::write::{McapWriter, Times};
 use grouser_log::{Clock, LeftOut, Messages};
+
+use crate::processor_time::ThreadTime;
 
 /// 4 MiB of types that name each other, the last one first.
 fn long() -> String {
@@ -30,7 +32,7 @@ fn long() -> String {
 fn a_long_definition_takes_neither_long_nor_much() {
     let text = long();
     assert!(text.len() < 4 << 20 && text.len() > 4_000_000);
-    let start = Instant::now();
+    let start = ThreadTime::now();
     let used = allocation_counter::measure(|| {
         let _ = Definition::parse("p/M", &text);
     });
@@ -64,7 +66,7 @@ fn channels_of_one_definition_share_its_decoder() {
     }
     let file = std::env::temp_dir().join(format!("grouser-long-{}.mcap", std::process::id()));
     std::fs::write(&file, writer.finish().unwrap().into_inner()).unwrap();
-    let start = Instant::now();
+    let start = ThreadTime::now();
     let mut messages = Messages::open(&file, Clock::Header, |_| true).unwrap();
     assert_eq!(messages.by_ref().count(), 2000);
     assert_eq!(messages.left_out(), &LeftOut::default());

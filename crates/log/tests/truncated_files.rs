@@ -1,7 +1,8 @@
 //! Files of 64 KiB cut at every byte. A part of the cuts runs always; all of them by `just dense`.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use crate::processor_time::ThreadTime;
 use crate::written;
 use crate::written::{Packing, Plan, Written, cases, read};
 
@@ -35,7 +36,7 @@ fn cut_everywhere(file: &Written, step: usize) {
     let (mut count, mut longest) = (0, Duration::ZERO);
     for cut in cases(file.bytes.len(), step) {
         count += 1;
-        let begin = Instant::now();
+        let begin = ThreadTime::now();
         let Ok((rows, damages)) = read(file.bytes[..cut].to_vec()) else {
             assert!(cut < 16, "cut at {cut}: no log");
             continue;

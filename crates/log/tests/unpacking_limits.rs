@@ -2,10 +2,11 @@
 //! below 64 MiB + twice the file, and no file takes longer than its bytes are worth.
 
 use std::io::Write as _;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use grouser_log::Survey;
 
+use crate::processor_time::ThreadTime;
 use crate::scratch::Folder;
 use crate::written::mcap::{MAGIC, counted, message, record};
 
@@ -50,7 +51,7 @@ fn chunk(packing: &str, declared: u64, body: &[u8]) -> Vec<u8> {
 fn survey(name: &str, bytes: &[u8]) -> Survey {
     let folder = Folder::new(name);
     let path = folder.file("log", bytes);
-    let (mut survey, begin) = (None, Instant::now());
+    let (mut survey, begin) = (None, ThreadTime::now());
     let memory =
         allocation_counter::measure(|| survey = Some(Survey::read(&path, |_| ()).unwrap()));
     let (most, took) = (memory.bytes_max, begin.elapsed());

@@ -80,7 +80,7 @@ prop_compose! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(96))]
 
     #[test]
     fn the_reported_conditions_are_those_of_the_point((model, start, (row, bound, equal), bounds) in drawn(), attained in any::<bool>()) {

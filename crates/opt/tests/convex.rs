@@ -84,7 +84,7 @@ fn problem(case: &Case) -> Problem<'_> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(400))]
 
     #[test]
     fn convex_problems_converge_and_prove_it(case in case()) {

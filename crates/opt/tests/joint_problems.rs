@@ -79,7 +79,7 @@ fn near(found: &[f64], wanted: &[f64]) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn measures_are_their_formulas(
@@ -594,7 +594,7 @@ impl Functions for Everything {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     /// A function's tape has the function's values and derivatives.
     #[test]

@@ -12,7 +12,7 @@ export function factsOf(run, others, seconds) {
   const items = [item(run.kind === 'drive' ? 'Drive' : 'Log', clock(seconds), '', run.title)];
   if (run.kind === 'drive') {
     items.push(
-      item('Outcome', run.outcome, '', `driver ${run.controller}, slip to run at ${shown(run.optimum_slip)}`),
+      item('Outcome', run.outcome, '', `driver ${run.controller}, slip setpoint ${shown(run.optimum_slip)}`),
       item('Way', shown(run.distance_m), 'm', 'along the legs'),
       item('Energy', shown(run.energy_j), 'J', run.energy_j_per_m === null ? '' : `${shown(run.energy_j_per_m)} J/m; ${shown((100 * run.energy_in_soil_j) / run.energy_j, 2)} % into the soil`),
       item('Slip error', shown(run.slip_rmse, 2), '', `root mean square; greatest slip ${shown(run.worst_slip, 2)}`));

@@ -62,7 +62,10 @@ async function start() {
     if (location.hash !== written) show();
   });
   show();
-  document.body.dataset.ready = 'true';
+  // the view is computed in the first frame, and its charts know their widths at the end of it
+  requestAnimationFrame(() => requestAnimationFrame(() => {
+    document.body.dataset.ready = 'true';
+  }));
   // a server computes too: the same answers, for what a browser is too slow for
   const server = main.dataset.server ? new ServerPhysics() : null;
   window.grouser = { views, physics, server };

@@ -23,6 +23,7 @@ export class Optimise {
   #onwards;
   #answer = null;
   #chosen = null;
+  #isSolving = false;
   #problems = null;
   #after = [];
   #view = { ...FIRST_VIEW };
@@ -60,8 +61,8 @@ export class Optimise {
   #build() {
     this.choice = h('select', { 'aria-label': 'Example', on: { change: () => this.#example(this.choice.value) } }, NAMES.map((name) => h('option', { value: name, selected: name === 'pull-against-torque' }, name)));
     this.file = h('input', { type: 'file', accept: '.toml', id: 'problem-file', class: 'sr-only', on: { change: () => this.#open() } });
-    this.text = h('textarea', { spellcheck: 'false', 'aria-label': 'Problem file', rows: 26, autocomplete: 'off' });
-    this.solve = h('button', { type: 'button', class: 'primary', on: { click: () => this.#solve() } }, 'Solve');
+    this.text = h('textarea', { spellcheck: 'false', 'aria-label': 'Problem file', rows: 26, autocomplete: 'off', on: { input: () => this.#enable() } });
+    this.solve = h('button', { type: 'button', class: 'primary', disabled: true, on: { click: () => this.#solve() } }, 'Solve');
     this.stop = h('button', { type: 'button', class: 'quiet', hidden: true, on: { click: () => this.#physics.stop() } }, 'Stop');
     this.status = h('p', { class: 'run-status', role: 'status' });
     this.result = h('div', { class: 'results' });
@@ -75,7 +76,7 @@ export class Optimise {
 
   async #open() {
     const [file] = this.file.files;
-    if (file && file.size <= 1 << 20) this.text.value = await file.text();
+    if (file && file.size <= 1 << 20) this.#write(await file.text());
     else if (file) this.#say('a problem file has at most 1 MiB', true);
     this.file.value = '';
   }
@@ -83,11 +84,21 @@ export class Optimise {
   async #example(name) {
     try {
       this.#problems ??= (await this.#physics.ask({ call: 'problems' })).problems;
-      this.text.value = this.#problems.find((one) => one.name === name).text;
+      this.#write(this.#problems.find((one) => one.name === name).text);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       this.#say(error.message, true);
     }
+  }
+
+  #write(problem) {
+    this.text.value = problem;
+    this.#enable();
+  }
+
+  /** Nothing is solved before there is a problem, or while one is solved. */
+  #enable() {
+    this.solve.disabled = this.#isSolving || !this.text.value.trim();
   }
 
   #say(text, bad = false) {
@@ -98,7 +109,8 @@ export class Optimise {
   async #solve() {
     this.#say('solving …');
     this.stop.hidden = false;
-    this.solve.disabled = true;
+    this.#isSolving = true;
+    this.#enable();
     const started = performance.now();
     try {
       const take = (part) => {
@@ -115,7 +127,8 @@ export class Optimise {
       this.#say(error.message, true);
     } finally {
       this.stop.hidden = true;
-      this.solve.disabled = false;
+      this.#isSolving = false;
+      this.#enable();
     }
   }
 

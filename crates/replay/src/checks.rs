@@ -108,7 +108,7 @@ impl fmt::Display for Doubt {
             ),
             Self::WaysDiffer { filter, reference } => write!(
                 f,
-                "the slip of the whole way is {filter:.3} by the filter, but {reference:.3} by the reference alone"
+                "the slip over the total distance is {filter:.3} by the filter, but {reference:.3} by the reference alone"
             ),
             Self::ClocksApart(delay) => write!(f, "{delay}"),
             Self::ClockJump(gap_s) => write!(

@@ -43,10 +43,23 @@ impl Inputs {
     /// ```
     pub fn of(log: &impl Measures, file: &RobotFile, options: &Options) -> Result<Self> {
         let wheel_sensor = wheel_sensor(log, file, options.wheel_sensor)?;
+        let reference = reference(log, file, wheel_sensor, options.reference)?;
+        let position_sigma = log.position_sigma();
+        let has_place = match reference {
+            Reference::Pose | Reference::Speed => true,
+            Reference::Displacement => position_sigma.is_none(),
+            _ => false,
+        };
+        if !has_place && file.corrections.reference_place != [0.0; 2] {
+            return Err(Error::NoEffect {
+                key: "reference_x_m",
+                reference: reference.name(),
+            });
+        }
         Ok(Self {
             wheel_sensor,
-            reference: reference(log, file, wheel_sensor, options.reference)?,
-            position_sigma: log.position_sigma(),
+            reference,
+            position_sigma,
             is_acceleration_forward_only: log.measures(Meaning::AccelerationForward)
                 && !log.measures(Meaning::AccelerationLeft),
         })

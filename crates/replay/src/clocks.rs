@@ -8,6 +8,7 @@ use grouser_slip::Reference;
 use crate::choice::{Inputs, robot_wheels};
 use crate::error::{Error, Result};
 use crate::method::Method;
+use crate::mounting::Mounting;
 use crate::options::Options;
 use crate::postponed::Postponed;
 use crate::samples::{RobotSamples, held, of_robot};
@@ -100,6 +101,7 @@ fn tracks(
     if matches!(inputs.reference, Reference::FreeWheel | Reference::Grip) {
         return Ok(None);
     }
+    let mut mounting = Mounting::new(file.corrections);
     let mut tracks = Tracks::new(file, inputs.reference, inputs.wheel_sensor);
     let steering = (file.steering.as_ref()).map(|of| WheelSteering::new(of, &file.robot));
     for sample in log.samples(shifts)? {
@@ -107,7 +109,8 @@ fn tracks(
         if !held.keeps(&sample) {
             continue;
         }
-        let sample = samples.convert(sample);
+        let mut sample = samples.convert(sample);
+        mounting.correct(&mut sample.measurement);
         let steered = steering.iter().flat_map(|of| of.angles(&sample));
         for steered in steered {
             tracks.take(&steered);

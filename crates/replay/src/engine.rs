@@ -1,7 +1,7 @@
 //! Samples in, rows and a summary out.
 
 use grouser_doctor::{Doctor, Uses, Window};
-use grouser_files::robot::{Corrections, RobotFile};
+use grouser_files::robot::RobotFile;
 use grouser_slip::filter::Learnt;
 use grouser_slip::window::{WindowMeans, WindowSettings};
 use grouser_slip::{Measurement, Reference, Robot, Sample, WheelRole};
@@ -10,6 +10,7 @@ use crate::choice::Inputs;
 use crate::error::Result;
 use crate::method::{Method, rotating_wheel};
 use crate::moment::{Moment, Travel};
+use crate::mounting::Mounting;
 use crate::options::Options;
 use crate::place_way::PlaceWay;
 use crate::reckoning::Reckoning;
@@ -18,6 +19,7 @@ use crate::sink::Sink;
 use crate::slips::Slips;
 use crate::steering::WheelSteering;
 use crate::summary::Summary;
+use crate::suspension::Suspension;
 
 /// Runs samples in the order of time through the estimator.
 ///
@@ -55,8 +57,9 @@ use crate::summary::Summary;
 pub struct Engine {
     robot: Robot,
     inputs: Inputs,
-    corrections: Corrections,
+    mounting: Mounting,
     steering: Option<WheelSteering>,
+    suspension: Option<Suspension>,
     slips: Slips,
     /// Their ways are those of the whole log.
     ways_means: Box<WindowMeans>,
@@ -101,10 +104,11 @@ impl Engine {
         Ok(Self {
             slips: Slips::new(file, (settings, &inputs), options, method)?,
             ways_means: Box::new(WindowMeans::new(&robot, of_ways)?),
-            doctor: Doctor::new(file, &settings),
+            doctor: Doctor::new(file, &settings, inputs.wheel_sensor),
             record: Record::new(file, inputs, (settings, options), reckoning),
-            corrections: file.corrections,
+            mounting: Mounting::new(file.corrections),
             steering: (file.steering.as_ref()).map(|of| WheelSteering::new(of, &robot)),
+            suspension: Suspension::new(file),
             group_ns: None,
             read: 0,
             moment: Moment::default(),
@@ -125,19 +129,20 @@ impl Engine {
         }
         self.group_ns = Some(sample.time_ns);
         self.record.reach(sample.time_ns);
-        match &mut sample.measurement {
-            Measurement::Pose { yaw, .. } => *yaw -= self.corrections.pose_yaw_offset,
-            Measurement::YawRate { rate } => *rate *= self.corrections.yaw_rate_scale,
-            Measurement::Acceleration { left, .. } if self.inputs.is_acceleration_forward_only => {
-                *left = self.slips.turn_acceleration();
-            }
-            _ => {}
+        self.mounting.correct(&mut sample.measurement);
+        if let Measurement::Acceleration { left, .. } = &mut sample.measurement
+            && self.inputs.is_acceleration_forward_only
+        {
+            *left = self.slips.turn_acceleration();
         }
+        let carried = (self.suspension.as_mut()).map_or_else(Vec::new, |of| of.take(&mut sample));
         if self.inputs.wheel_sensor.uses(&sample.measurement) {
             self.doctor.take(&sample);
             self.record.take(&sample);
             let steered = self.steering.iter().flat_map(|of| of.angles(&sample));
-            for sample in steered.chain([sample]) {
+            let steered = steered.inspect(|angle| self.doctor.take_steering(angle));
+            let own = (!Suspension::is_raw(&sample.measurement)).then_some(sample);
+            for sample in carried.into_iter().chain(steered).chain(own) {
                 let _refused = self.ways_means.update(sample);
                 self.slips.update(sample);
             }

@@ -55,6 +55,14 @@ pub enum Error {
         /// What it needs.
         needs: &'static str,
     },
+    /// A key of the robot file that changes nothing of this log.
+    #[error("`{key}` of the robot file has no effect on reference `{reference}` of this log")]
+    NoEffect {
+        /// The key.
+        key: &'static str,
+        /// The reference.
+        reference: &'static str,
+    },
     /// Means over windows have no slip at every moment.
     #[error("`--learn-soil` needs the slips of the filter, but here means over windows find them")]
     NothingToLearnFrom,
@@ -116,6 +124,11 @@ impl Error {
             Self::File(error) => error.hint(),
             Self::NoTruth { .. } => Some(
                 "a table has `time_s` and `NAME_slip` of each wheel; a topic is grouser_msgs/WheelSlip"
+                    .into(),
+            ),
+            Self::NoEffect { .. } => Some(
+                "`reference_x_m` and `reference_y_m` are of poses, displacements with a turn and speeds; places without a heading \
+                 have `antenna_x_m` and `antenna_y_m` in `[topics]`"
                     .into(),
             ),
             Self::NoReference {

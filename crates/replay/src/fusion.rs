@@ -82,9 +82,6 @@ impl Fusion {
         if let Some(learning) = &mut self.learning {
             learning.take(&sample.measurement);
         }
-        if let Some(smoother) = &mut self.smoother {
-            smoother.take(&sample);
-        }
         if reaches_filter(&sample.measurement, self.reference, &self.robot) {
             self.waiting.push(sample);
         }
@@ -97,7 +94,12 @@ impl Fusion {
             *slot = Some(torque);
         }
         // a refused sample is counted
-        let _ = self.filter.update(sample);
+        let _ = match &mut self.smoother {
+            Some(smoother) => {
+                (self.filter).update_recorded(sample, &mut |end, step| smoother.take(end, step))
+            }
+            None => self.filter.update(sample).map(|_| ()),
+        };
     }
 
     /// All samples of one time have been taken: enters what is known into `moment`.
@@ -168,8 +170,11 @@ impl Fusion {
 
     /// The log is over: gives the moments that waited.
     pub(crate) fn finish(&mut self) -> Vec<Moment> {
-        let left = self.smoother.take().map(Offline::finish);
-        left.unwrap_or_default()
+        let Some(mut smoother) = self.smoother.take() else {
+            return Vec::new();
+        };
+        (self.filter).finish_recorded(&mut |end, step| smoother.take(end, step));
+        smoother.finish()
     }
 
     /// The acceleration to the left of a robot that moves along its heading, v Ω, m/s².

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use grouser_doctor::{Findings, HeldReference, Mistake, ReferenceDelay};
+use grouser_doctor::{Findings, HeldReference, ReferenceDelay};
 use grouser_slip::detect::Change;
 use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
@@ -195,14 +195,25 @@ impl Summary {
         let apart = self.reference_delay.filter(is_far).map(Doubt::ClocksApart);
         let has_jump = self.longest_gap_s > MAX_GAP_S;
         let jump = has_jump.then_some(Doubt::ClockJump(self.longest_gap_s));
-        // readings of a speed without its sign are refused by the filter
-        let is_cause = |mistake: &Mistake| matches!(mistake, Mistake::SpeedWithoutSign(_));
-        let (causes, others): (Vec<_>, Vec<_>) =
-            self.findings.mistakes().into_iter().partition(is_cause);
-        let causes = causes.into_iter().map(Doubt::Description);
-        let others = others.into_iter().map(Doubt::Description);
-        let all = causes.chain(of_filter).chain(apart);
-        all.chain(others).chain(jump).collect()
+        // what the filter finds is often the consequence of a description
+        let causes = self.findings.mistakes().into_iter();
+        let all = causes.map(Doubt::Description).chain(of_filter);
+        all.chain(apart).chain(jump).collect()
+    }
+}
+
+impl Summary {
+    /// Why the result is doubtful, in words.
+    #[must_use]
+    pub fn doubts_in_words(&self) -> Vec<String> {
+        self.doubts().iter().map(ToString::to_string).collect()
+    }
+
+    /// What may be described wrongly, or may be real as well (slip), in words.
+    #[must_use]
+    pub fn reservations(&self) -> Vec<String> {
+        let possible = self.findings.possible();
+        possible.iter().map(ToString::to_string).collect()
     }
 }
 

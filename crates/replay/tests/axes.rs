@@ -165,6 +165,23 @@ fn a_pose_that_is_turned_round_is_named_and_corrected() {
     assert!((rmse - right).abs() < 1e-3, "{rmse} and {right}");
 }
 
+/// A camera 0.3 m ahead and 0.4 m to the right of the origin that looks 30° to the left.
+#[test]
+fn a_pose_of_a_sensor_that_is_mounted_elsewhere_is_corrected() {
+    let mounted = |measurement: &mut Measurement| {
+        if let Measurement::Pose { x, y, yaw } = measurement {
+            let (sin, cos) = yaw.sin_cos();
+            (*x, *y) = (*x + 0.3 * cos + 0.4 * sin, *y + 0.3 * sin - 0.4 * cos);
+            *yaw += PI / 6.0;
+        }
+    };
+    let keys = "reference_x_m = 0.3\nreference_y_m = -0.4\npose_yaw_offset_deg = 30.0";
+    let (summary, rmse) = run(false, false, keys, mounted);
+    assert!(summary.doubts().is_empty(), "{:?}", summary.doubts());
+    let right = run(false, false, "", |_| ()).1;
+    assert!((rmse - right).abs() < 1e-3, "{rmse} and {right}");
+}
+
 #[test]
 fn an_acceleration_forwards_alone_is_of_use() {
     let without = run(false, false, "", |_| ()).1;

@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scenario = read_scenario(file.as_ref())?;
     let optimum = scenario.slip_setpoint()?;
     let mut out = std::io::stdout().lock();
-    writeln!(out, "the slip to run at is {optimum:.2}")?;
+    writeln!(out, "the slip setpoint is {optimum:.2}")?;
     for pilot in [Pilot::OpenLoop, Pilot::Controller] {
         let mut drive = Simulation::new(&scenario, pilot, optimum, scenario.seed)?;
         let result = drive.run(|_frame| true);

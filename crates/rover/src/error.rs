@@ -74,7 +74,7 @@ pub enum Error {
     /// One of our own files says something wrong.
     #[error(transparent)]
     File(#[from] grouser_files::Error),
-    /// The controller has no slip to run at: no slip gives a drawbar pull.
+    /// The controller has no slip setpoint: no slip gives a drawbar pull.
     #[error("wheel \"{wheel}\" under {load} N on \"{soil}\" has no drawbar pull at any slip")]
     NoSlipSetpoint {
         /// The wheel.

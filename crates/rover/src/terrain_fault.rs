@@ -88,6 +88,16 @@ pub enum TerrainFault {
         /// How to convert the file.
         convert: &'static str,
     },
+    /// A file next to it changes what its numbers mean.
+    #[error("`{file}` next to it states {states}, which is not read")]
+    Beside {
+        /// The name of that file.
+        file: String,
+        /// What it states.
+        states: String,
+        /// How to convert the elevation model.
+        convert: &'static str,
+    },
     /// It is cut short, or damaged, or uses what is not read.
     #[error("it cannot be decoded: {reason}")]
     Damaged {
@@ -176,7 +186,7 @@ impl TerrainFault {
     #[must_use]
     pub const fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::Tag { convert, .. } => Some(convert),
+            Self::Tag { convert, .. } | Self::Beside { convert, .. } => Some(convert),
             Self::NoCell { why } => Some(match why {
                 NoCell::Picture | NoCell::NoSystem | NoCell::NoScale | NoCell::NotSquare { .. } => {
                     "`--cell-m`, or `cell_m` in a scenario, gives the size of its cells on the ground"

@@ -6,6 +6,9 @@
     reason = "a test fails by panicking, and prints what it measured or why it is skipped"
 )]
 
+#[path = "../../log/tests/support/processor_time.rs"]
+mod processor_time;
+
 mod cart;
 mod four_wheels;
 mod noise;

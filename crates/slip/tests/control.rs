@@ -291,8 +291,6 @@ fn a_step_allocates_nothing() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 256, ..ProptestConfig::default() })]
-
     /// Whatever the numbers are, commands are finite.
     #[test]
     fn any_input_gives_finite_commands(

@@ -147,7 +147,7 @@ fn two_seconds_after_a_place_that_was_lost_the_slip_is_as_before() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
+    #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
     fn any_samples_leave_finite_estimates(

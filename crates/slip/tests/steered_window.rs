@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::window::{WindowEstimator, WindowMeans, WindowSettings};
-use grouser_slip::{Fault, Measurement, Reference, Robot, Sample, WheelRole};
+use grouser_slip::{Fault, Measurement, Reference, Robot, Sample, Wheel, WheelRole};
 
 use crate::cart::{TICKS, encoder, wheel};
 use crate::noise::Noise;
@@ -207,4 +207,50 @@ fn the_filter_finds_the_slip_of_wheels_that_point_many_ways() {
         }
     }
     println!("slips of wheels that point many ways: {worst:.3} off at most");
+}
+
+/// A tricycle: its one wheel is driven and steered, ahead of the origin, and tells a turn from a sideways motion by the gyro alone.
+#[test]
+fn one_steered_wheel_counts_the_whole_distance() {
+    const AHEAD_M: f64 = 0.8;
+    let wheel = Wheel::powered("front").at(AHEAD_M, 0.0).radius(0.1);
+    let robot = Robot::new("tricycle".into(), vec![wheel]).unwrap();
+    let mut settings = WindowSettings::default();
+    settings.reference = Reference::Speed;
+    let mut means = WindowMeans::new(&robot, settings).unwrap();
+    let (speed, dt) = (0.5, 0.05);
+    let mut driven = 0.0;
+    for step in 0..800 {
+        let time = dt * f64::from(step);
+        let angle = 0.2 * (0.5 * time).sin();
+        let rate = speed / angle.cos() / 0.1;
+        let measurements = [
+            Measurement::SteeringAngle { wheel: 0, angle },
+            Measurement::WheelRate { wheel: 0, rate },
+            Measurement::YawRate {
+                rate: speed * angle.tan() / AHEAD_M,
+            },
+            Measurement::Speed {
+                forward: speed,
+                left: Some(0.0),
+            },
+        ];
+        for measurement in measurements {
+            let time_ns = i64::from(step) * 50_000_000;
+            means
+                .update(Sample {
+                    time_ns,
+                    measurement,
+                })
+                .unwrap();
+        }
+        driven += speed * dt;
+    }
+    let body = means.latest().unwrap();
+    println!(
+        "{} {} of {driven}",
+        body.travel_wheels, body.travel_reference
+    );
+    assert!((body.travel_wheels / driven - 1.0).abs() < 0.02);
+    assert!((body.travel_reference / driven - 1.0).abs() < 0.02);
 }

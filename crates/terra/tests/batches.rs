@@ -211,7 +211,7 @@ fn rebound_counts_in_cautions() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
+    #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
     fn lanes_are_good_to_1e_9(soil in soil(), points in prop::collection::vec(point(), 1..40)) {

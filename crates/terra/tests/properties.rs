@@ -144,7 +144,6 @@ fn of_several_sinkages_it_takes_the_lowest_on_a_rising_branch_and_cautions() {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        failure_persistence: None,
         max_global_rejects: 1_000_000,
         ..ProptestConfig::with_cases(cases())
     })]

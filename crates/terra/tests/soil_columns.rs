@@ -138,7 +138,7 @@ fn base() -> impl Strategy<Value = Soil> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
+    #![proptest_config(ProptestConfig::with_cases(300))]
 
     /// A soil for each point: forces, sinkages and cautions are those of each soil by itself in the reference mode.
     #[test]

@@ -148,6 +148,162 @@ fn a_plane_of_ten_degrees_is_read_as_one_or_refused_however_it_is_stated() {
     assert!(all.is_empty(), "{}", all.join("\n"));
 }
 
+/// A model with a file next to it that has this ending.
+fn wrong_beside(
+    folder: &Path,
+    (name, ending): (&str, &str),
+    bytes: &[u8],
+    (beside, text): (&str, &str),
+    right: Right,
+) -> Vec<String> {
+    let other = format!("{}{beside}", name.replace(' ', "-"));
+    fs::write(folder.join(other), text).unwrap();
+    wrong(folder, (name, ending), bytes, right)
+}
+
+#[test]
+fn a_file_next_to_an_image_is_refused_where_it_changes_the_heights() {
+    let folder = std::env::temp_dir().join(format!("grouser-beside-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let tiff = plane().bytes();
+    let meta = |inside: &str| {
+        format!("<PAMDataset><PAMRasterBand band=\"1\">{inside}</PAMRasterBand></PAMDataset>")
+    };
+    let harmless = "<Metadata><MDI key=\"STATISTICS_MAXIMUM\">2</MDI></Metadata><Histograms/>\
+        <Offset>0</Offset><Scale>1.0</Scale>";
+    let mut all = Vec::new();
+    for (name, inside, right) in [
+        ("statistics", harmless, Read),
+        ("a scale", "<Scale>0.1</Scale>", Refused("Scale 0.1")),
+        ("an offset", "<Offset>5</Offset>", Refused("Offset 5")),
+        ("a unit", "<UnitType>ft</UnitType>", Refused("UnitType ft")),
+        (
+            "a hole",
+            "<NoDataValue>200</NoDataValue>",
+            Refused("NoDataValue"),
+        ),
+        (
+            "a system",
+            "<SRS dataAxis=\"1,2\">EPSG:4326</SRS>",
+            Refused("SRS"),
+        ),
+        (
+            "a place",
+            "<GeoTransform>0, 2, 0, 0, 0, -2</GeoTransform>",
+            Refused("GeoTransform"),
+        ),
+    ] {
+        let beside = (".tif.aux.xml", &*meta(inside));
+        all.extend(wrong_beside(&folder, (name, "tif"), &tiff, beside, right));
+    }
+    let mask = (".tif.msk", "");
+    all.extend(wrong_beside(
+        &folder,
+        ("a mask", "tif"),
+        &tiff,
+        mask,
+        Refused("mask"),
+    ));
+    let world = (".tfw", "2\n0\n0\n-2\n0\n0\n");
+    all.extend(wrong_beside(
+        &folder,
+        ("its own place", "tif"),
+        &tiff,
+        world,
+        Read,
+    ));
+    assert!(all.is_empty(), "{}", all.join("\n"));
+
+    let unplaced = Plane {
+        scale: Vec::new(),
+        ..plane()
+    };
+    let path = folder.join("unplaced.tif");
+    fs::write(&path, unplaced.bytes()).unwrap();
+    fs::write(folder.join("unplaced.tfw"), "1\n0.5\n0.5\n-1\n0\n0\n").unwrap();
+    let of_drive = read_heights(&HeightFile::new(path.clone(), Some(1.0)));
+    let of_map = Dem::open(&path, Some(1.0), 0.001);
+    for refusal in [
+        of_drive.err().map(|error| error.to_string()),
+        of_map.err().map(|error| error.to_string()),
+    ] {
+        assert!(
+            refusal
+                .as_ref()
+                .is_some_and(|text| text.contains("unplaced.tfw")),
+            "{refusal:?}"
+        );
+    }
+    fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn the_system_of_a_grid_is_read_or_refused() {
+    const GEOGRAPHIC: &str = "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],\
+        PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]]";
+    let folder = std::env::temp_dir().join(format!("grouser-prj-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let grid = |[x, y]: [f64; 2]| {
+        let mut text =
+            format!("ncols {COLUMNS}\nnrows {ROWS}\nxllcorner {x}\nyllcorner {y}\ncellsize 1\n");
+        for column in columns() {
+            write!(text, "{:.5} ", height(column)).unwrap();
+        }
+        text.into_bytes()
+    };
+    let projected = |rest: &str| format!("PROJCS[\"own\",{GEOGRAPHIC},{rest}]");
+    let utm = |unit: &str| {
+        projected(&format!(
+            "PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"False_Easting\",500000.0],\
+             PARAMETER[\"Central_Meridian\",9.0],PARAMETER[\"Scale_Factor\",0.9996],{unit}"
+        ))
+    };
+    let metres = "UNIT[\"Meter\",1.0]";
+    let web = projected(&format!(
+        "PROJECTION[\"Mercator_Auxiliary_Sphere\"],{metres}"
+    ));
+    let polar = projected(&format!(
+        "PROJECTION[\"Stereographic_North_Pole\"],PARAMETER[\"Standard_Parallel_1\",70.0],{metres}"
+    ));
+    let code = |code: u16| projected(&format!("AUTHORITY[\"EPSG\",\"{code}\"]"));
+    let (system, method) = (Refused("coordinate system"), Refused("ProjMethodGeoKey"));
+    let mut all = Vec::new();
+    for (name, place, text, right) in [
+        ("degrees", [11.0, 48.0], GEOGRAPHIC.to_owned(), system),
+        ("utm", UTM, utm(metres), Read),
+        ("utm far", [2e6, 5e6], utm(metres), method),
+        (
+            "feet",
+            UTM,
+            utm("UNIT[\"Foot_US\",0.304800609601219]"),
+            system,
+        ),
+        ("a code", UTM, code(32_632), Read),
+        ("a code of feet", UTM, code(2227), Refused("2227")),
+        ("web", WEB_60_NORTH, web, Refused("3857")),
+        ("polar", [0.0, -2.2e6], polar.clone(), Read),
+        ("polar far", [0.0, -4.5e6], polar, method),
+        ("a conic", UTM, projected("PROJECTION[\"Albers\"]"), system),
+        (
+            "old words",
+            UTM,
+            "Projection UTM\nUnits METERS\n".into(),
+            system,
+        ),
+    ] {
+        let beside = (".prj", &*text);
+        all.extend(wrong_beside(
+            &folder,
+            (name, "asc"),
+            &grid(place),
+            beside,
+            right,
+        ));
+    }
+    fs::remove_dir_all(&folder).unwrap();
+    assert!(all.is_empty(), "{}", all.join("\n"));
+}
+
 type Case = (&'static str, Plane, Right);
 
 /// Kinds of numbers, no data, units of a band.

@@ -31,7 +31,7 @@ pub(crate) struct CommandLimits {
     pub(crate) max_yaw_rate: f64,
     /// Of a rim, m/s².
     pub(crate) max_acceleration: f64,
-    /// The slip to run at.
+    /// The slip setpoint.
     pub(crate) slip: f64,
     /// Commands and sensors that are silent for so long stop the robot.
     pub(crate) timeout: Duration,

@@ -9,6 +9,9 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
+/// What takes longer never comes: a loaded machine is slow.
+pub(crate) const PATIENCE: Duration = Duration::from_mins(2);
+
 /// The Python that has the peers' packages (`live/ci` installs it); `None` without it on a developer's machine.
 pub(crate) fn python() -> Option<PathBuf> {
     let python = std::env::var_os("GROUSER_LIVE_PYTHON").map(PathBuf::from);
@@ -136,16 +139,18 @@ impl Peer {
         self.call(&json!(["latest", "/diagnostics"]))["status"][0].clone()
     }
 
-    /// Waits until `holds` of the newest slip, for at most `seconds`; the time that it took, s.
-    pub(crate) fn until_slip(&mut self, seconds: f64, holds: impl Fn(&Value) -> bool) -> f64 {
+    /// Waits until `holds` of the newest slip; the time that it took, s.
+    pub(crate) fn until_slip(&mut self, holds: impl Fn(&Value) -> bool) -> f64 {
         let begun = Instant::now();
         loop {
             let slip = self.slip();
-            let passed = begun.elapsed().as_secs_f64();
             if holds(&slip) {
-                return passed;
+                return begun.elapsed().as_secs_f64();
             }
-            assert!(passed < seconds, "not within {seconds} s: {slip}");
+            assert!(
+                begun.elapsed() < PATIENCE,
+                "not within {PATIENCE:?}: {slip}"
+            );
             std::thread::sleep(Duration::from_millis(20));
         }
     }
@@ -219,7 +224,7 @@ impl Node {
             if let Some(status) = self.child.try_wait().unwrap() {
                 break status;
             }
-            assert!(begun.elapsed() < Duration::from_secs(10), "it does not end");
+            assert!(begun.elapsed() < PATIENCE, "it does not end");
             std::thread::sleep(Duration::from_millis(10));
         };
         Ended {

@@ -69,19 +69,13 @@ fn a_thousand_slow_sockets_do_not_slow_a_run() {
         }
     }
     std::fs::write(&log, long).expect("written");
-    let best = |slow| {
-        (0..3)
-            .map(|_| estimating_time(&log, slow))
-            .min()
-            .expect("three")
-    };
-    let (alone, attacked) = (best(0), best(1000));
+    // What else the machine does delays a run, now with the sockets and now without them: a server that waits for a slow socket
+    // waits for its limit of time, 10 s, in every round. Opening a thousand sockets takes a while next to the run.
+    let is_quick = (0..10).any(|_| {
+        let (alone, attacked) = (estimating_time(&log, 0), estimating_time(&log, 1000));
+        println!("alone {alone:?}, with a thousand slow sockets {attacked:?}");
+        attacked < alone * 2 + Duration::from_secs(4)
+    });
     let _ = std::fs::remove_dir_all(&folder);
-    println!("alone {alone:?}, with a thousand slow sockets {attacked:?}");
-    // Opening a thousand sockets takes a while beside the run, and so does other work on a machine of two processors. A
-    // server that waits for a slow socket waits for its limit of time, 10 s.
-    assert!(
-        attacked < alone * 2 + Duration::from_secs(4),
-        "{alone:?}, {attacked:?}"
-    );
+    assert!(is_quick, "a thousand slow sockets slow every run");
 }

@@ -85,6 +85,8 @@ class DriveResult:
     """The greatest true slip that lasted a second, weighted by load."""
     deep_share: float
     """The greatest share of the time that a loaded wheel was sunk by more than a sixth of its diameter."""
+    undeclared_no_data: str | None
+    """What of the ground's file was read as unknown, although the file does not declare it."""
     slip_rmse: float | None
     """Estimated against true slip."""
     slip_bias: float | None

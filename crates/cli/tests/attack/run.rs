@@ -21,7 +21,7 @@ use super::verbs::Shared;
 /// A job that takes longer is interrupted, as its user would do it.
 const PATIENCE: Duration = Duration::from_secs(20);
 /// One that was interrupted has so long.
-const END: Duration = Duration::from_secs(10);
+const END: Duration = Duration::from_mins(5);
 const OLD: &[u8] = b"what was there before\n";
 
 /// How a case ended.

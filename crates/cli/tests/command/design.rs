@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::program::{Folder, grouser};
+use super::program::{Folder, LANE_SOIL, grouser};
 
 const ROBOT: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -251,9 +251,7 @@ fn the_mass_is_shifted_to_where_the_energy_is_least() {
 #[test]
 fn a_written_mission_finds_the_same_wheels() {
     let folder = Folder::new();
-    let soil = folder.path("own.toml");
-    let made = grouser(["init", "soil", "-o", soil.to_str().unwrap()]);
-    made.assert_done();
+    let soil = folder.file("own.toml", LANE_SOIL);
     let elsewhere = Folder::new();
     for file in [folder.path("day.toml"), elsewhere.path("day.toml")] {
         let file = file.to_str().unwrap();

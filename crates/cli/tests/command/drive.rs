@@ -524,3 +524,27 @@ fn sinkages_are_learnt_from_in_the_drive_and_from_its_logs() {
     let refused = grouser(arguments.into_iter().chain(by_window));
     assert_eq!(refused.code, Some(2), "{refused:?}");
 }
+
+/// What of a file's heights counts as unknown although the file does not say so is a warning, as in `map`.
+#[test]
+fn undeclared_no_data_is_a_warning() {
+    let folder = Folder::new();
+    let examples = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    let mut grid = String::from("ncols 60\nnrows 40\ncellsize 0.5\nNODATA_value -1\n");
+    for cell in 0..2400 {
+        grid.push_str(if cell < 2 { "-9999 " } else { "0.5 " });
+    }
+    folder.file("flat.asc", grid);
+    let scenario = format!(
+        "format = 1\ntitle = \"flat\"\nrobot = \"{examples}/robots/skid-steer.toml\"\nseed = 1\nduration_s = 1.0\n\
+         [start]\nx_m = 5.0\n[ground]\nkind = \"file\"\nfile = \"flat.asc\"\nsoil = \"sand\"\n[[soil]]\nname = \"sand\"\n\
+         key = \"dry-sand\"\n[[leg]]\nduration_s = 1.0\nspeed_m_per_s = 0.1\n"
+    );
+    let path = folder.file("scenario.toml", scenario);
+    let said = grouser(["drive".as_ref(), path.as_os_str()]).assert_done();
+    assert!(
+        said.err
+            .contains("2 cells of the elevation model count as unknown: their height is -9999"),
+        "{said:?}"
+    );
+}

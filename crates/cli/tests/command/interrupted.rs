@@ -23,10 +23,7 @@ fn an_interrupted_job_leaves_nothing() {
             .unwrap();
         let begun = Instant::now();
         while folder.names().is_empty() {
-            assert!(
-                begun.elapsed() < Duration::from_secs(30),
-                "the output was never begun"
-            );
+            assert!(begun.elapsed() < LIMIT, "the output was never begun");
             thread::sleep(Duration::from_millis(2));
         }
         // It is being written under another name.
@@ -61,7 +58,7 @@ fn an_interrupted_search_keeps_the_best_so_far() {
     std::fs::write(&problem, text).unwrap();
     let output = folder.path("front.csv");
     // on a loaded machine three seconds are not enough for a front
-    for seconds in [3, 10, 30] {
+    for seconds in [3, 10, 30, 100, 300] {
         let arguments = [
             OsStr::new("optimize"),
             problem.as_ref(),

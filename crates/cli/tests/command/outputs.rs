@@ -10,7 +10,7 @@ use std::process::{Child, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::program::{Folder, grouser, line, start, wait};
+use super::program::{Folder, LANE_SOIL, LIMIT, grouser, line, start, wait};
 
 const TABLE: &str = "soil,radius_m,width_m,slip,load_n\nlunar,0.1,0.1,0.2,40\n";
 
@@ -31,7 +31,7 @@ fn waiting(folder: &Folder, output: &Path) -> Child {
     let begun = Instant::now();
     let is_new = |name: &String| name.ends_with(".partial") && !before.contains(name);
     while !folder.names().iter().any(is_new) {
-        assert!(begun.elapsed() < Duration::from_secs(30), "never begun");
+        assert!(begun.elapsed() < LIMIT, "never begun");
         thread::sleep(Duration::from_millis(2));
     }
     child
@@ -171,12 +171,7 @@ fn no_verb_writes_over_a_file_that_it_reads() {
     ] {
         fs::copy(example(from), folder.path(name)).unwrap();
     }
-    // a soil that lanes serve: a map takes thirty times as long with the laws of the template
-    folder.file(
-        "soil.toml",
-        "format = 1\nname = \"sand\"\nn = 1.1\nk_c_kn_per_m_n1 = 0.9\nk_phi_kn_per_m_n2 = 1528.4\n\
-         cohesion_kpa = 1.0\nphi_deg = 30.0\nk_shear_m = 0.025\nc_1 = 0.18\nc_2 = 0.32\n",
-    );
+    folder.file("soil.toml", LANE_SOIL);
     let soil = folder.path("soil.toml").display().to_string();
     folder.file("in.csv", TABLE);
     folder.file("of-file.csv", TABLE.replace("lunar", &soil));

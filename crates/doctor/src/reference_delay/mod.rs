@@ -6,7 +6,7 @@
 mod fit;
 mod rims;
 mod steps;
-mod track;
+pub(crate) mod track;
 mod tracks;
 
 use std::fmt;
@@ -14,6 +14,7 @@ use std::fmt;
 use grouser_files::robot::RobotFile;
 
 use fit::{Delays, Fitted, Kind, fit};
+pub(crate) use tracks::Passed;
 pub use tracks::Tracks;
 
 /// Possible delays wider than this are no measurement, s.
@@ -117,7 +118,8 @@ impl ReferenceDelay {
     }
 
     /// The delay of the reference in several logs, each a run; `None` where they do not show it: too short, no absolute
-    /// reference, hardly a change of speed or of turn, or where halves of the logs or wheels and gyro contradict each other.
+    /// reference, hardly a change of speed or of turn, or where halves of the logs contradict each other. Where those of the wheels do,
+    /// it is that of the gyro.
     #[must_use]
     pub fn find(logs: &[Tracks], file: &RobotFile) -> Option<Self> {
         let stated_s = file.filter.reference_latency;
@@ -141,9 +143,12 @@ impl ReferenceDelay {
             if let Some(joint) = within(delays, &[Kind::Way, Kind::Turn]) {
                 return Some((joint, None));
             }
-            let way = within(delays, &[Kind::Way])?;
             let turn = within(delays, &[Kind::Turn])?;
-            Some((way, Some(way.delay_s - turn.delay_s)))
+            // a gyro does not slip: where slip hides the wheels' delay, or makes several of it, theirs is the gyro's
+            Some(match within(delays, &[Kind::Way]) {
+                Some(way) => (way, Some(way.delay_s - turn.delay_s)),
+                None => (turn, None),
+            })
         };
         let (fitted, gyro_delay_s) = both(CORRECTED).or_else(|| both(CLOCKS))?;
         let Fitted {

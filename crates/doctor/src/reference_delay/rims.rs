@@ -9,15 +9,17 @@ use crate::motion::{common_heading, wheel_travel};
 
 /// A wheel that is read less often is not known in between, s.
 const MAX_GAP_S: f64 = 0.5;
+/// A forgotten gear makes wheels faster than a robot; this many times its speed is a counter that was reset.
+const MAX_GEAR: f64 = 50.0;
 /// Wheels whose headings differ by less (cosine) drive one way.
 const PARALLEL_COSINE: f64 = 0.98;
 
 /// The mean way of the powered wheels along their heading. Steered ones count by the cosine of their angle.
 #[derive(Clone, Debug)]
-pub(super) struct Rims {
-    pub(super) track: Track,
+pub(crate) struct Rims {
+    pub(crate) track: Track,
     /// Cosine and sine of the heading; `None` of a robot whose wheels point apart.
-    pub(super) along: Option<[f64; 2]>,
+    pub(crate) along: Option<[f64; 2]>,
     wheels: Vec<Rim>,
     /// Of a wheel in the mean.
     share: f64,
@@ -47,7 +49,7 @@ impl Rims {
             along: common_heading(&file.robot, PARALLEL_COSINE),
             share: 1.0 / (powered.count().max(1) as f64),
             wheels,
-            max_speed: file.settings.max_speed,
+            max_speed: MAX_GEAR * file.settings.max_speed,
         }
     }
 

@@ -37,17 +37,15 @@ impl Step {
 #[derive(Clone, Debug)]
 pub(super) struct Steps {
     reference: Reference,
-    yaw_offset: f64,
     pose: Option<[f64; 3]>,
     /// What passed since the last step; of speeds, the last.
     open: Option<Step>,
 }
 
 impl Steps {
-    pub(super) const fn new(reference: Reference, yaw_offset: f64) -> Self {
+    pub(super) const fn new(reference: Reference) -> Self {
         Self {
             reference,
-            yaw_offset,
             pose: None,
             open: None,
         }
@@ -77,7 +75,6 @@ impl Steps {
                 self.add(time_s, [forward, left], turn)
             }
             Measurement::Pose { x, y, yaw } if self.reference == Reference::Pose => {
-                let yaw = yaw - self.yaw_offset;
                 let last = self.pose.replace([x, y, yaw]).unwrap_or([x, y, yaw]);
                 let (way, turn) = displacement(last, [x, y, yaw]);
                 self.add(time_s, way, Some(turn))

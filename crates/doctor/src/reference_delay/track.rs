@@ -5,7 +5,7 @@ const MIN_STEP_S: f64 = 0.009;
 
 /// A sum over time.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Track {
+pub(crate) struct Track {
     times_s: Vec<f64>,
     /// NaN where a time without knowledge begins.
     sums: Vec<f64>,
@@ -14,7 +14,7 @@ pub(super) struct Track {
 
 impl Track {
     /// Adds what has passed at a time, not earlier than those before.
-    pub(super) fn add(&mut self, time_s: f64, passed: f64) {
+    pub(crate) fn add(&mut self, time_s: f64, passed: f64) {
         self.sum += passed;
         let since_s = self
             .times_s
@@ -53,7 +53,7 @@ impl Track {
     }
 
     /// What passed between two times; NaN where one of them is not known.
-    pub(super) fn between(&self, from_s: f64, to_s: f64) -> f64 {
+    pub(crate) fn between(&self, from_s: f64, to_s: f64) -> f64 {
         self.at(to_s) - self.at(from_s)
     }
 

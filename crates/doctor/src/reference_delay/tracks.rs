@@ -15,28 +15,27 @@ const MAX_LOG_S: f64 = 1800.0;
 
 /// What the reference measured between two stamps.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Passed {
-    pub(super) from_s: f64,
-    pub(super) to_s: f64,
+pub(crate) struct Passed {
+    pub(crate) from_s: f64,
+    pub(crate) to_s: f64,
     /// m or rad.
-    pub(super) amount: f64,
+    pub(crate) amount: f64,
 }
 
 /// How far wheels, gyro and reference moved over a log, for [`ReferenceDelay::find`](super::ReferenceDelay::find).
 #[derive(Clone, Debug)]
 pub struct Tracks {
     sensor: WheelSensor,
-    yaw_rate_scale: f64,
     /// The powered wheels along the robot, m.
-    pub(super) rims: Rims,
+    pub(crate) rims: Rims,
     /// Turn by the gyro, rad.
-    pub(super) gyro: Track,
+    pub(crate) gyro: Track,
     steps: Steps,
     start_ns: Option<i64>,
     last_rate: Option<(f64, f64)>,
     /// What the reference measured.
-    pub(super) ways: Vec<Passed>,
-    pub(super) turns: Vec<Passed>,
+    pub(crate) ways: Vec<Passed>,
+    pub(crate) turns: Vec<Passed>,
 }
 
 impl Tracks {
@@ -45,10 +44,9 @@ impl Tracks {
     pub fn new(file: &RobotFile, reference: Reference, sensor: WheelSensor) -> Self {
         Self {
             sensor,
-            yaw_rate_scale: file.corrections.yaw_rate_scale,
             rims: Rims::new(file),
             gyro: Track::default(),
-            steps: Steps::new(reference, file.corrections.pose_yaw_offset),
+            steps: Steps::new(reference),
             start_ns: None,
             last_rate: None,
             ways: Vec::new(),
@@ -56,7 +54,7 @@ impl Tracks {
         }
     }
 
-    /// Takes a sample that is a reading, not earlier than those before; is the log long enough now?
+    /// Takes a sample that is a reading of the robot's origin, corrected as the robot file states it, not earlier than those before; is the log long enough now?
     pub fn take(&mut self, sample: &Sample) -> bool {
         let start = *self.start_ns.get_or_insert(sample.time_ns);
         let time_s = sample.time_ns.saturating_sub(start) as f64 * 1e-9;
@@ -64,7 +62,6 @@ impl Tracks {
             return time_s > MAX_LOG_S;
         }
         if let Measurement::YawRate { rate } = sample.measurement {
-            let rate = rate * self.yaw_rate_scale;
             let last = self.last_rate.replace((time_s, rate));
             match last.filter(|(last_s, _)| time_s - last_s <= MAX_GYRO_GAP_S) {
                 Some((last_s, last)) => {

@@ -20,7 +20,8 @@ pub(super) fn check_columns(section: &Section<'_>, columns: &[Column]) -> Result
 pub(crate) fn check_together(at: &Place, columns: &[Column]) -> Result<()> {
     for (index, column) in columns.iter().enumerate() {
         let twice = columns[..index].iter().find(|other| {
-            column.meaning.is_same_reading(other.meaning) && other.wheel == column.wheel
+            column.meaning.is_same_reading(other.meaning)
+                && (&other.wheel, &other.joint) == (&column.wheel, &column.joint)
         });
         if let Some(other) = twice {
             let (name, other) = (column.meaning.name(), other.meaning.name());

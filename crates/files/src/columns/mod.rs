@@ -12,6 +12,7 @@
 //! missing = ["nan"]            # what stands for "no value", besides an empty field
 //! time = { column = "stamp", unit = "ns" }   # s, ms, us, ns, or "date" for 2026-03-02T09:15:30.25Z
 //! # time = { column = "sec", unit = "s", nanoseconds = "nanosec" }  # and a column of the nanoseconds beyond it
+//! # time = { column = "Date", unit = "date", time_of_day = "Time" }  # a date, and the time of day in another column
 //! columns = [
 //!     { column = "left",  meaning = "wheel_angle", wheel = "left",  unit = "rad" },
 //!     { column = "right", meaning = "wheel_angle", wheel = "right", unit = "rad" },
@@ -28,6 +29,8 @@ use grouser_slip::{MeasurementKind, Reference};
 use crate::document::Document;
 use crate::error::{Error, Result};
 use crate::section::Section;
+use crate::suggestion::nearest;
+use crate::suspension::SuspensionJoint;
 use crate::unit::Quantity;
 
 use check::check_columns;
@@ -97,12 +100,20 @@ meanings! {
     WheelSteering = "wheel_steering", Angle => SteeringAngle;
     /// Angle of the robot's steering as a whole, to the left: see `[steering]` of the robot file.
     SteeringAngle = "steering_angle", Angle => Steering;
+    /// Angle of a joint of the suspension from its rest, by the link that it turns ([`Column::joint`]), nose down positive.
+    JointAngle = "joint_angle", Angle => JointAngle;
     /// The robot's yaw rate.
     YawRate = "yaw_rate", AngularRate => YawRate;
     /// What an accelerometer feels forwards, gravity's share on a slope included.
     AccelerationForward = "acceleration_forward", Acceleration => Acceleration;
     /// What it feels to the left.
     AccelerationLeft = "acceleration_left", Acceleration => Acceleration [AccelerationForward];
+    /// What it feels upwards: with the roll and pitch rates it shows how the robot is inclined.
+    AccelerationUp = "acceleration_up", Acceleration => Inertial [AccelerationForward AccelerationLeft RollRate PitchRate YawRate];
+    /// The robot's roll rate, right side down positive.
+    RollRate = "roll_rate", AngularRate => Inertial [AccelerationUp];
+    /// Its pitch rate, nose down positive.
+    PitchRate = "pitch_rate", AngularRate => Inertial [AccelerationUp];
     /// Way forwards since the row before, in the robot's frame; [`Column::frame`] has which.
     DisplacementForward = "displacement_forward", Length => Displacement [DisplacementLeft];
     /// Way to the left since the row before.
@@ -186,14 +197,29 @@ pub struct Column {
     pub meaning: Meaning,
     /// The wheel it belongs to.
     pub wheel: Option<String>,
+    /// The joint whose angle it is.
+    pub joint: Option<SuspensionJoint>,
     /// What one of it is in SI.
     pub factor: f64,
     /// What is added in SI: a sinkage by a sensor that measures its distance from the ground.
     pub offset: f64,
     /// The frame in which a displacement is stated; [`Frame::Halfway`] of all other columns.
     pub frame: Frame,
-    /// May a table lack it? Of sinkages and entry angles, which no slip needs.
+    /// May a table lack it? Of what no slip needs.
     pub is_optional: bool,
+}
+
+impl Meaning {
+    /// May a table lack a column of this meaning?
+    const fn may_be_missing(self) -> bool {
+        matches!(
+            self.kind(),
+            MeasurementKind::Sinkage
+                | MeasurementKind::EntryAngle
+                | MeasurementKind::JointAngle
+                | MeasurementKind::Inertial
+        )
+    }
 }
 
 /// The robot's frame in which a displacement is stated.
@@ -219,7 +245,7 @@ pub struct TimeColumn {
     pub column: String,
     /// Its unit.
     pub unit: TimeUnit,
-    /// The column of the nanoseconds that are added to it, as ROS 2 divides a time.
+    /// The column of the nanoseconds that are added to it, as ROS 2 divides a time; of a date, that of the time of day.
     pub nanoseconds: Option<String>,
     /// What is added to its times, ns: a table that counts from its own start beside a bag.
     pub offset_ns: i64,
@@ -235,6 +261,14 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
+    /// The key of a second column.
+    pub(crate) const fn second_key(self) -> &'static str {
+        match self {
+            Self::Date => "time_of_day",
+            Self::Nanoseconds(_) => "nanoseconds",
+        }
+    }
+
     /// Every unit with its name in files.
     pub const NAMES: [(&'static str, Self); 5] = [
         ("s", Self::Nanoseconds(1_000_000_000)),
@@ -322,7 +356,15 @@ pub fn parse(document: &Document) -> Result<ColumnMap> {
                 key: "table",
             });
         }
-        Ok(ColumnMap { tables })
+        let mut map = ColumnMap { tables };
+        for table in &mut map.tables {
+            // links are described by robot files
+            resolve_links(&mut table.columns, &[]).map_err(|message| Error::Contradiction {
+                at: root.place_of("table"),
+                message,
+            })?;
+        }
+        Ok(map)
     })
 }
 
@@ -355,7 +397,9 @@ pub(crate) fn read_table(section: &Section<'_>) -> Result<Table> {
         Ok(TimeColumn {
             column: time.text("column")?.into(),
             unit: time.choice("unit", &TimeUnit::NAMES)?,
-            nanoseconds: time.optional_text("nanoseconds")?.map(Into::into),
+            nanoseconds: time
+                .optional_text(time.choice("unit", &TimeUnit::NAMES)?.second_key())?
+                .map(Into::into),
             #[allow(
                 clippy::cast_possible_truncation,
                 reason = "within the limits of the key"
@@ -413,11 +457,11 @@ fn read_column(section: &Section<'_>) -> Result<Column> {
     let column = section.text("column")?.into();
     let mut column = read_meaning(section, column)?;
     column.is_optional = section.flag("optional")?;
-    if column.is_optional && !matches!(column.meaning, Meaning::Sinkage | Meaning::EntryAngle) {
+    if column.is_optional && !column.meaning.may_be_missing() {
         return Err(Error::Contradiction {
             at: section.place_of("optional"),
             message: format!(
-                "`optional` belongs to `sinkage` and `entry_angle`, not to `{}`",
+                "`optional` belongs to what no slip needs (`sinkage`, `joint_angle`), not to `{}`",
                 column.meaning.name()
             ),
         });
@@ -455,17 +499,49 @@ pub(crate) fn read_meaning(section: &Section<'_>, column: String) -> Result<Colu
     }
     let offset = section.optional_number("offset_m", (-1e3, 1e3))?;
     check_owner(section, "offset_m", (Meaning::Sinkage, meaning))?;
+    let link = section.optional_text("link")?;
+    check_owner(section, "link", (Meaning::JointAngle, meaning))?;
+    if meaning == Meaning::JointAngle && link.is_none() {
+        return Err(Error::Contradiction {
+            at: section.place(),
+            message: "`joint_angle` needs the `link` that the joint turns".into(),
+        });
+    }
     let frame = section.optional_choice("frame", &Frame::NAMES)?;
     check_owner(section, "frame", (Meaning::DisplacementForward, meaning))?;
     Ok(Column {
         column,
         meaning,
         wheel: wheel.map(Into::into),
+        joint: link.map(SuspensionJoint::of_link),
         factor: unit * scale.unwrap_or(1.0),
         offset: offset.unwrap_or(0.0),
         frame: frame.unwrap_or_default(),
         is_optional: false,
     })
+}
+
+/// Finds the joints of columns among those of the robot.
+pub(crate) fn resolve_links(
+    columns: &mut [Column],
+    links: &[SuspensionJoint],
+) -> std::result::Result<(), String> {
+    for joint in columns
+        .iter_mut()
+        .filter_map(|column| column.joint.as_mut())
+    {
+        let known = links.iter().find(|known| known.link == joint.link);
+        *joint = known.cloned().ok_or_else(|| {
+            let link = &joint.link;
+            let meant = nearest(link, links.iter().map(|known| known.link.as_str()));
+            let hint = meant.map_or_else(
+                || "the robot file that has the `[[table]]` describes it".to_owned(),
+                |meant| format!("did you mean \"{meant}\"?"),
+            );
+            format!("no [[link]] is named \"{link}\": {hint}")
+        })?;
+    }
+    Ok(())
 }
 
 /// Refuses a key that belongs to columns of another meaning (`owner`) than this one's.

@@ -49,7 +49,8 @@ pub(crate) fn write_table(out: &mut TomlText, table: &Table) {
         quoted(&table.time.column),
         unit.map_or("s", |(name, _)| *name),
         (table.time.nanoseconds.as_ref()).map_or_else(String::new, |column| format!(
-            ", nanoseconds = {}",
+            ", {} = {}",
+            table.time.unit.second_key(),
             quoted(column)
         )),
         match table.time.offset_ns {
@@ -82,6 +83,7 @@ pub(crate) fn meaning(column: &Column, between: &str) -> String {
             .iter()
             .map(|wheel| format!("wheel = {}", quoted(wheel))),
     );
+    keys.extend((column.joint.iter()).map(|joint| format!("link = {}", quoted(&joint.link))));
     let all = Meaning::ALL.iter();
     let quantity =
         all.filter_map(|(_, own, quantity)| (*own == column.meaning).then_some(quantity));

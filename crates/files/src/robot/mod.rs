@@ -46,7 +46,7 @@ use grouser_slip::{CounterWidth, Encoder, Measurement, Reference, Robot, Shaft, 
 use grouser_terra::Angle;
 
 use crate::body::{self, BodyFile};
-use crate::columns::{ColumnMap, read_table};
+use crate::columns::{ColumnMap, read_table, resolve_links};
 use crate::document::Document;
 use crate::error::{Error, Result};
 use crate::fields::read_fields;
@@ -148,6 +148,8 @@ pub struct RobotFile {
 pub struct Corrections {
     /// Yaw of what measures the pose in the robot's frame (the markers of motion capture), rad.
     pub pose_yaw_offset: f64,
+    /// Position of what measures the pose, the displacement or the speed in the robot's frame, forwards and to the left, m.
+    pub reference_place: [f64; 2],
     /// Factor on every yaw rate.
     pub yaw_rate_scale: f64,
     /// Factor on the standard deviation of every slip.
@@ -158,6 +160,7 @@ impl Default for Corrections {
     fn default() -> Self {
         Self {
             pose_yaw_offset: 0.0,
+            reference_place: [0.0; 2],
             yaw_rate_scale: 1.0,
             interval_factor: 1.0,
         }
@@ -170,15 +173,23 @@ impl Corrections {
     fn read(section: &Section<'_>) -> Result<Self> {
         let offset = section.optional_number("pose_yaw_offset_deg", (-360.0, 360.0))?;
         let scale = section.optional_number("yaw_rate_scale", (0.2, 5.0))?;
+        let mut reference_place = [0.0; 2];
+        for (place, key) in reference_place.iter_mut().zip(REFERENCE_PLACE_KEYS) {
+            *place = section
+                .optional_number(key, (-100.0, 100.0))?
+                .unwrap_or(0.0);
+        }
         let factor = section.optional_number("interval_factor", Self::FACTOR)?;
         Ok(Self {
             pose_yaw_offset: offset.map_or(0.0, f64::to_radians),
+            reference_place,
             yaw_rate_scale: scale.unwrap_or(1.0),
             interval_factor: factor.unwrap_or(1.0),
         })
     }
 }
 
+pub(crate) const REFERENCE_PLACE_KEYS: [&str; 2] = ["reference_x_m", "reference_y_m"];
 /// The key of [`FilterSettings::reference_latency`].
 const REFERENCE_LATENCY_KEY: &str = "reference_latency_s";
 const POSITION_SIGMA_KEY: &str = "position_sigma_m";
@@ -233,8 +244,10 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let position_sigma = is_position_sigma_stated.then_some(settings.position_sigma);
         let filter = filter_of(&settings, position_sigma);
         let (filter, is_reference_latency_stated) = read_filter(root, filter)?;
-        let (mut topics, columns) = read_meanings(root)?;
+        let (mut topics, mut columns) = read_meanings(root)?;
         topics.position_sigma = position_sigma;
+        topics.is_mounting_stated =
+            corrections.reference_place != [0.0; 2] || corrections.pose_yaw_offset != 0.0;
         let steering = root.section("steering", read_section)?;
         let (mut joints, mut torque_per_ampere) = (Vec::new(), Vec::new());
         let wheels = root.sections("wheel", |section| {
@@ -245,6 +258,16 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let (mut wheels, bodies): (Vec<Wheel>, Vec<_>) = wheels.into_iter().unzip();
         put_joint(steering.as_ref(), &mut wheels);
         let body = body::read(root, bodies)?;
+        topics.suspension = body.as_ref().map(BodyFile::suspension);
+        let tables = columns.iter_mut().flat_map(|map| &mut map.tables);
+        let fields = topics.fields.iter_mut().map(|of| &mut of.fields);
+        for columns in tables.map(|table| &mut table.columns).chain(fields) {
+            let links = topics.suspension.as_deref().unwrap_or_default();
+            resolve_links(columns, links).map_err(|message| Error::Contradiction {
+                at: root.place_of("table"),
+                message,
+            })?;
+        }
         let robot = Robot::new(name.into(), wheels).map_err(|source| Error::Robot {
             at: root.place_of("wheel"),
             source,

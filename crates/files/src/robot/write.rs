@@ -5,7 +5,8 @@ use grouser_slip::{Shaft, Wheel, WheelRole};
 use grouser_terra::{GrouserRule, Grousers};
 
 use super::{
-    POSITION_SIGMA_KEY, REFERENCE_LATENCY_KEY, RobotFile, default_contact_sigmas, filter_of,
+    POSITION_SIGMA_KEY, REFERENCE_LATENCY_KEY, REFERENCE_PLACE_KEYS, RobotFile,
+    default_contact_sigmas, filter_of,
 };
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
 use crate::columns::{meaning, write_table};
@@ -43,6 +44,14 @@ pub fn to_toml(file: &RobotFile) -> String {
     let corrections = &file.corrections;
     if corrections.pose_yaw_offset != 0.0 {
         out.degrees("pose_yaw_offset_deg", corrections.pose_yaw_offset);
+    }
+    for (key, place) in REFERENCE_PLACE_KEYS
+        .into_iter()
+        .zip(corrections.reference_place)
+    {
+        if place != 0.0 {
+            out.number(key, place);
+        }
     }
     for (key, factor) in [
         ("yaw_rate_scale", corrections.yaw_rate_scale),

@@ -14,7 +14,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
-use crate::source::Source;
+use crate::source::{Source, unfolded_limit};
 pub use event::{Channel, Damage, Encoding, Event, Format, Message};
 use fields::Fields;
 use scan::Scan;
@@ -37,10 +37,6 @@ pub(crate) const DECLARED_LIMIT: usize = 4 << 20;
 pub fn unpacked_limit(file_bytes: u64) -> u64 {
     ((32 << 20) + file_bytes / 2).min(CHUNK_LIMIT)
 }
-
-/// How many bytes chunks may unfold to in all for each byte of the file read so far, beyond the first
-/// 64 MiB: a file of many small bombs would take minutes. Logs unfold to less than a hundred.
-const UNFOLDING: u64 = 256;
 
 /// The report where a record's length made the reader pass over others.
 const SWALLOWED: &str = "a record declares more bytes than it has";
@@ -531,7 +527,7 @@ fn room_for(declared: u64, packing: Packing, scan: &Scan, unfolded: &mut u64) ->
     if packing == Packing::None {
         return CHUNK_LIMIT;
     }
-    let all = (64 << 20) + UNFOLDING.saturating_mul(scan.offset());
+    let all = unfolded_limit(scan.offset());
     let room = unpacked_limit(scan.length()).min(all.saturating_sub(*unfolded));
     if declared <= room {
         *unfolded += declared;

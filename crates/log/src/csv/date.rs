@@ -2,8 +2,36 @@
 
 const DAY_S: i64 = 86_400;
 
-/// `2026-03-02T09:15:30.25Z`, `2026-03-02 09:15:30+01:00`; without a zone it is UTC. `None` for anything else.
+/// `2026-03-02T09:15:30.25Z`, `2026-03-02 09:15:30+01:00`; without a zone it is UTC. Also `2026/03/02/09:15:30.25` and
+/// `2026_03_02_09_15_30_250`. `None` for anything else.
 pub(super) fn nanoseconds(text: &str) -> Option<i64> {
+    match text.as_bytes().get(4) {
+        Some(mark @ (b'/' | b'_' | b'.')) => of_iso(&iso(text, char::from(*mark))?),
+        _ => of_iso(text),
+    }
+}
+
+/// A date and a time of day that stand in two columns.
+pub(super) fn of_two(day: &str, time: &str) -> Option<i64> {
+    let is_bare = |text: &str, length: usize| text.len() >= length && !text.contains(['T', ' ']);
+    (day.len() == 10 && is_bare(time, 5)).then(|| nanoseconds(&format!("{day} {time}")))?
+}
+
+/// The same in the form of ISO 8601.
+fn iso(text: &str, mark: char) -> Option<String> {
+    let (day, rest) = text.split_at_checked(10)?;
+    let (between, time) = rest.split_at_checked(1)?;
+    let is_known = between.starts_with([mark, 'T', 't', ' ', '/', '-']);
+    let time = if mark == '_' {
+        time.replacen('_', ":", 2).replacen('_', ".", 1)
+    } else {
+        time.to_owned()
+    };
+    let is_known = is_known && day.get(7..8) == day.get(4..5);
+    is_known.then(|| format!("{}T{time}", day.replace(mark, "-")))
+}
+
+fn of_iso(text: &str) -> Option<i64> {
     let (day, rest) = text.split_at_checked(10)?;
     let mut parts = day.split('-');
     let (year, month, date) = (
@@ -79,7 +107,7 @@ const fn days(year: i64, month: i64, date: i64) -> i64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{days, nanoseconds};
+    use super::{days, nanoseconds, of_two};
 
     /// What every day of seven centuries is by counting them.
     #[test]
@@ -149,6 +177,30 @@ mod tests {
         ] {
             assert_eq!(nanoseconds(bad), None, "{bad}");
         }
+    }
+
+    #[test]
+    fn dates_in_other_forms_are_read() {
+        let right = nanoseconds("2026-03-02T09:15:30.25Z");
+        for text in [
+            "2026/03/02/09:15:30.25",
+            "2026/03/02 09:15:30.25",
+            "2026_03_02_09_15_30_250",
+            "2026.03.02 09:15:30.25",
+        ] {
+            assert_eq!(nanoseconds(text), right, "{text}");
+        }
+        assert_eq!(of_two("2026-03-02", "09:15:30.25"), right);
+        assert_eq!(of_two("2026/03/02", "09:15:30.25"), right);
+        for bad in [
+            "2026/03/02",
+            "2026/03-02/09:15",
+            "2026_03_02_09",
+            "2026.03.02",
+        ] {
+            assert_eq!(nanoseconds(bad), None, "{bad}");
+        }
+        assert_eq!(of_two("0.25000000", "0.5"), None);
     }
 
     #[test]

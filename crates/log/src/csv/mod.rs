@@ -16,5 +16,5 @@ pub use fields::{BadQuote, Field, lines, quoted, split};
 pub(crate) use lines::names;
 pub use lines::{LINE_LIMIT, Lines};
 pub use number::finite;
-pub(crate) use number::time_ns;
+pub(crate) use number::{time_ns, time_of_two};
 pub(crate) use reader::{Counts, CsvReader, TABLE_LOOK_AHEAD};

@@ -80,6 +80,14 @@ pub(crate) fn time_ns(text: &str, decimal: u8, unit: TimeUnit) -> Result<i64, No
     }
 }
 
+/// A time in two columns, ns: a date and the time of day.
+pub(crate) fn time_of_two(day: &str, time: &str) -> Result<i64, NotANumber> {
+    date::of_two(day.trim(), time.trim()).ok_or(NotANumber {
+        expected: "a date beside a time of day, such as 2026-03-02 and 09:15:30.25",
+        hint: None,
+    })
+}
+
 /// A time in nanoseconds; `unit` is one of the field's unit in nanoseconds.
 ///
 /// Plain decimals are exact, to the nanosecond below (a clock that counts nanoseconds from 1970 has

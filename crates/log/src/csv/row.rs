@@ -11,7 +11,7 @@ use grouser_slip::Measurement;
 /// Where in a row the parts of each reading stand.
 pub(crate) struct Plan {
     pub(crate) time: usize,
-    /// The field of the nanoseconds that are added to it.
+    /// The field of the nanoseconds that are added to it; of a date, that of the time of day.
     pub(crate) nanoseconds: Option<usize>,
     slots: Slots,
     /// The field of each column.
@@ -49,6 +49,13 @@ impl Plan {
                 problem,
             })
         };
+        if let (TimeUnit::Date, Some(of_day)) = (self.time_unit, self.nanoseconds) {
+            let both = number::time_of_two(field(self.time), field(of_day));
+            return both.map_err(|problem| BadField {
+                field: self.time,
+                problem,
+            });
+        }
         let whole = time(self.time, self.time_unit)?;
         let beyond = self
             .nanoseconds

@@ -3,7 +3,7 @@
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 
-use grouser_files::columns::{ColumnMap, Meaning};
+use grouser_files::columns::{Column, ColumnMap, Meaning};
 use grouser_files::topics::Topics;
 
 use super::Log;
@@ -64,7 +64,7 @@ impl Log {
         if found.iter().any(is_recording) {
             return Ok(false);
         }
-        found.iter().try_for_each(Source::refuse_database)?;
+        found.iter().try_for_each(Source::refuse_foreign)?;
         Ok(true)
     }
 
@@ -246,7 +246,7 @@ impl Log {
             files.push((file, table));
         }
         if files.is_empty() && recording.is_none() {
-            unused.iter().try_for_each(Source::refuse_database)?;
+            unused.iter().try_for_each(Source::refuse_foreign)?;
             let patterns: Vec<String> = (0..map.tables.len()).map(|t| pattern(&map, t)).collect();
             return Err(Error::NoTable {
                 log: log.to_owned(),
@@ -268,6 +268,18 @@ impl Log {
             .as_ref()
             .map_or_else(Vec::new, |recording| recording.choice.notes.clone());
         let (places, fixes) = places((&files, &map), (&recording, &wheels), topics, &mut notes);
+        let of_pose = |column: &Column| column.meaning == Meaning::PoseYaw;
+        let has_pose = recording
+            .as_ref()
+            .is_some_and(|all| all.choice.measures(Meaning::PoseYaw))
+            || files
+                .iter()
+                .any(|(_, table)| map.tables[*table].columns.iter().any(of_pose));
+        if topics.antenna != [0.0; 2] && places.is_none() && has_pose {
+            return Err(Error::NoPlaces {
+                log: log.to_owned(),
+            });
+        }
         Ok(Self {
             places,
             fixes,

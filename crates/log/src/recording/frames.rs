@@ -23,7 +23,7 @@ const BASES: [&str; 3] = ["base_link", "base_footprint", "base"];
 pub(crate) struct Link {
     frame: String,
     pub(super) parent: String,
-    translation: [f64; 3],
+    pub(super) translation: [f64; 3],
     pub(super) rotation: [f64; 4],
     /// Was it sent as one that never changes?
     pub(super) is_static: bool,

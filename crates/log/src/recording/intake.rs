@@ -131,6 +131,11 @@ struct Known {
     value: Value,
 }
 
+/// A time of the recorder.
+pub(super) fn recorded_ns(log_time_ns: u64) -> i64 {
+    i64::try_from(log_time_ns).unwrap_or(i64::MAX)
+}
+
 impl Intake {
     pub(crate) fn new(choice: Arc<Choice>, shifts_ns: Vec<i64>) -> Self {
         let mut jobs = choice.topics.iter().flat_map(|topic| &topic.jobs);
@@ -236,11 +241,16 @@ impl Intake {
     fn take(&mut self, channel: usize, log_time_ns: u64) {
         let known = &self.channels[channel];
         let is_stamped = self.choice.clock == Clock::Header;
-        let recorded = i64::try_from(log_time_ns).unwrap_or(i64::MAX);
+        let recorded = recorded_ns(log_time_ns);
         let shift_ns = self.shifts_ns.get(known.topic).copied().unwrap_or(0);
+        // a message without a stamp among others that have one
+        let ahead_ns = self.choice.topics[known.topic]
+            .ahead_ns
+            .filter(|_| is_stamped);
+        let unstamped = recorded.saturating_add(ahead_ns.unwrap_or(0));
         let time = |stamp: Option<i64>| {
             let stamp = stamp.filter(|_| is_stamped);
-            stamp.unwrap_or(recorded).saturating_add(shift_ns)
+            stamp.unwrap_or(unstamped).saturating_add(shift_ns)
         };
         let view = View::new(&known.type_name, &known.value);
         let chosen = &self.choice.topics[known.topic];

@@ -3,7 +3,7 @@
 use grouser_real::Real;
 use grouser_slip::Measurement;
 
-use super::mounting::dot;
+use super::mounting::{Base, dot};
 use crate::message::{NavSatFix, Trust, Value, View};
 use crate::orientation::yaw;
 use crate::slots::Slots;
@@ -13,14 +13,18 @@ use crate::slots::Slots;
 pub(crate) enum Job {
     /// Angles, rates or counts of wheels: each joint's name and its wheel.
     Joints(Vec<(String, usize)>),
+    /// Angles of the suspension: each joint's name, its number and its sense.
+    Suspension(Vec<(String, usize, f64)>),
+    /// Specific force and angular rate along these directions: forwards, to the left, up.
+    Inertial([[f64; 3]; 3]),
     /// Sinkages and entry angles of wheels, likewise.
     Contacts(Vec<(String, usize)>),
     /// The yaw rate about this direction.
     YawRate([f64; 3]),
     /// The acceleration along these directions, forwards and to the left.
     Acceleration([[f64; 3]; 2]),
-    /// A pose.
-    Pose,
+    /// A pose, of the robot or of a sensor that is mounted on it.
+    Pose(Option<Base>),
     /// Transforms, by which [`Intake`](super::Intake) follows the robot's pose.
     Transforms,
     /// A speed over ground, in the robot's frame.
@@ -64,6 +68,25 @@ impl Job {
         let usable = |trust: &[Trust]| trust.iter().all(|trust| trust.is_usable());
         match (self, view) {
             (Job::Joints(joints), Some(view)) => wheel_readings(joints, view, push),
+            (Job::Suspension(joints), Some(View::JointState(state))) => {
+                for (place, name) in state.names.iter().enumerate() {
+                    let known = joints.iter().find(|(own, ..)| own == name);
+                    if let (Some(&(_, joint, sign)), Some(angle)) =
+                        (known, state.position.get(place))
+                    {
+                        let angle = sign * angle;
+                        push(Measurement::JointAngle { joint, angle });
+                    }
+                }
+            }
+            (Job::Inertial(axes), Some(View::Imu(imu))) => {
+                if let Some((force, rate)) = imu.acceleration.zip(imu.angular_rate) {
+                    push(Measurement::Inertial {
+                        force: axes.map(|axis| dot(axis, force)),
+                        rate: axes.map(|axis| dot(axis, rate)),
+                    });
+                }
+            }
             (Job::Contacts(joints), Some(View::WheelContacts { names, contacts })) => {
                 for (name, [sinkage, entry_angle]) in names.iter().zip(contacts.iter()) {
                     let Some(&(_, wheel)) = joints.iter().find(|(joint, _)| joint == name) else {
@@ -96,16 +119,19 @@ impl Job {
                     });
                 }
             }
-            (Job::Pose, Some(View::Odometry(odometry))) => {
-                if let Some(yaw) =
-                    yaw(odometry.orientation).filter(|_| usable(&odometry.pose_trust))
-                {
-                    let [x, y, _] = odometry.position;
+            (Job::Pose(base), Some(View::Odometry(odometry))) if usable(&odometry.pose_trust) => {
+                let pose = (odometry.position, odometry.orientation);
+                let [x, y, _] = odometry.position;
+                let pose = match base {
+                    Some(base) => base.pose(pose.0, pose.1),
+                    None => yaw(pose.1).map(|yaw| [x, y, yaw]),
+                };
+                if let Some([x, y, yaw]) = pose {
                     push(Measurement::Pose { x, y, yaw });
                 }
             }
             (
-                Job::Pose,
+                Job::Pose(_),
                 Some(View::Pose {
                     position,
                     orientation,

@@ -4,6 +4,8 @@
 //! IMU's frame, or from gravity, which an accelerometer at rest measures upwards. The forward axis follows from
 //! transforms, or from the robot file.
 
+use grouser_real::Real;
+
 use super::frames::{MAX_CHAIN, Tree, is_base, plain};
 
 /// Standard gravity, m/s².
@@ -41,6 +43,41 @@ pub(super) fn axes_by_transforms(tree: &Tree, frame: &str) -> Option<[[f64; 3]; 
         }
     }
     Some(axes)
+}
+
+/// The robot's base in the frame of a sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Base {
+    /// Its origin, m, and the direction forwards.
+    origin: [f64; 3],
+    ahead: [f64; 3],
+}
+
+impl Base {
+    /// By the transforms that lead from `frame` to the base; `None` where they do not, or it is the base.
+    pub(super) fn of(tree: &Tree, frame: &str) -> Option<Self> {
+        let [ahead, left, up] = axes_by_transforms(tree, frame)?;
+        // the sensor's place in the base's frame
+        let (mut place, mut frame) = ([0.0; 3], plain(frame));
+        while !is_base(frame) {
+            let link = tree.get(frame).filter(|link| link.is_static)?;
+            place = turned(link.rotation, place)?;
+            place = std::array::from_fn(|i| place[i] + link.translation[i]);
+            frame = &link.parent;
+        }
+        let axes = [ahead, left, up];
+        let origin = std::array::from_fn(|i| -(0..3).map(|k| place[k] * axes[k][i]).sum::<f64>());
+        let is_other = place != [0.0; 3] || ahead != [1.0, 0.0, 0.0];
+        is_other.then_some(Self { origin, ahead })
+    }
+
+    /// Place and yaw of the base where the sensor has this pose.
+    pub(super) fn pose(&self, position: [f64; 3], orientation: [f64; 4]) -> Option<[f64; 3]> {
+        let beside = turned(orientation, self.origin)?;
+        let ahead = turned(orientation, self.ahead)?;
+        let yaw = Real::atan2(ahead[1], ahead[0]);
+        Some([position[0] + beside[0], position[1] + beside[1], yaw])
+    }
 }
 
 /// The directions forwards, to the left and up by two axes; `None` where they are not square to each other.

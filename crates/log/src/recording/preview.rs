@@ -7,7 +7,7 @@ use grouser_files::topics::Topics;
 
 use super::choose::{Choice, choose};
 use super::frames::{FirstTransforms, is_static};
-use super::intake::Intake;
+use super::intake::{Intake, recorded_ns};
 use super::mounting::Accelerations;
 use super::navigation::{Fixes, MAX_FIXES};
 use crate::container::{Channel, Container, Event};
@@ -25,6 +25,8 @@ const LOOK_NS: u64 = 1_000_000_000;
 const MAX_MESSAGES: u64 = 64;
 /// Messages whose joints' positions are looked at: a minute at 50 Hz.
 const MAX_POSITIONS: u64 = 3000;
+/// So many numbers that never show a motion, beside others that do, are not measured.
+const MIN_NUMBERS: u32 = 20;
 /// Joints of a topic that are kept.
 const MAX_JOINTS: usize = 4096;
 /// Messages of an IMU that are decoded, for the mean of gravity.
@@ -37,8 +39,8 @@ const MAX_IMU_MESSAGES: u64 = 20_000;
 pub(super) struct TopicPreview {
     pub(super) channel: Channel,
     pub(super) messages: u64,
-    /// Joints, and whether they have a position, a velocity.
-    pub(super) joints: BTreeMap<String, (bool, bool)>,
+    /// Joints, with what their positions and velocities are.
+    pub(super) joints: BTreeMap<String, [Numbers; 2]>,
     /// Their positions.
     pub(super) angles: BTreeMap<String, Angle>,
     /// Joints with a sinkage, an entry angle.
@@ -47,8 +49,39 @@ pub(super) struct TopicPreview {
     pub(super) fixes: Fixes,
     /// The first message that has a view, else the first.
     pub(super) sample: Option<Value>,
-    /// How far the first stamp is ahead of the recorder's clock, s; `None` without a stamp.
-    pub(super) stamp_ahead: Option<f64>,
+    /// How far the first stamp is ahead of the recorder's clock, ns; `None` without a stamp.
+    pub(super) ahead_ns: Option<i64>,
+}
+
+/// The numbers that a driver sends of a joint: their position, or their velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Numbers {
+    first: Option<f64>,
+    has_nan: bool,
+    count: u32,
+    varies: bool,
+}
+
+impl Numbers {
+    /// Takes a number of a joint at rest at `rest`, where that is known.
+    fn take(&mut self, number: Option<f64>, rest: Option<f64>) {
+        let Some(number) = number else { return };
+        if number.is_finite() {
+            self.count += 1;
+            self.varies |= *self.first.get_or_insert(rest.unwrap_or(number)) != number;
+        } else {
+            self.has_nan = true;
+        }
+    }
+
+    pub(super) const fn are_sent(&self) -> bool {
+        self.has_nan || self.first.is_some()
+    }
+
+    /// Are there numbers, and do they change where `other` does?
+    pub(super) const fn are_measured(&self, other: &Self) -> bool {
+        self.first.is_some() && (self.varies || !other.varies || self.count < MIN_NUMBERS)
+    }
 }
 
 /// The first messages of a run, by which the topics of an [`Intake`] are chosen.
@@ -178,11 +211,9 @@ impl Preview {
         let Ok(value) = decoder.decode(bytes) else {
             return;
         };
-        if seen.stamp_ahead.is_none() {
-            let log = i128::from(log_time_ns);
+        if seen.ahead_ns.is_none() {
             let stamp = stamp_of(&value).ok().flatten();
-            let ahead = stamp.map(|stamp| i128::from(stamp) - log);
-            seen.stamp_ahead = ahead.map(|ns| ns as f64 * 1e-9);
+            seen.ahead_ns = stamp.map(|stamp| stamp.saturating_sub(recorded_ns(log_time_ns)));
         }
         let view = View::new(&known.channel.type_name, &value);
         match &view {
@@ -257,7 +288,7 @@ impl Preview {
                 accelerations: Accelerations::default(),
                 fixes: Fixes::default(),
                 sample: None,
-                stamp_ahead: None,
+                ahead_ns: None,
             });
             self.topics.len() - 1
         })
@@ -282,13 +313,15 @@ impl TopicPreview {
                         let own = self.angles.entry(name.to_owned()).or_default();
                         own.unwrapped(angle);
                     }
-                    let has = self.joints.entry(name.to_owned()).or_default();
-                    has.0 |= index < joints.position.len();
-                    has.1 |= index < joints.velocity.len();
+                    let [positions, velocities] = self.joints.entry(name.to_owned()).or_default();
+                    positions.take(joints.position.get(index), None);
+                    velocities.take(joints.velocity.get(index), Some(0.0));
                 }
             }
             View::WheelTicks { names, .. } => {
-                let names = names.iter().map(|name| (name.to_owned(), (false, false)));
+                let names = names
+                    .iter()
+                    .map(|name| (name.to_owned(), Default::default()));
                 self.joints.extend(names.take(MAX_JOINTS));
             }
             View::WheelContacts { names, contacts } => {
@@ -329,7 +362,7 @@ mod tests {
         let topic = preview.enter(&channel);
         preview.topics[topic]
             .joints
-            .insert("left".to_owned(), (true, true));
+            .insert("left".to_owned(), Default::default());
         assert!(preview.has_looked());
         preview.span_ns = Some((7, 6 + LOOK_NS));
         assert!(!preview.has_looked());
@@ -349,17 +382,35 @@ mod tests {
             seen.take(&view);
         };
         take(seen, &["a", "b", "c"], [&[1.0], &[1.0, 2.0], &[]]);
-        let has = |seen: &TopicPreview| ["a", "b", "c"].map(|name| seen.joints[name]);
+        let of = |[position, velocity]: [Numbers; 2]| {
+            (
+                position.are_measured(&velocity),
+                velocity.are_measured(&position),
+            )
+        };
+        let has = |seen: &TopicPreview| ["a", "b", "c"].map(|name| of(seen.joints[name]));
         assert_eq!(has(seen), [(true, true), (false, true), (false, false)]);
         take(seen, &["a", "b", "c"], [&[1.0], &[1.0, 2.0], &[]]);
         assert_eq!(has(seen), [(true, true), (false, true), (false, false)]);
+        // a driver that leaves one of them at 0, or that sends no numbers
+        for row in 0..MIN_NUMBERS {
+            take(
+                seen,
+                &["d", "e"],
+                [&[0.0, f64::NAN], &[f64::from(row); 2], &[]],
+            );
+        }
+        assert_eq!(
+            ["d", "e"].map(|name| of(seen.joints[name])),
+            [(false, true); 2]
+        );
         let many: Vec<String> = (0..5000).map(|number| format!("joint_{number}")).collect();
         let many: Vec<&str> = many.iter().map(String::as_str).collect();
         take(seen, &many, [&[], &[], &[]]);
         assert_eq!(seen.joints.len(), MAX_JOINTS);
         // one that is known has room
         take(seen, &["c"], [&[1.0], &[], &[]]);
-        assert_eq!(seen.joints["c"], (true, false));
+        assert_eq!(of(seen.joints["c"]), (true, false));
     }
 
     #[test]

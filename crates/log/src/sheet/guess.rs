@@ -29,6 +29,17 @@ fn is_numbered(word: &str) -> bool {
 /// The guess for a column; `unit` is what a header line says. It, or the unit in the name, must fit.
 pub(crate) fn guess(name: &str, unit: Option<&str>, whole: bool) -> Option<Guess> {
     let (words, in_name) = split_unit(&named_axis(name));
+    // `CAN2.gnss_pos.Latitude`: what a bus calls itself is no part of the meaning
+    if let Some((_, last)) = name.rsplit_once('.')
+        && let Some((meaning, unit)) = of_fix(&super::words::words(last))
+        && matches!(meaning, Meaning::Latitude | Meaning::Longitude)
+    {
+        return Some(Guess {
+            meaning,
+            wheel: None,
+            unit,
+        });
+    }
     let Some(unit) = unit.filter(|unit| !unit.is_empty()) else {
         let found = by_name_and_unit(&words, in_name, whole);
         return match in_name {

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use crate::csv::{Lines, finite, names, split};
+use grouser_files::columns::TimeUnit;
+
+use crate::csv::{Lines, finite, names, split, time_ns};
 use crate::error::{Error, Result};
 
 /// The layout is read from this many lines.
@@ -10,6 +12,7 @@ const LAYOUT_LINES: usize = 64;
 /// The maximum number of header lines.
 const MAX_HEADER_LINES: usize = 20;
 const NO_NAMES: &str = "no header line that names its columns (a column map with `header_lines = 0` calls them by their numbers)";
+const TAGGED: &str = "lines that begin with a word for their kind: `grep '^WORD ' FILE > WORD.txt` makes a table of each kind";
 const SEPARATORS: [u8; 5] = [b',', b';', b'\t', b'|', b' '];
 
 /// The layout of a table.
@@ -89,7 +92,21 @@ impl Layout {
         if header_lines > MAX_HEADER_LINES {
             return Err(empty(NO_NAMES));
         }
-        let is_number = |field: &String| field.is_empty() || finite(field, decimal).is_ok();
+        let is_number = |field: &String| {
+            field.is_empty()
+                || finite(field, decimal).is_ok()
+                || time_ns(field, decimal, TimeUnit::Date).is_ok()
+        };
+        let is_word = |field: &String| field.starts_with(|letter: char| letter.is_alphabetic());
+        let is_tagged = |line: &String| {
+            let fields = fields(line, separator);
+            fields.first().is_some_and(is_word)
+                && fields.len() > 1
+                && fields[1..].iter().all(is_number)
+        };
+        if header_lines == 0 && first.iter().filter(|line| !line.is_empty()).all(is_tagged) {
+            return Err(empty(TAGGED));
+        }
         if header_lines == 0 && fields(&first[0], separator).iter().all(is_number) {
             return Ok(Self {
                 separator,

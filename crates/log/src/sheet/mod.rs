@@ -15,7 +15,7 @@ use std::sync::Arc;
 use grouser_files::columns::{Meaning, TimeUnit};
 use grouser_real::{Real, median};
 
-use crate::csv::{Lines, finite, split, time_ns};
+use crate::csv::{Lines, finite, split, time_ns, time_of_two};
 use crate::error::Result;
 use crate::source::Source;
 pub use guess::Guess;
@@ -71,6 +71,8 @@ pub struct SheetColumn {
     pub max_step: f64,
     /// What it probably means.
     pub guess: Option<Guess>,
+    /// The word for a number that is missing (`nan`), where there is one; such fields count as empty.
+    pub missing: Option<String>,
     /// How many numbers are larger than a turn, taken for radians.
     beyond_a_turn: u64,
 }
@@ -81,7 +83,7 @@ pub struct SheetColumn {
 pub struct SheetTime {
     /// The index of its column.
     pub column: usize,
-    /// The index of the column of the nanoseconds beyond it.
+    /// The index of the column of the nanoseconds beyond it; of a date, that of the time of day.
     pub nanoseconds: Option<usize>,
     /// Its unit, as column maps name it.
     pub unit: &'static str,
@@ -133,22 +135,7 @@ impl Sheet {
         let layout = Layout::read(path)?;
         let count = Arc::default();
         let mut lines = Lines::from_source(&Source::file(path.to_owned()), &count)?;
-        let mut sheet = Self {
-            separator: layout.separator,
-            decimal: layout.decimal,
-            header_lines: layout.header_lines,
-            names_line: layout.names_line,
-            columns: layout
-                .names
-                .iter()
-                .take(MAX_COLUMNS)
-                .map(|name| SheetColumn::new(name))
-                .collect(),
-            rows: 0,
-            ragged: 0,
-            is_cut_off: false,
-            time: None,
-        };
+        let mut sheet = Self::new(&layout);
         for _ in 0..layout.header_lines {
             lines.advance()?;
         }
@@ -162,6 +149,7 @@ impl Sheet {
         let mut clocks: Vec<Clock> = candidates.iter().map(|_| Clock::default()).collect();
         let mut lasts = vec![f64::NEG_INFINITY; sheet.columns.len()];
         let mut fields = Vec::new();
+        let mut days = Days::default();
         while lines.advance()? {
             progress(count.load(std::sync::atomic::Ordering::Relaxed));
             let text = match lines.text() {
@@ -178,6 +166,8 @@ impl Sheet {
                 sheet.is_cut_off = !lines.is_ended();
                 continue;
             }
+            let field = |place: usize| fields.get(place).map_or("", |field| field.text(text));
+            days.take(sheet.rows == 0, fields.len(), field);
             sheet.rows += 1;
             for (index, column) in sheet.columns.iter_mut().enumerate() {
                 let field = fields[index].text(text).trim();
@@ -228,8 +218,29 @@ impl Sheet {
         {
             (time.unit, time.nanoseconds) = ("s", Some(nanoseconds));
         }
+        sheet.time = sheet.time.or_else(|| days.finish(sheet.rows));
         sheet.guess(&layout.units);
         Ok(sheet)
+    }
+
+    /// A table without rows so far.
+    fn new(layout: &Layout) -> Self {
+        Self {
+            separator: layout.separator,
+            decimal: layout.decimal,
+            header_lines: layout.header_lines,
+            names_line: layout.names_line,
+            columns: layout
+                .names
+                .iter()
+                .take(MAX_COLUMNS)
+                .map(|name| SheetColumn::new(name))
+                .collect(),
+            rows: 0,
+            ragged: 0,
+            is_cut_off: false,
+            time: None,
+        }
     }
 
     /// What its columns mean, by a header line of units, their names and their numbers.
@@ -272,6 +283,42 @@ impl Sheet {
             .filter_map(|column| column.guess.as_ref());
         guesses.any(|guess| guess.meaning == meaning)
     }
+}
+
+/// A date and a time of day in two columns.
+#[derive(Default)]
+struct Days(Option<([usize; 2], Clock)>);
+
+impl Days {
+    /// Takes a row; the first one shows which columns they are.
+    fn take<'a>(&mut self, is_first: bool, width: usize, field: impl Fn(usize) -> &'a str) {
+        let of = |[day, time]: [usize; 2]| time_of_two(field(day), field(time)).ok();
+        if is_first {
+            let mut pairs = (0..width).flat_map(|day| [[day, day + 1], [day + 1, day]]);
+            let found = pairs.find(|pair| of(*pair).is_some());
+            self.0 = found.map(|pair| (pair, Clock::default()));
+        }
+        if let Some((pair, clock)) = &mut self.0
+            && let Some(ns) = of(*pair)
+        {
+            clock.take(ns as f64 * 1e-9);
+        }
+    }
+
+    /// The time, where every row has one.
+    fn finish(self, rows: u64) -> Option<SheetTime> {
+        let ([day, time], clock) = self.0.filter(|(_, clock)| clock.seen == rows)?;
+        let nanoseconds = Some(time);
+        Some(SheetTime {
+            nanoseconds,
+            ..clock.finish(day, "date")
+        })
+    }
+}
+
+/// May a column that is not the time of a table be another one?
+pub(crate) fn is_second_clock(column: &SheetColumn) -> bool {
+    time_rank(&column.name).is_some() && column.is_numeric() && column.falls == 0
 }
 
 /// The columns that may be times, the best first: before others that of seconds beside nanoseconds.
@@ -387,13 +434,17 @@ impl SheetColumn {
             falls: 0,
             max_step: 0.0,
             guess: None,
+            missing: None,
             beyond_a_turn: 0,
         }
     }
 
     fn take(&mut self, field: &str, number: Option<f64>, last: &mut f64) {
-        if field.is_empty() {
+        if field.is_empty() || field.eq_ignore_ascii_case("nan") {
             self.empty += 1;
+            if self.missing.is_none() && !field.is_empty() {
+                self.missing = Some(field.to_owned());
+            }
             return;
         }
         if self.first.is_empty() {

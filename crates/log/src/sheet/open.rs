@@ -58,6 +58,30 @@ pub(crate) fn perhaps(column: &SheetColumn) -> Option<(Guess, &'static str)> {
                 "if it is the heading of the pose and counts to the left; `scale = -1.0` if it counts to the right",
             ))
         }
+        ["wz"] | ["w", "z" | "imu"] if stated.is_none() => Some((
+            of(Meaning::YawRate, None, "rad/s"),
+            "if it is the yaw rate, counted to the left, in rad/s (or deg/s)",
+        )),
+        ["acc" | "accel", "x", ..] if stated.is_none() => Some((
+            of(Meaning::AccelerationForward, None, "m/s2"),
+            "if it points forwards, in m/s2 (or g)",
+        )),
+        ["acc" | "accel", "y", ..] if stated.is_none() => Some((
+            of(Meaning::AccelerationLeft, None, "m/s2"),
+            "if it points to the left, in m/s2 (or g)",
+        )),
+        ["steering" | "steer"] if stated.is_none() => Some((
+            of(Meaning::SteeringAngle, None, "rad"),
+            "if it is the angle of the wheels, to the left, in rad (or deg), and no command",
+        )),
+        [before @ .., "speed"]
+            if stated.is_none() && before.iter().any(|word| ["gps", "gnss"].contains(word)) =>
+        {
+            Some((
+                of(Meaning::SpeedSize, None, "m/s"),
+                "if it is the speed over ground, in m/s (or km/h)",
+            ))
+        }
         ["vel" | "velocity" | "speed"] => {
             let meaning = if column.min < 0.0 {
                 Meaning::SpeedForward
@@ -106,6 +130,29 @@ pub(crate) fn open_question(column: &SheetColumn) -> Option<(String, &'static st
     }
     if says_unit {
         return None;
+    }
+    if is(&["wheel"]) && is(&["vehicle"]) && is(&["speed"]) {
+        let question =
+            "`wheel_speed`, if it is the mean speed of the wheels, and its unit (J1939: km/h)?";
+        return Some(("wheels".to_owned(), question));
+    }
+    match words.as_slice() {
+        [kind, place] if kind == "w" && is_corner(place) => {
+            return Some((
+                place.clone(),
+                "`wheel_rate`, if it is the rate of the wheel, and its unit (rad/s)?",
+            ));
+        }
+        [kind, place] if ["vel", "v", "speed"].contains(&kind.as_str()) && is_corner(place) => {
+            let question = "`wheel_speed` in m/s or `wheel_rate` in rad/s? its name does not say";
+            return Some((place.clone(), question));
+        }
+        [kind, sensor] if kind == "vel" && sensor == "encoder" => {
+            let question =
+                "`wheel_speed` in m/s or `wheel_rate` in rad/s? is it negative in reverse?";
+            return Some(("wheels".to_owned(), question));
+        }
+        _ => {}
     }
     let rate = Some(Meaning::WheelRate);
     if by_name(&words, None, column.whole).map(|guess| guess.meaning) == rate

@@ -79,7 +79,10 @@ pub(super) fn guess_pose(columns: &mut [SheetColumn]) {
         let (Some(x), Some(y)) = (place("x", "tx"), place("y", "ty")) else {
             return;
         };
-        if yaw.is_none() && !has_quaternion {
+        // places alone, where their names state the unit
+        let has_unit =
+            |(index, _): (usize, _)| bare_unit(&columns[index].name, &["x", "y"], None).is_some();
+        if yaw.is_none() && !has_quaternion && !(has_unit(x) && has_unit(y)) {
             return;
         }
         [

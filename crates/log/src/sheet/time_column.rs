@@ -9,7 +9,9 @@ pub(super) fn time_rank(name: &str) -> Option<u8> {
     let is = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
     if is(&["stamp"]) && !is(&["sec", "nsec", "nanosec", "secs", "nsecs"]) {
         Some(0)
-    } else if is(&["time", "timestamp", "datetime", "zeit", "utc"]) && !is(&["dt", "delta"]) {
+    } else if is(&["time", "timestamp", "timestamps", "datetime", "zeit", "utc"])
+        && !is(&["dt", "delta"])
+    {
         Some(1)
     } else if matches!(words.as_slice(), [one] if one == "t" || is_time_unit(one))
         || matches!(words.as_slice(), [one, unit] if one == "t" && is_time_unit(unit))

@@ -35,7 +35,16 @@ pub(super) fn words(name: &str) -> Vec<String> {
         }
     };
     let words = words.into_iter().filter(|word| !word.is_empty());
-    words.flat_map(glued).collect()
+    let mut all: Vec<String> = words.flat_map(glued).collect();
+    // `NanoSec`
+    if let Some(nano) = all
+        .windows(2)
+        .position(|two| two[0] == "nano" && two[1].starts_with("sec"))
+    {
+        let seconds = all.remove(nano + 1);
+        all[nano].push_str(&seconds);
+    }
+    all
 }
 
 /// How people write units at the end of a name, in the words of [`words`]; the longer ones first. What is no unit of a column
@@ -157,6 +166,8 @@ mod tests {
             ("mvel", "m vel"),
             ("m12pos", "m12pos"),
             ("pos", "pos"),
+            ("NanoSec", "nanosec"),
+            ("velL", "vel l"),
             ("posm1", "posm1"),
             ("..", ""),
         ] {

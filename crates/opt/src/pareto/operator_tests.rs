@@ -220,7 +220,7 @@ fn crowding(front: &[Vec<f64>], widths: &[f64]) -> Vec<f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(48))]
 
     /// Thinning one by one leaves what repeated sorting leaves; the better fronts stay whole.
     #[test]

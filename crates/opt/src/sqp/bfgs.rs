@@ -135,7 +135,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 128, failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig::with_cases(128))]
 
         /// B s = y where s·y is not too small, else s·B s falls to a fifth; at right angles to s and y nothing changes;
         /// a linear variable keeps its small curvature.

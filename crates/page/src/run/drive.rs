@@ -20,7 +20,7 @@ pub struct Drive<'a> {
     pub pilot: Pilot,
     /// The seed of ground and noise.
     pub seed: u64,
-    /// The slip to run at.
+    /// The slip setpoint.
     pub optimum: f64,
     /// What came of it.
     pub result: &'a DriveResult,

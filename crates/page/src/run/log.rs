@@ -40,7 +40,7 @@ impl LogRecorder {
     /// The run as the page plays it; `title` names the log.
     #[must_use]
     pub fn object(&self, title: &str, summary: &Summary) -> Value {
-        let doubts: Vec<String> = summary.doubts().iter().map(ToString::to_string).collect();
+        let doubts = [summary.doubts_in_words(), summary.reservations()].concat();
         let moments = &self.moments;
         let states = |wheel: usize, kind: &str| -> Value {
             let changes = moments.changes.iter();

@@ -100,7 +100,7 @@ impl<F: FnMut(Vec<u8>)> LogParts<F> {
     /// Ends the run: what is known once the whole log was read.
     pub fn end(&mut self, summary: &Summary) -> Value {
         self.flush();
-        let doubts: Vec<String> = summary.doubts().iter().map(ToString::to_string).collect();
+        let doubts = [summary.doubts_in_words(), summary.reservations()].concat();
         let wheels: Vec<Value> = summary
             .wheels
             .iter()

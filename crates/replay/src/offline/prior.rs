@@ -13,6 +13,7 @@ pub(super) struct Prior {
     yaw_sigma: f64,
     speed_sigma: f64,
     reference: Reference,
+    skid_sigma: f64,
 }
 
 impl Prior {
@@ -23,6 +24,16 @@ impl Prior {
             yaw_sigma: settings.yaw_sigma,
             speed_sigma: settings.speed_sigma,
             reference: inputs.reference,
+            skid_sigma: file.filter.skid().sigma,
+        }
+    }
+
+    /// Sigma of the scale of all speeds: where a free wheel alone shows the speed over ground, that of its skid.
+    pub(super) fn scale_sigma(&self) -> f64 {
+        if self.reference == Reference::FreeWheel {
+            self.skid_sigma
+        } else {
+            0.0
         }
     }
 

@@ -9,17 +9,16 @@ use crate::moment::Moment;
 
 /// What the steps of a block say; each holds in its middle.
 pub(super) struct Smoothed {
-    dt: f64,
-    /// Middle of the step, s; the robot's motion over it.
-    motions: Vec<(f64, BodyMotion)>,
-    /// For each wheel middle of the step, s, slip and its variance.
-    slips: Vec<Vec<(f64, [f64; 2])>>,
+    /// Middle and length of the step, s; the robot's motion over it.
+    motions: Vec<([f64; 2], BodyMotion)>,
+    /// For each wheel middle and length of the step, s, slip and its variance.
+    slips: Vec<Vec<([f64; 2], [f64; 2])>>,
 }
 
 impl Smoothed {
     /// `scale_sigma` is that of the scale which all speeds over ground share.
     pub(super) fn new(found: &Fit, steps: &[Step], scale_sigma: f64) -> Self {
-        let middle = |step: &Step| step.time - 0.5 * step.dt;
+        let middle = |step: &Step| [step.time - 0.5 * step.dt, step.dt];
         let motions = steps.iter().zip(&found.back.smoothed).zip(&found.common);
         let motions = motions
             .map(|((step, belief), common)| (middle(step), body_motion(belief, common, step.dt)));
@@ -35,7 +34,6 @@ impl Smoothed {
                 .collect()
         });
         Self {
-            dt: steps.first().map_or(0.0, |step| step.dt),
             motions: motions.collect(),
             slips: slips.collect(),
         }
@@ -50,14 +48,14 @@ impl Smoothed {
             ) {
                 continue;
             }
-            if let Some((a, b, share)) = between(slips, time, self.dt) {
+            if let Some((a, b, share)) = between(slips, time) {
                 let [slip, variance] = [0, 1].map(|i| a[i] + share * (b[i] - a[i]));
                 if let Ok(slip) = Slip::new(slip.clamp(-1.0, 1.0)) {
                     (wheel.slip, wheel.sigma) = (Some(slip), Some(variance.max(0.0).sqrt()));
                 }
             }
         }
-        if let Some((a, b, share)) = between(&self.motions, time, self.dt) {
+        if let Some((a, b, share)) = between(&self.motions, time) {
             let blend = |a: f64, b: f64| a + share * (b - a);
             let velocity = std::array::from_fn(|i| blend(a.velocity[i], b.velocity[i]));
             let covariance = std::array::from_fn(|i| {
@@ -73,18 +71,18 @@ impl Smoothed {
     }
 }
 
-/// What lies before and after a time, and how far it lies between them; the nearest one where the other is more than a step away.
-fn between<T: Copy>(series: &[(f64, T)], time: f64, dt: f64) -> Option<(T, T, f64)> {
-    let next = series.partition_point(|of| of.0 < time);
-    let before = next
-        .checked_sub(1)
-        .map(|i| series[i])
-        .filter(|of| time - of.0 <= dt);
-    let after = series.get(next).copied().filter(|of| of.0 - time <= dt);
+/// What lies before and after a time, and how far it lies between them; the nearest one where the other is more than its step away.
+fn between<T: Copy>(series: &[([f64; 2], T)], time: f64) -> Option<(T, T, f64)> {
+    let next = series.partition_point(|of| of.0[0] < time);
+    let is_near = |of: &([f64; 2], T)| (time - of.0[0]).abs() <= of.0[1];
+    let before = next.checked_sub(1).map(|i| series[i]).filter(is_near);
+    let after = series.get(next).copied().filter(is_near);
     match (before, after) {
-        (Some(a), Some(b)) if b.0 > a.0 => Some((a.1, b.1, (time - a.0) / (b.0 - a.0))),
-        (Some(a), _) => Some((a.1, a.1, 0.0)),
-        (None, Some(b)) => Some((b.1, b.1, 0.0)),
+        (Some(([from, _], a)), Some(([to, _], b))) if to > from => {
+            Some((a, b, (time - from) / (to - from)))
+        }
+        (Some((_, a)), _) => Some((a, a, 0.0)),
+        (None, Some((_, b))) => Some((b, b, 0.0)),
         (None, None) => None,
     }
 }

@@ -28,7 +28,7 @@ const LENGTH_LIMITS_M: (f64, f64) = (1e-6, 1e6);
 const ANY_NUMBER: (f64, f64) = (-1e18, 1e18);
 /// The standard of a drive that plans its way, which is that of `LearnSettings` in grouser-terrain.
 const PLAN_HYSTERESIS: f64 = 0.15;
-/// A slip to run at.
+/// A slip setpoint.
 const SLIP_LIMITS: (f64, f64) = (0.01, 0.95);
 
 /// Reads a scenario file; files that it names lie beside it.
@@ -407,7 +407,7 @@ fn read_sensors(s: &Section<'_>) -> Result<SensorSettings> {
     Ok(out)
 }
 
-/// The controller's settings, and the slip to run at where the file gives one.
+/// The controller's settings, and the slip setpoint where the file gives one.
 fn read_control(
     s: &Section<'_>,
     usual: &ControlSettings,

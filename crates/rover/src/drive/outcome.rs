@@ -4,6 +4,7 @@ use grouser_slip::control::Decision;
 use grouser_slip::onboard::SoilEstimate;
 
 use crate::dynamics::Ledger;
+use crate::ground::UndeclaredNoData;
 
 /// How a drive ended.
 ///
@@ -104,6 +105,8 @@ pub struct DriveResult {
     /// Greatest share of the time that a loaded wheel was sunk so deep that the laws lose their grip
     /// ([`Caution::DeepSinkage`](grouser_terra::Caution::DeepSinkage)).
     pub deep_share: f64,
+    /// What of its ground's file was read as unknown, although the file does not declare it.
+    pub undeclared: Option<UndeclaredNoData>,
     /// Decisions with their reasons, the first thousand.
     pub decisions: Vec<NamedDecision>,
     /// Decisions in all.

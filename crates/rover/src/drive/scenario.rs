@@ -303,7 +303,7 @@ pub struct Scenario {
     pub faults: Schedule,
     /// The controller.
     pub control: ControlSettings,
-    /// The slip to run at that the file gives; else the optimiser's.
+    /// The slip setpoint that the file gives; else the optimiser's.
     pub optimum: Option<f64>,
     /// Power that electronics draw all the time, W.
     pub hotel: f64,

@@ -99,7 +99,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// A drive of `scenario` by `pilot`, with everything random from `seed`; `optimum` is the slip to run at.
+    /// A drive of `scenario` by `pilot`, with everything random from `seed`; `optimum` is the slip setpoint.
     ///
     /// # Errors
     /// What is wrong with ground, robot or settings.
@@ -505,6 +505,7 @@ impl Simulation {
                     f64::max(most, *deep as f64 / *loaded as f64)
                 })
             },
+            undeclared: self.ground.map().undeclared(),
             decisions: self.decisions.clone(),
             decision_count: self.decision_count,
             refused: self.on_board.refused(),

@@ -10,10 +10,11 @@ mod geotiff;
 mod height_tiff;
 mod picture;
 mod projection;
+mod side_files;
 
 use grouser_terra::OutOfRange;
 use std::io::{Cursor, Read as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use grouser_files::regular;
 
@@ -39,6 +40,17 @@ pub struct UndeclaredNoData {
     pub value: f64,
     /// Number of cells.
     pub cells: u64,
+}
+
+impl std::fmt::Display for UndeclaredNoData {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { value, cells } = self;
+        write!(
+            f,
+            "{cells} cells of the elevation model count as unknown: their height is {value}, which it does not \
+             declare as its no-data value (GDAL_NODATA, 42113)"
+        )
+    }
 }
 
 impl UndeclaredNoData {
@@ -88,7 +100,11 @@ impl HeightFile {
 /// [`Error::Terrain`] for what the file lacks, lies about, or has too much of; [`Error::File`] for a path that is
 /// no regular file or cannot be read.
 pub fn read_heights(file: &HeightFile) -> Result<HeightMap> {
-    parse_heights(&read_bytes(file)?, file)
+    let of_file = |fault| Error::Terrain {
+        file: file.path.clone(),
+        fault,
+    };
+    read_raster(file)?.into_map().map_err(of_file)
 }
 
 fn read_bytes(file: &HeightFile) -> Result<Vec<u8>> {
@@ -149,10 +165,22 @@ fn raster(bytes: &[u8], file: &HeightFile) -> Result<Raster, TerrainFault> {
 /// As [`read_heights`].
 pub fn read_raster(file: &HeightFile) -> Result<Raster> {
     let bytes = read_bytes(file)?;
-    raster(&bytes, file).map_err(|fault| Error::Terrain {
+    let checked = raster(&bytes, file).and_then(|mut raster| {
+        raster.check_side_files(file)?;
+        Ok(raster)
+    });
+    checked.map_err(|fault| Error::Terrain {
         file: file.path.clone(),
         fault,
     })
+}
+
+/// Refuses a GeoTIFF that a file next to it changes; `is_placed`: it places its cells itself.
+///
+/// # Errors
+/// [`TerrainFault::Beside`].
+pub fn check_side_files(path: &Path, is_placed: bool) -> Result<(), TerrainFault> {
+    side_files::check(path, is_placed)
 }
 
 /// Heights as a file has them: rows from the upper edge down, NaN where it knows none.
@@ -167,11 +195,30 @@ pub struct Raster {
     pub cell: f64,
     /// The outer corner of the upper left cell, m; `None` where the file does not say it here.
     pub upper_left: Option<[f64; 2]>,
+    /// Are its coordinates known to be metres: by its own tags or by the `.prj` of a grid?
+    pub has_system: bool,
     /// What was read as unknown, although the file does not declare it.
     pub undeclared: Option<UndeclaredNoData>,
 }
 
 impl Raster {
+    fn check_side_files(&mut self, file: &HeightFile) -> Result<(), TerrainFault> {
+        side_files::check(&file.path, self.has_system || self.upper_left.is_some())?;
+        // the coordinates of a grid; a cell that is given stands in place of them
+        let Some(corner) = self.upper_left.filter(|_| file.cell.is_none()) else {
+            return Ok(());
+        };
+        let grid = Georeference::of_grid(self.cell, corner);
+        if let Some(system) = side_files::system(&file.path, grid)? {
+            let rows = self.heights.len() / self.columns;
+            let [columns, rows] =
+                [self.columns, rows].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+            system.cell((columns, rows))?;
+            self.has_system = true;
+        }
+        Ok(())
+    }
+
     fn into_map(mut self) -> Result<HeightMap, TerrainFault> {
         OutOfRange::check("cell", self.cell, CELL_LIMITS_M, "m")?;
         let columns = self.columns;
@@ -182,10 +229,13 @@ impl Raster {
             upper[row * columns..(row + 1) * columns].swap_with_slice(&mut lower[..columns]);
         }
         let origin = (0.0, -0.5 * (rows.saturating_sub(1)) as f64 * self.cell);
-        HeightMap::new(origin, self.cell, columns, self.heights).map_err(|error| match error {
+        let map = HeightMap::new(origin, self.cell, columns, self.heights);
+        let mut map = map.map_err(|error| match error {
             Error::OutOfRange { range, .. } => TerrainFault::OutOfRange(range),
             other => TerrainFault::damaged(other),
-        })
+        })?;
+        map.undeclared = self.undeclared;
+        Ok(map)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use super::UndeclaredNoData;
 use crate::error::{Error, Result};
 
 /// Greatest number of cells of a map.
@@ -51,6 +52,8 @@ pub struct HeightMap {
     heights: Vec<f32>,
     /// No height at all was given for these nodes; they carry their neighbours'. Empty: all known.
     unknown: Vec<bool>,
+    /// What a file did not declare as unknown.
+    pub(super) undeclared: Option<UndeclaredNoData>,
 }
 
 /// Dimensionless, 1.5 · 2⁵²: doubles beside it are 1 apart (IEEE 754), so that a sum with it is rounded to a whole number, which its low
@@ -135,9 +138,16 @@ impl HeightMap {
             rows,
             heights,
             unknown: Vec::new(),
+            undeclared: None,
         };
         map.fill_unknown()?;
         Ok(map)
+    }
+
+    /// What was read as unknown, although the map's file does not declare it.
+    #[must_use]
+    pub const fn undeclared(&self) -> Option<UndeclaredNoData> {
+        self.undeclared
     }
 
     /// Unknown nodes take the height of the nearest known one in their row, then in their column.

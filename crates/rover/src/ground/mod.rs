@@ -10,7 +10,7 @@ mod shape;
 pub use craters::{Crater, Craters};
 pub use file::{
     GeoTiff, Georeference, HeightFile, HeightTiff, PiecePlace, Raster, UndeclaredNoData,
-    parse_heights, read_heights, read_raster,
+    check_side_files, parse_heights, read_heights, read_raster,
 };
 pub use height_map::HeightMap;
 pub(crate) use height_map::{CELL_LIMITS_M, max_width, side_limits};

@@ -137,6 +137,19 @@ impl RobotModel {
         })
     }
 
+    /// The link that each joint of the suspension turns; of links that a differential joins it is the first.
+    #[must_use]
+    pub fn turned_links(&self) -> Vec<String> {
+        let joints = 0..self.linkage.freedoms();
+        let first = |joint| {
+            let mut links = self.links.iter().zip(self.linkage.links());
+            links.find(|(_, link)| link.freedom == joint)
+        };
+        joints
+            .filter_map(|joint| first(joint).map(|(name, _)| name.clone()))
+            .collect()
+    }
+
     /// The indices of the powered wheels.
     pub fn powered(&self) -> impl Iterator<Item = usize> + '_ {
         self.wheels
@@ -194,6 +207,7 @@ fn links(body: &BodyFile) -> Result<(Vec<Link>, Vec<Hold>)> {
     let names = || body.links.iter().map(|link| link.name.as_str());
     let mut out: Vec<Link> = Vec::new();
     let mut holds = Vec::new();
+    let joints = body.joints();
     for (index, file) in body.links.iter().enumerate() {
         let of = format!("link \"{}\"", file.name);
         let on = match &file.on {
@@ -213,22 +227,18 @@ fn links(body: &BodyFile) -> Result<(Vec<Link>, Vec<Hold>)> {
                 limit: MAX_CHAIN,
             });
         }
-        let other = match &file.opposite {
-            None => None,
-            Some(other) => Some(find(&of, other, names())?),
-        };
-        let joined = other.filter(|other| *other < index).map(|other| out[other]);
-        let (freedom, sign) = if let Some(other) = joined {
-            (other.freedom, -other.sign)
-        } else {
+        if let Some(other) = &file.opposite {
+            find(&of, other, names())?;
+        }
+        let (freedom, sign) = joints[index];
+        if freedom == holds.len() {
             holds.push(Hold {
                 stiffness: file.stiffness,
                 damping: file.damping,
                 preload: file.preload,
                 range: file.range,
             });
-            (holds.len() - 1, 1.0)
-        };
+        }
         out.push(Link {
             on,
             pivot: vector(file.pivot),

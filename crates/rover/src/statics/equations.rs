@@ -316,7 +316,7 @@ impl Equations {
         let mut least = MAX_TILT_RAD;
         for found in &motions {
             if least > enough {
-                least = least.min(self.nearest(found, down, least.max(0.0)).0);
+                least = least.min(self.nearest(found, down, [enough, least.max(0.0)]).0);
             }
         }
         least
@@ -338,7 +338,7 @@ impl Equations {
                         .filter(|(place, _)| found.staying >> place & 1 == 1)
                         .map(|(_, own)| own.wheel)
                         .collect(),
-                    nearest: self.nearest(found, down, MAX_TILT_RAD),
+                    nearest: self.nearest(found, down, [f64::NEG_INFINITY, MAX_TILT_RAD]),
                     arms: [turning, level].map(|turning| {
                         let is_still = turning.length() <= DEPENDENT * size;
                         if is_still {
@@ -353,15 +353,20 @@ impl Equations {
     }
 
     /// The angle from `down` to the nearest direction in which the wheels that do not stay carry nothing, rad; negative beyond
-    /// it. What is not `within` an angle is not followed.
+    /// it. What is not `within` an angle is not followed; any angle up to `enough` will do.
     ///
     /// The motion of a robot with links changes with the traction: what is nearest is looked for from `down` and from the
     /// direction ahead, behind or aside where the least is left on those wheels.
-    fn nearest(&self, found: &Motion, down: Vector, within: f64) -> (f64, TipOverCone) {
+    fn nearest(
+        &self,
+        found: &Motion,
+        down: Vector,
+        [enough, within]: [f64; 2],
+    ) -> (f64, TipOverCone) {
         const ASIDE_RAD: f64 = 0.8;
         let left = |down: Vector| self.left(found, down);
         let own = nearest(left, down, (down, 0.0), within);
-        if self.rows == 3 || own.0 < 0.0 {
+        if self.rows == 3 || own.0 < 0.0 || own.0 <= enough {
             return own;
         }
         let ahead = down.cross(Vector::AXES[1]).unit();

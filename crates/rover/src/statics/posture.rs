@@ -95,6 +95,9 @@ pub fn adjusted_posture(
             for sense in [1.0, -1.0] {
                 let mut trial = best;
                 trial[i] = (trial[i] + sense * share * (high - low)).clamp(low, high);
+                if trial == best {
+                    continue;
+                }
                 let at_trial = value(&trial, at_best);
                 if at_trial > at_best + 1e-12 {
                     best = trial;

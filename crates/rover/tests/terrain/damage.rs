@@ -1,10 +1,11 @@
 //! Files cut at every byte and with every bit turned: heights or a typed refusal, never a panic or a hang.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use grouser_rover::ground::HeightMap;
 
 use super::made::{SMALL_GRID, Tiff, heights, read_with_cell, small_png};
+use crate::processor_time::ThreadTime;
 
 /// Every height that is read is a number that the map's limits allow.
 fn look(map: &HeightMap) {
@@ -20,7 +21,7 @@ fn look(map: &HeightMap) {
 fn damaged(ending: &str, whole: &[u8]) -> (usize, usize) {
     let (mut read, mut refused, mut slowest) = (0, 0, Duration::ZERO);
     let mut try_one = |bytes: &[u8]| {
-        let begun = Instant::now();
+        let begun = ThreadTime::now();
         match read_with_cell(ending, bytes) {
             Ok(map) => {
                 look(&map);
@@ -87,7 +88,7 @@ fn tags_that_hold_extremes() {
             for byte in [0, 0x7f, 0xff] {
                 let mut bytes = whole.clone();
                 bytes[begin + field.start..begin + field.end].fill(byte);
-                let begun = Instant::now();
+                let begun = ThreadTime::now();
                 if let Ok(map) = read_with_cell("tif", &bytes) {
                     look(&map);
                 }

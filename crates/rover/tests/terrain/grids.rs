@@ -7,6 +7,7 @@ use grouser_rover::ground::{NoCell, TerrainFault};
 use png::{BitDepth, ColorType};
 
 use super::made::{SMALL_GRID, png, read, read_with_cell, small_png};
+use crate::processor_time::ThreadTime;
 
 fn grid_refused(text: &str) -> TerrainFault {
     read("asc", text.as_bytes()).unwrap_err()
@@ -261,7 +262,7 @@ fn a_grid_in_degrees_differs_from_one_in_metres() {
 /// 5 000 × 5 000 are read, and a small file that announces as many is refused at once.
 #[test]
 fn limits_of_time() {
-    let begun = std::time::Instant::now();
+    let begun = ThreadTime::now();
     let mut text = String::from("ncols 5000\nnrows 5000\ncellsize 0.1\n");
     let fault = grid_refused(&text);
     assert!(matches!(

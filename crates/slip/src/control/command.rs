@@ -45,7 +45,7 @@ pub(super) struct MotionCommand {
     pub(super) limits_slip: bool,
     /// Has the drive ended?
     pub(super) stopped: bool,
-    /// The slip to run at: the optimum, or what the ground demands.
+    /// The slip setpoint: the optimum, or what the ground demands.
     pub(super) slip: f64,
     /// Share of its speed at which a rim runs at least.
     pub(super) min_speed_share: f64,

@@ -41,9 +41,9 @@ pub enum Decides {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ControlSettings {
-    /// The slip to run at, s_opt: the slip of greatest tractive efficiency, from the running-slip problem of the
+    /// The slip setpoint, s_opt: the slip of greatest tractive efficiency, from the running-slip problem of the
     /// optimiser. It is neither the slip of greatest pull (`curve` prints both) nor the slip that the 2012 paper's
-    /// minimax problem optimises, which is no slip to run at.
+    /// minimax problem optimises, which is no slip setpoint.
     pub optimum: f64,
     /// Gain of the slip error, k_p.
     pub gain: f64,

@@ -34,9 +34,6 @@ const RATE_SIGMA: f64 = 0.01;
 const ANGLE_STEP_M: f64 = 1e-4;
 /// Headings of wheels that differ by more than this make an omnidirectional robot: the sine.
 const PARALLEL_SINE: f64 = 0.02;
-/// Sigma of a free wheel's skid on unknown ground, in addition to that of its prior: published laws of soft soil differ by a few
-/// hundredths in it.
-const SKID_SIGMA: f64 = 0.03;
 /// What no ground robot reaches: turn rate (rad/s), acceleration (m/s²), rate (rad/s) and speed (m/s) of a carrier.
 const MAX_TURN_RATE: f64 = 100.0;
 const MAX_ACCELERATION: f64 = 1000.0;
@@ -184,7 +181,6 @@ impl Gather {
         let differs = |of: &Wheel| Real::sin(of.heading.rad() - first).abs() > PARALLEL_SINE;
         let inputs = wheels.iter().enumerate();
         let inputs = inputs.map(|(index, wheel)| WheelInput::new(index, wheel, settings));
-        let skid = settings.free_slip.by_wheel();
         Self {
             wheels: inputs.collect(),
             turn: Rates::new(KEPT, nanoseconds(KEPT_S)),
@@ -194,10 +190,7 @@ impl Gather {
             force_before: None,
             is_omni: wheels.iter().any(differs),
             dropout: settings.dropout,
-            skid: SlipPrior {
-                mean: skid.mean,
-                sigma: Real::hypot(skid.sigma, SKID_SIGMA),
-            },
+            skid: settings.skid(),
             from_ns: None,
             dt: MIN_STEP_S,
             origin_ns: 0,

@@ -45,6 +45,7 @@ mod wheel_health;
 
 use crate::error::{Error, Result, check_range};
 use crate::fault::Fault;
+use crate::motion::Step;
 use crate::robot::Robot;
 use crate::sample::Sample;
 use crate::state::Health;
@@ -116,15 +117,33 @@ impl SlipFilter {
 
     /// [`SlipFilter::update`] without an output.
     pub(crate) fn push(&mut self, sample: Sample) -> ::core::result::Result<(), Fault> {
+        self.update_recorded(sample, &mut |_, _| {})
+    }
+
+    /// As [`SlipFilter::update`]; `record` is shown each step of the motion once its readings are complete, with the time of its end,
+    /// ns: what [`fit`](crate::smooth::fit) takes for a whole log.
+    ///
+    /// # Errors
+    /// As [`SlipFilter::update`].
+    pub fn update_recorded(
+        &mut self,
+        sample: Sample,
+        record: &mut dyn FnMut(i64, &Step),
+    ) -> ::core::result::Result<(), Fault> {
         let outcome = if sample.measurement.is_raw() {
             Ok(())
         } else {
-            self.accept(sample)
+            self.accept(sample, record)
         };
         if let Err(fault) = &outcome {
             self.input.rejected.count(fault);
         }
         outcome
+    }
+
+    /// The log is over: `record` is shown the steps that waited for readings.
+    pub fn finish_recorded(&mut self, record: &mut dyn FnMut(i64, &Step)) {
+        self.core.finish(record);
     }
 
     /// The output after the last sample.
@@ -250,21 +269,25 @@ impl SlipFilter {
     }
 
     /// Puts a sample in order, and uses those whose time has come.
-    fn accept(&mut self, sample: Sample) -> ::core::result::Result<(), Fault> {
+    fn accept(
+        &mut self,
+        sample: Sample,
+        record: &mut dyn FnMut(i64, &Step),
+    ) -> ::core::result::Result<(), Fault> {
         if self.input.check_clock(&sample)? == ClockOutcome::Set {
             self.input.clear();
-            self.core.restart_clock();
+            self.core.restart_clock(record);
         }
         sample.measurement.check_finite()?;
         if self.input.is_late(&sample) {
             // a measured motion carries its time of capture
-            return self.core.take(&sample);
+            return self.core.take(&sample, record);
         }
         let mut outcome = Ok(());
         if self.input.is_full()
             && let Some(oldest) = self.input.release(true)
         {
-            outcome = self.core.take(&oldest);
+            outcome = self.core.take(&oldest, record);
         }
         if !self.input.offer(sample) {
             return Err(Fault::NotLater {
@@ -276,7 +299,7 @@ impl SlipFilter {
             let Some(next) = self.input.release(false) else {
                 break;
             };
-            outcome = outcome.and(self.core.take(&next));
+            outcome = outcome.and(self.core.take(&next, record));
         }
         outcome
     }

@@ -100,7 +100,21 @@ impl Default for FilterSettings {
     }
 }
 
+/// Sigma of a free wheel's skid on unknown ground, in addition to that of its prior: published laws of soft soil differ by a few
+/// hundredths in it.
+const SKID_SIGMA: f64 = 0.03;
+
 impl FilterSettings {
+    /// The prior of a free wheel's skid by its own speed, on ground that nobody knows.
+    #[must_use]
+    pub fn skid(&self) -> SlipPrior {
+        let skid = self.free_slip.by_wheel();
+        SlipPrior {
+            sigma: Real::hypot(skid.sigma, SKID_SIGMA),
+            ..skid
+        }
+    }
+
     /// Every number of the settings, in the order of the struct.
     pub const FIELDS: &[Field<Self>] = &[
         Row::new("horizon", "s", (0.0, 1.0), |s| &mut s.horizon),

@@ -47,6 +47,15 @@ const ANY_SLIP: f64 = 1.0;
 /// readings, half a second at 20 Hz.
 const RECOVERY_S: f64 = 1.0;
 
+/// A step whose readings may still come.
+#[derive(Clone, Debug)]
+struct Pending {
+    end_ns: i64,
+    step: Step,
+    /// What the accelerometer measured, where the step itself goes without it.
+    force: Option<[f64; 2]>,
+}
+
 /// What estimates, step by step.
 #[derive(Clone, Debug)]
 pub(super) struct Core {
@@ -56,7 +65,7 @@ pub(super) struct Core {
     settled: ModeFilter,
     ahead: ModeFilter,
     /// The steps between the two, in a ring.
-    pending: Box<[(i64, Step)]>,
+    pending: Box<[Pending]>,
     first: usize,
     count: usize,
     prior: SlipPrior,
@@ -123,13 +132,18 @@ impl Core {
             1.0,
         ];
         let filter = ModeFilter::new(begin, Levels(sigmas.map(|of| of * of)), count);
+        let waiting = || Pending {
+            end_ns: 0,
+            step: step_for(count),
+            force: None,
+        };
         let delay = usize::try_from(whole(settings.reference_latency / MIN_STEP_S)).unwrap_or(0);
         Self {
             gather: Gather::new(robot, &settings),
             references: References::new(settings.reference_latency),
             ahead: filter.clone(),
             settled: filter,
-            pending: (0..delay + 2).map(|_| (0, step_for(count))).collect(),
+            pending: (0..delay + 2).map(|_| waiting()).collect(),
             first: 0,
             count: 0,
             prior: settings.slip,
@@ -160,8 +174,12 @@ impl Core {
         }
     }
 
-    /// Uses one sample, in the order of time.
-    pub(super) fn take(&mut self, sample: &Sample) -> Result<(), Fault> {
+    /// Uses one sample, in the order of time; `record` is shown each step whose readings are complete, with its end.
+    pub(super) fn take(
+        &mut self,
+        sample: &Sample,
+        record: &mut dyn FnMut(i64, &Step),
+    ) -> Result<(), Fault> {
         if super::input::is_reference(&sample.measurement) {
             self.references.take(sample, self.settled_ns)?;
         } else if matches!(sample.measurement, Measurement::Command { .. }) {
@@ -169,15 +187,15 @@ impl Core {
         } else {
             self.gather.take(sample)?;
         }
-        self.advance(sample.time_ns);
+        self.advance(sample.time_ns, record);
         Ok(())
     }
 
     /// Closes the steps that are complete.
-    fn advance(&mut self, now_ns: i64) {
+    fn advance(&mut self, now_ns: i64, record: &mut dyn FnMut(i64, &Step)) {
         for _ in 0..MAX_STEPS_PER_SAMPLE {
             if self.count == self.pending.len() {
-                self.settle();
+                self.settle(record);
             }
             let place = (self.first + self.count) % self.pending.len();
             let has_reference = !self.is_older(self.reference_known_ns, now_ns);
@@ -188,15 +206,16 @@ impl Core {
                 return;
             };
             let slot = &mut self.pending[place];
-            slot.0 = end_ns;
-            copy(step, &mut slot.1);
+            slot.end_ns = end_ns;
+            slot.force = step.force;
+            copy(step, &mut slot.step);
             copy(step, &mut self.last);
             if is_lost {
                 // an accelerometer bridges short gaps: it measures slopes as well
-                slot.1.force = None;
+                slot.step.force = None;
             }
             if has_reference {
-                for (wheel, check) in slot.1.wheels.iter_mut().zip(self.gather.checks.found()) {
+                for (wheel, check) in slot.step.wheels.iter_mut().zip(self.gather.checks.found()) {
                     // a free wheel that misses pulses shows nothing next to a reference
                     wheel.distance = wheel
                         .distance
@@ -209,22 +228,22 @@ impl Core {
                 &self.ahead
             };
             self.free_wheel
-                .judge(&mut slot.1, filter.belief(), has_reference);
+                .judge(&mut slot.step, filter.belief(), has_reference);
             self.count += 1;
             self.now_ns = Some(end_ns);
             while self.count > 0 {
-                let wait = seconds_between(self.pending[self.first].0, end_ns);
+                let wait = seconds_between(self.pending[self.first].end_ns, end_ns);
                 if wait < self.settings.reference_latency {
                     break;
                 }
-                self.settle();
+                self.settle(record);
             }
             if self.count > 0 {
                 self.ahead.copy_from(&self.settled);
                 for i in 0..self.count {
                     let place = (self.first + i) % self.pending.len();
                     // limits were checked as the samples came
-                    let _ = self.ahead.advance(&self.pending[place].1);
+                    let _ = self.ahead.advance(&self.pending[place].step);
                 }
             }
             self.sum_ways();
@@ -237,16 +256,19 @@ impl Core {
     }
 
     /// Passes over the oldest step with the readings of references in it.
-    fn settle(&mut self) {
+    fn settle(&mut self, record: &mut dyn FnMut(i64, &Step)) {
         let first = self.first;
-        let end_ns = self.pending[first].0;
+        let end_ns = self.pending[first].end_ns;
         let levels = self.settled.levels();
         let place_sigma = Real::sqrt(levels.of(Noise::Place));
         let sigmas = [place_sigma, self.settings.yaw_sigma];
         let belief = self.settled.belief();
-        let found =
-            self.references
-                .give(end_ns, belief, sigmas, &mut self.pending[first].1.readings);
+        let found = self.references.give(
+            end_ns,
+            belief,
+            sigmas,
+            &mut self.pending[first].step.readings,
+        );
         if let Some([place, heading]) = found {
             self.settled.change(|belief| {
                 belief.add_noise(X, place);
@@ -254,7 +276,11 @@ impl Core {
                 belief.add_noise(HEADING, heading);
             });
         }
-        let step = &self.pending[first].1;
+        let Pending { step, force, .. } = &mut self.pending[first];
+        core::mem::swap(&mut step.force, force);
+        record(end_ns, step);
+        core::mem::swap(&mut step.force, force);
+        let step = &self.pending[first].step;
         let wander = WANDER[usize::from(self.references.is_by_displacements())];
         self.settled.set_wander(wander * wander);
         if self.references.is_by_displacements() {
@@ -363,11 +389,16 @@ impl Core {
         self.distance_of_wheels += distance * Real::cos(direction);
     }
 
-    /// The clock was set: the motion goes on from where it was.
-    pub(super) fn restart_clock(&mut self) {
+    /// No more readings of the open steps come.
+    pub(super) fn finish(&mut self, record: &mut dyn FnMut(i64, &Step)) {
         while self.count > 0 {
-            self.settle();
+            self.settle(record);
         }
+    }
+
+    /// The clock was set: the motion goes on from where it was.
+    pub(super) fn restart_clock(&mut self, record: &mut dyn FnMut(i64, &Step)) {
+        self.finish(record);
         self.free_wheel.restart_clock();
         self.gather.restart_clock();
         self.references.restart_clock();

@@ -149,14 +149,25 @@ impl Joint {
 }
 
 /// The carriers of all wheels with the joints that move them.
+///
+/// ```
+/// use grouser_slip::onboard::{CarrierLink, Carriers, WheelCarrier};
+/// let rocker = CarrierLink { joint: 0, sign: 1.0, pivot: [0.0, 0.22] };
+/// let wheel = WheelCarrier::on_chassis([0.3, 0.15]).with_link(rocker);
+/// let mut carriers = Carriers::new([wheel].into_iter());
+/// carriers.update(0, 0, 0.1);
+/// assert_eq!(carriers.samples(0, 0.0).count(), 1);
+/// ```
 #[derive(Clone, Debug)]
-pub(super) struct Carriers {
+pub struct Carriers {
     wheels: Box<[WheelCarrier]>,
     joints: [Joint; MAX_JOINTS],
 }
 
 impl Carriers {
-    pub(super) fn new(wheels: impl ExactSizeIterator<Item = WheelCarrier>) -> Self {
+    /// One for each wheel in the robot's order. This is the only place that allocates.
+    #[must_use]
+    pub fn new(wheels: impl ExactSizeIterator<Item = WheelCarrier>) -> Self {
         let mut carriers = vec![WheelCarrier::default(); wheels.len()].into_boxed_slice();
         for (slot, carrier) in carriers.iter_mut().zip(wheels) {
             *slot = carrier;
@@ -168,18 +179,14 @@ impl Carriers {
     }
 
     /// A joint's angle, rad. A joint that does not exist changes nothing.
-    pub(super) fn update(&mut self, time_ns: i64, joint: usize, angle: f64) {
+    pub fn update(&mut self, time_ns: i64, joint: usize, angle: f64) {
         if let Some(joint) = self.joints.get_mut(joint) {
             joint.update(time_ns, angle);
         }
     }
 
-    /// How each wheel's carrier moves while the robot pitches at `pitch_rate` (rad/s).
-    pub(super) fn samples(
-        &self,
-        time_ns: i64,
-        pitch_rate: f64,
-    ) -> impl Iterator<Item = Sample> + '_ {
+    /// How each wheel's carrier moves while the robot pitches at `pitch_rate` (rad/s, nose down positive).
+    pub fn samples(&self, time_ns: i64, pitch_rate: f64) -> impl Iterator<Item = Sample> + '_ {
         self.wheels.iter().enumerate().map(move |(wheel, carrier)| {
             let (rate, [forward, up]) = carrier.motion(&self.joints, pitch_rate);
             Sample {

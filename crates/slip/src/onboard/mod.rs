@@ -25,7 +25,7 @@ mod start_guard;
 mod state;
 
 pub use attitude::AttitudeFilter;
-pub use carrier::{CarrierLink, MAX_CARRIER_LINKS, MAX_JOINTS, WheelCarrier};
+pub use carrier::{CarrierLink, Carriers, MAX_CARRIER_LINKS, MAX_JOINTS, WheelCarrier};
 pub use computer::OnBoard;
 pub use learn::{
     LEVELS, SLIP_POINTS, SlipTable, SoilBelief, SoilDemand, SoilEstimate, SoilFamily, SoilInterval,

@@ -22,6 +22,8 @@ use crate::wheel_track::WheelTrack;
 
 /// Wheels whose headings differ by less than this (sine) drive one way only.
 const PARALLEL_SINE: f64 = 0.02;
+/// Wheels that lie less far from one another along the robot are on one axle, m.
+const MIN_LEVER_M: f64 = 1e-3;
 /// A robot without any knowledge of a speed may move at up to about this, m/s and rad/s.
 const UNKNOWN_SPEED_SIGMA: f64 = 10.0;
 /// And at least this multiple of the sigma of a speed by two places of a reference, which the prior would draw towards 0.
@@ -397,12 +399,22 @@ impl WindowMeans {
         slowest.map(|(row, rim, _)| (row, rim))
     }
 
+    /// Do all powered wheels lie on one line across the robot? Then they do not tell a turn from a sideways motion.
+    fn is_one_axle(&self) -> bool {
+        let mut ahead = self.of(WheelRole::Powered).map(|(wheel, _)| {
+            let ([cos, sin, along], [.., across]) = (wheel.row(), wheel.steering.across());
+            sin * along + cos * across
+        });
+        let first = ahead.next();
+        ahead.all(|x| first.is_some_and(|first| (x - first).abs() < MIN_LEVER_M))
+    }
+
     /// The motion that the powered wheels would give the robot without slip.
     fn wheels_motion(&self) -> Option<BodyMotion> {
         let mut seen = Observations::default();
         seen.add([1.0, 0.0, 0.0], prior(UNKNOWN_SPEED_SIGMA));
         seen.add([0.0, 0.0, 1.0], prior(UNKNOWN_SPEED_SIGMA));
-        if self.left_out != 0
+        if (self.left_out != 0 || self.is_steered && self.is_one_axle())
             && let Some(yaw_rate) = self.reference.yaw_rate(self.measured.0, self.measured.1)
         {
             seen.add([0.0, 0.0, 1.0], yaw_rate);

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use grouser_files::regular;
 use grouser_rover::ground::{
-    Georeference, HeightFile, HeightTiff, TerrainFault, UndeclaredNoData, read_raster,
+    Georeference, HeightFile, HeightTiff, TerrainFault, UndeclaredNoData, check_side_files,
+    read_raster,
 };
 
 use crate::error::{Error, Result};
@@ -40,10 +41,7 @@ impl DemCaution {
                 "the elevation model names no coordinate system: its coordinates are taken for metres"
                     .to_owned()
             }
-            Self::UndeclaredNoData(UndeclaredNoData { value, cells, .. }) => format!(
-                "{cells} cells of the elevation model count as unknown: their height is {value}, which it does not \
-                 declare as its no-data value (GDAL_NODATA, 42113)"
-            ),
+            Self::UndeclaredNoData(undeclared) => undeclared.to_string(),
         }
     }
 }
@@ -56,6 +54,7 @@ pub struct Dem {
     rows: u32,
     cell: f64,
     georeference: Georeference,
+    has_system: bool,
     undeclared: Option<UndeclaredNoData>,
     /// The first row that is held, and the rows from there on.
     held: (u32, Vec<f32>),
@@ -132,6 +131,8 @@ impl Dem {
         let dem = if matches!(ending.as_str(), "tif" | "tiff") {
             let file = regular::open(path)?;
             let tiff = HeightTiff::open(BufReader::new(file), cell).map_err(of_file)?;
+            let is_placed = tiff.georeference().centre(0, 0).is_some();
+            check_side_files(path, is_placed).map_err(of_file)?;
             let (columns, rows) = tiff.size();
             Self {
                 path: path.to_owned(),
@@ -139,6 +140,7 @@ impl Dem {
                 rows,
                 cell: tiff.cell(),
                 georeference: tiff.georeference().clone(),
+                has_system: true,
                 undeclared: None,
                 source: Source::Tiff(Box::new(tiff)),
                 held: (0, Vec::new()),
@@ -161,6 +163,7 @@ impl Dem {
                 rows: u32::try_from(rows).unwrap_or(u32::MAX),
                 cell: raster.cell,
                 georeference,
+                has_system: raster.has_system,
                 undeclared: raster.undeclared,
                 held: (0, raster.heights),
             }
@@ -198,10 +201,11 @@ impl Dem {
     /// What is doubtful about it, as far as its rows were read.
     #[must_use]
     pub fn cautions(&self) -> Vec<DemCaution> {
-        let (system, undeclared) = match &self.source {
-            Source::Tiff(tiff) => (None, tiff.undeclared()),
-            Source::Memory => (Some(DemCaution::NoSystem), self.undeclared),
+        let undeclared = match &self.source {
+            Source::Tiff(tiff) => tiff.undeclared(),
+            Source::Memory => self.undeclared,
         };
+        let system = (!self.has_system).then_some(DemCaution::NoSystem);
         let undeclared = undeclared.map(DemCaution::UndeclaredNoData);
         system.into_iter().chain(undeclared).collect()
     }

@@ -10,6 +10,9 @@ use std::time::Duration;
 use grouser_view::feed::Feed;
 use grouser_view::server::{self, Server, Shown};
 
+/// What takes longer never comes: a loaded machine is slow.
+const PATIENCE: Duration = Duration::from_mins(10);
+
 /// A server of its own in a thread, which ends with the tests' process.
 pub(crate) struct Running {
     pub(crate) port: u16,
@@ -57,9 +60,7 @@ pub(crate) fn start_with(shown: Option<Shown>, run: Option<Feed>) -> Running {
 impl Running {
     pub(crate) fn connect(&self) -> TcpStream {
         let stream = TcpStream::connect(("127.0.0.1", self.port)).expect("it listens");
-        stream
-            .set_read_timeout(Some(Duration::from_secs(30)))
-            .expect("a limit");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a limit");
         stream
     }
 

@@ -72,11 +72,13 @@ impl Log {
 }
 
 /// A table: `time_ms`, the counter of each wheel with an encoder, the torque of each with a motor, gyro, accelerometer,
-/// sinkages and entry angles where they are measured, and the soil where it is learnt.
+/// angles of rockers and arms, sinkages and entry angles where they are measured, and the soil where it is learnt.
 struct Table {
     out: OutputFile,
     last_ns: i64,
     counts: Vec<Option<u64>>,
+    /// Angles of the suspension's joints.
+    angles: Vec<Option<f64>>,
     torques: Vec<Option<f64>>,
     /// Sinkage and entry angle of each wheel.
     contacts: Vec<[Option<f64>; 2]>,
@@ -99,9 +101,14 @@ impl Table {
         for mount in mounts.iter().filter(|mount| mount.motor.is_some()) {
             write!(out, ",{}_torque_nm", mount.name)?;
         }
-        out.write_all(
-            b",gyro_z_rad_per_s,acceleration_forward_m_per_s2,acceleration_left_m_per_s2",
-        )?;
+        out.write_all(b",gyro_x_rad_per_s,gyro_y_rad_per_s,gyro_z_rad_per_s")?;
+        for direction in ["forward", "left", "up"] {
+            write!(out, ",acceleration_{direction}_m_per_s2")?;
+        }
+        let links = scenario.robot.turned_links();
+        for link in &links {
+            write!(out, ",{link}_angle_rad")?;
+        }
         let sensors = &scenario.sensors;
         let measures_contact =
             [sensors.sinkage_rate, sensors.entry_angle_rate].map(|rate| rate > 0.0);
@@ -124,6 +131,7 @@ impl Table {
             out,
             last_ns: 0,
             has_soil,
+            angles: vec![None; links.len()],
             contacts: vec![[None; 2]; wheels.len()],
             measures_contact,
             counts: vec![None; wheels.len()],
@@ -140,7 +148,8 @@ impl Table {
         self.torques.fill(None);
         self.contacts.fill([None; 2]);
         let mut time_ns = 0;
-        let mut inertial = [None; 3];
+        self.angles.fill(None);
+        let mut inertial = [None; 6];
         for sample in frame.samples {
             match sample.measurement {
                 Measurement::WheelCount { wheel, raw } => {
@@ -149,7 +158,13 @@ impl Table {
                     }
                 }
                 Measurement::Inertial { force, rate } => {
-                    inertial = [rate[2], force[0], force[1]].map(Some);
+                    let ([roll, pitch, yaw], [forward, left, up]) = (rate, force);
+                    inertial = [roll, pitch, yaw, forward, left, up].map(Some);
+                }
+                Measurement::JointAngle { joint, angle } => {
+                    if let Some(slot) = self.angles.get_mut(joint) {
+                        *slot = Some(angle);
+                    }
                 }
                 Measurement::MotorCurrent { wheel, share } => {
                     if let Some(slot) = self.torques.get_mut(wheel) {
@@ -190,6 +205,7 @@ impl Table {
         let contacts = contacts.flat_map(|sensor| self.contacts.iter().map(move |own| own[sensor]));
         for value in torques
             .chain(inertial)
+            .chain(self.angles.iter().copied())
             .chain(contacts)
             .chain(soil.into_iter().flatten())
         {

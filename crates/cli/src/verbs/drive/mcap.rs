@@ -4,7 +4,7 @@
 //! | topic | type | holds |
 //! |---|---|---|
 //! | `/wheel_ticks` | `grouser_msgs/WheelTicks` | counters as the hardware shows them |
-//! | `/joint_states` | `sensor_msgs/JointState` | angle of the encoder's shaft since the first reading (rad), torque on the wheel by its motor's current (N m) |
+//! | `/joint_states` | `sensor_msgs/JointState` | angle of the encoder's shaft since the first reading (rad), torque on the wheel by its motor's current (N m); angle of each rocker and arm (rad) |
 //! | `/wheel_contacts` | `control_msgs/DynamicJointState` | sinkages (m) and entry angles (rad), where they are measured |
 //! | `/imu`, `/tf_static` | `sensor_msgs/Imu`, `tf2_msgs/TFMessage` | angular velocity and specific force, no orientation; how it is mounted |
 //! | `/camera/displacement` | `grouser_msgs/Displacement` | way since the last picture |
@@ -56,6 +56,8 @@ struct Wheels {
     stamp_ns: i64,
     counts: Vec<(usize, u64)>,
     shares: Vec<(usize, f64)>,
+    /// Angles of the suspension's joints, rad.
+    angles: Vec<(usize, f64)>,
     contacts: BTreeMap<usize, [Option<f64>; 2]>,
 }
 
@@ -63,6 +65,8 @@ struct Wheels {
 pub(super) struct Recording {
     writer: McapWriter<OutputFile>,
     joints: Vec<Joint>,
+    /// The link that each joint of the suspension turns.
+    links: Vec<String>,
     open: Wheels,
     ticks: Topic,
     states: Topic,
@@ -118,6 +122,7 @@ impl Recording {
         let mut topic = |name: &str, type_name| writer.topic(name, type_name);
         Ok(Self {
             joints: joints.collect(),
+            links: scenario.robot.turned_links(),
             open: Wheels::default(),
             ticks: topic("/wheel_ticks", known::WHEEL_TICKS)?,
             states: topic("/joint_states", "sensor_msgs/JointState")?,
@@ -202,6 +207,10 @@ impl Recording {
                     self.at(time_ns, arrived_ns)?;
                     self.open.contacts.entry(wheel).or_default()[1] = Some(angle);
                 }
+                Measurement::JointAngle { joint, angle } => {
+                    self.at(time_ns, arrived_ns)?;
+                    self.open.angles.push((joint, angle));
+                }
                 Measurement::MotorCurrent { wheel, share } => {
                     self.at(time_ns, arrived_ns)?;
                     self.open.shares.push((wheel, share));
@@ -259,14 +268,23 @@ impl Recording {
                 None => f64::NAN,
             }
         });
-        let effort: Vec<f64> = effort.collect();
-        let names = build::texts(&names);
+        let mut effort: Vec<f64> = effort.collect();
         let mut position = Vec::with_capacity(open.counts.len());
         for (wheel, raw) in &open.counts {
             let joint = &mut self.joints[*wheel];
             joint.counter.advance(*raw);
             position.push(joint.counter.total() as f64 * joint.per_tick);
         }
+        let wheels = (open.counts.iter()).map(|(wheel, _)| self.joints[*wheel].name.as_str());
+        let mut names: Vec<&str> = wheels.collect();
+        for (joint, angle) in open.angles {
+            if let Some(link) = self.links.get(joint) {
+                names.push(link);
+                position.push(angle);
+                effort.push(f64::NAN);
+            }
+        }
+        let names = build::texts(&names);
         let value = build::message([
             ("header", header()),
             ("name", names),

@@ -22,7 +22,7 @@ pub(super) fn fields<'a>() -> Fields<'a, Drives<'a>> {
         "scenario" "name of the scenario" = drives.scenario.name.as_str();
         "title" "its title" = drives.scenario.title.as_str();
         "seed" "first seed" = drives.seed;
-        "optimum_slip" "slip to run at" = drives.optimum;
+        "optimum_slip" "slip setpoint" = drives.optimum;
         "optimum_slip_meaning" "which optimal slip that is" = super::optimum::meaning(drives.scenario);
         "world_laws" "law of shear of the ground; null: the estimator's own" =
             drives.scenario.ground.world_laws.map(grouser_terra::ShearLaw::key);

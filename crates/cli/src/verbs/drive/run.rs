@@ -59,7 +59,12 @@ fn bad_balance(runs: &[Run]) -> Option<String> {
 
 /// What the drives say that their numbers do not.
 pub(super) fn warnings(runs: &[Run]) -> Vec<String> {
-    bad_balance(runs).into_iter().chain(deep(runs)).collect()
+    let undeclared = runs.first().and_then(|run| run.result.undeclared);
+    bad_balance(runs)
+        .into_iter()
+        .chain(deep(runs))
+        .chain(undeclared.map(|found| found.to_string()))
+        .collect()
 }
 
 /// Wheels that are sunk too deep for the laws in more than a passing hollow.

@@ -14,7 +14,7 @@ const SHOWN: usize = 20;
 
 pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
     let mut out = format!(
-        "{}\nrobot {}, slip to run at {} ({})\n\n",
+        "{}\nrobot {}, slip setpoint {} ({})\n\n",
         scenario.title,
         scenario.robot.robot.name(),
         rounded(optimum, 3),

@@ -81,7 +81,7 @@ pub(super) fn run(
     }
     let mut shown_text = String::new();
     for doubt in &doubts {
-        let _ = writeln!(shown_text, "DOUBTFUL: {doubt}");
+        let _ = writeln!(shown_text, "WARNING: {doubt}");
     }
     shown_text.push_str(&text);
     if is_written {

@@ -168,7 +168,7 @@ fn angle<'a>() -> Fields<'a, &'a Spread> {
 fn along<'a>() -> Fields<'a, &'a AlongSummary> {
     fields! { |along: &'a AlongSummary|
         join(spread()) = &along.slip;
-        "overall" "slip of the whole way" = along.overall;
+        "overall" "slip over the total distance" = along.overall;
         "travel_wheels_m" "way by the wheels, forwards and back added up" = along.travel_wheels;
         "travel_reference_m" "way by the reference in the direction in which the wheels ran" = along.travel_reference;
     }
@@ -255,7 +255,7 @@ fn filter<'a>() -> Fields<'a, Part<'a, FusedSummary>> {
         "offline" "whether every slip uses the whole log, and not what the robot would have known" = filter.part.is_offline;
         "reference_readings" "readings of the reference" = filter.part.reference.map(|of| of.readings);
         "reference_used" "how many of them changed the filter's state" = filter.part.reference.map(|of| of.used);
-        "way_slip" "slip of the whole way by the filter" = filter.part.ways.slip_by_filter();
+        "way_slip" "slip over the total distance by the filter" = filter.part.ways.slip_by_filter();
         "way_slip_of_reference" "the same by the reference alone" = filter.part.ways.slip_by_reference();
         "dropped" "samples that are missing" = filter.part.dropped;
         "clock_steps" "clocks that were set" = filter.part.clock_steps;

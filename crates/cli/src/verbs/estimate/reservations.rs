@@ -20,7 +20,8 @@ const WINDOW_PERIODS: f64 = 1.2;
 /// One line each.
 pub(super) fn reservations(found: Found<'_>) -> Vec<String> {
     let (summary, rows) = (found.summary, found.rows);
-    let mut out = inconsistent(summary, rows);
+    let mut out = summary.reservations();
+    out.extend(inconsistent(summary, rows));
     // without a reference no wheel is `Ok`, and other lines say why
     let has_reference =
         summary.reference != Reference::Grip && !summary.doubts().contains(&Doubt::ReferenceUnused);
@@ -46,13 +47,13 @@ pub(super) fn inconsistent(summary: &Summary, rows: &[WheelRows]) -> Vec<String>
     if found.len() > 1 && found.len() == powered.count() && last_begin < first_end {
         return vec![format!(
             "every wheel is `Invalid(Inconsistent)` from {last_begin:.1} s to {first_end:.1} s: the robot moves while its wheels \
-             stand or turn against it (is it carried or towed?); the whole way counts that"
+             stand or turn against it (is it carried or towed?); the total distance counts that"
         )];
     }
     let line = |(name, [from, to]): (String, [f64; 2])| {
         format!(
             "{name} is `Invalid(Inconsistent)` from {from:.1} s to {to:.1} s: its sensor stands, or turns against the others; \
-             the whole way leaves it out"
+             the total distance leaves it out"
         )
     };
     found.into_iter().map(line).collect()

@@ -39,7 +39,7 @@ pub(super) fn text(
     if let Some((overall, travel_reference)) = along.overall.zip(along.travel_reference) {
         let _ = writeln!(
             text,
-            "\nwhole way, forwards and back added up: the wheels ran {:.3} m, the robot went {:.3} m: slip {}",
+            "\ntotal distance: wheels {:.3} m, robot {:.3} m, slip {}",
             along.travel_wheels,
             travel_reference,
             slip(Some(overall)),
@@ -47,7 +47,7 @@ pub(super) fn text(
     } else if along.travel_reference.is_none() && uses_reference(summary) {
         let _ = writeln!(
             text,
-            "\nwhole way: the wheels ran {:.3} m; how far the robot went, the places alone do not show",
+            "\ntotal distance: wheels {:.3} m; the positions alone do not show that of the robot",
             along.travel_wheels,
         );
     }
@@ -127,7 +127,7 @@ fn uses_reference(summary: &Summary) -> bool {
 fn observability(found: Found<'_>) -> String {
     let summary = found.summary;
     let doubts = summary.doubts();
-    let doubts = doubts.iter().map(|doubt| format!("DOUBTFUL: {doubt}\n"));
+    let doubts = doubts.iter().map(|doubt| format!("WARNING: {doubt}\n"));
     let reservations = reservations(found).into_iter();
     let doubts = doubts.chain(reservations.map(|line| format!("NOTE: {line}\n")));
     let delay = summary

@@ -89,7 +89,7 @@ pub(super) fn text(errors: &[TruthError], summary: &Summary) -> String {
     let mut text = String::from("\nbeside the true slips:\n");
     let doubts = doubts(errors);
     for doubt in &doubts {
-        let _ = writeln!(text, "DOUBTFUL: {doubt}");
+        let _ = writeln!(text, "WARNING: {doubt}");
     }
     for error in errors {
         let (count, all) = (error.count, error.estimates);

@@ -13,7 +13,7 @@ use grouser_report::number::rounded;
 /// What was found, as tables.
 pub(super) fn text(found: &Identification) -> String {
     let doubts = found.doubts();
-    let doubts = doubts.iter().map(|doubt| format!("DOUBTFUL: {doubt}\n"));
+    let doubts = doubts.iter().map(|doubt| format!("WARNING: {doubt}\n"));
     let mut out: String = doubts.collect();
     if let Some(stage) = &found.plates {
         let readings: usize = stage.fit.residuals.iter().map(Vec::len).sum();

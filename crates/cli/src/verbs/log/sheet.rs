@@ -63,8 +63,17 @@ fn meaning(sheet: &Sheet, index: usize) -> String {
     if let Some(time) = sheet.time.as_ref().filter(|time| time.column == index) {
         return format!("time in {}", time.unit);
     }
-    if (sheet.time.as_ref()).is_some_and(|time| time.nanoseconds == Some(index)) {
-        return "nanoseconds beyond the time".to_owned();
+    let beyond = sheet
+        .time
+        .as_ref()
+        .filter(|time| time.nanoseconds == Some(index));
+    if let Some(time) = beyond {
+        let what = if time.unit == "date" {
+            "time of day"
+        } else {
+            "nanoseconds beyond the time"
+        };
+        return what.to_owned();
     }
     let Some(guess) = &sheet.columns[index].guess else {
         return String::new();

@@ -42,7 +42,7 @@ fn covariance(mixtures: &[Vec<f64>]) -> Matrix {
 const PLACES: [f64; 4] = [1.5, 0.0, -0.7, 2.0];
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     /// Where numbers on bounds may move by the width of their bounds, and no further than the data let them, the covariance
     /// of all numbers is the inverse of JᵀWJ/s² with 1/width² added for each of them: that of Bayes with normal priors.

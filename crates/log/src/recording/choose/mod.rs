@@ -27,6 +27,8 @@ pub(crate) struct Chosen {
     pub(crate) words: Vec<String>,
     pub(crate) measures: Vec<(Meaning, Option<usize>)>,
     pub(crate) align: bool,
+    /// How far its stamps are ahead of the recorder's clock, ns, where it has stamps.
+    pub(crate) ahead_ns: Option<i64>,
 }
 
 /// What was chosen.
@@ -70,6 +72,7 @@ pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
     };
     choosing.fields()?;
     choosing.wheels()?;
+    choosing.suspension();
     choosing.contacts()?;
     choosing.tree = choosing.tree();
     choosing.yaw_rate()?;
@@ -125,6 +128,18 @@ impl<'a> Choosing<'a> {
         all.collect()
     }
 
+    /// The same, and behind them topics that fields name: a field leaves the other contents of its topic free.
+    fn free_or_of_fields(&self) -> Vec<&'a TopicPreview> {
+        let of_fields = self.preview.topics.iter().filter(|seen| {
+            let name = &seen.channel.topic;
+            let mut fields = self.topics.fields.iter();
+            self.is_own(name)
+                && fields.any(|field| field.topic == *name)
+                && !self.topics.named_whole().any(|other| other == name)
+        });
+        self.free().into_iter().chain(of_fields).collect()
+    }
+
     /// Is a topic neither ignored nor another robot's, nor what a simulation or this program says?
     fn is_own(&self, topic: &str) -> bool {
         !self.topics.ignore.iter().any(|other| other == topic)
@@ -164,6 +179,7 @@ impl<'a> Choosing<'a> {
                 words: Vec::new(),
                 measures: Vec::new(),
                 align: false,
+                ahead_ns: seen.ahead_ns,
             });
             self.choice.topics.len() - 1
         });
@@ -208,8 +224,7 @@ impl<'a> Choosing<'a> {
         }
         // transforms that never change may be older than the recording, and measure nothing
         let used = self.choice.topics.iter().filter(|c| !c.measures.is_empty());
-        let ahead =
-            used.filter_map(|c| Some(self.preview.topic(&c.topic)?.stamp_ahead.unwrap_or(0.0)));
+        let ahead = used.map(|c| c.ahead_ns.unwrap_or(0) as f64 * 1e-9);
         let (least, most) = ahead.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), s| {
             (s.min(least), s.max(most))
         });

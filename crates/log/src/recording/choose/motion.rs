@@ -9,6 +9,7 @@ use super::{Choosing, Job, TopicPreview};
 use crate::error::{Error, Result};
 use crate::message::{View, short};
 use crate::recording::frames::{FramePair, FramePose, is_static, poses, prefix};
+use crate::recording::mounting::Base;
 use crate::recording::navigation::{FixColumns, UNSTATED_SIGMA_M, place_sigma};
 
 /// Words in the name of a topic whose velocity is to the east, north and up, as satellite receivers send it.
@@ -42,9 +43,7 @@ impl Choosing<'_> {
         if let Some(name) = &self.topics.pose {
             let seen = self.named("pose", name)?;
             match seen.view() {
-                Some(View::Odometry(_) | View::Pose { .. }) => {
-                    self.take(seen, Job::Pose, "pose", &POSE);
-                }
+                Some(View::Odometry(_) | View::Pose { .. }) => self.pose(seen),
                 Some(View::Point(_)) => self.places(seen),
                 Some(View::Transforms(_)) => self.named_transforms(seen)?,
                 _ => {
@@ -79,7 +78,7 @@ impl Choosing<'_> {
 
     /// What is chosen by type and name.
     fn free_motion(&mut self) {
-        let free = self.free();
+        let free = self.free_or_of_fields();
         let first = |fits: fn(&View, &str) -> bool| {
             let mut all = free.iter();
             all.find(|seen| {
@@ -119,7 +118,7 @@ impl Choosing<'_> {
                 })
                 .or_else(|| pose_of("geometry_msgs/TransformStamped", is_over_ground))
         {
-            self.take(seen, Job::Pose, "pose", &POSE);
+            self.pose(seen);
         }
         if !self.measures(Meaning::DisplacementForward) && !self.measures(Meaning::PoseX) {
             let place = first(|view, topic| {
@@ -156,6 +155,20 @@ impl Choosing<'_> {
                 self.take(seen, Job::Speed, "speed over ground", &SPEED);
             }
         }
+    }
+
+    /// A pose; that of a sensor's frame becomes the robot's by the transforms that never change.
+    fn pose(&mut self, seen: &TopicPreview) {
+        let frame = match seen.view() {
+            Some(View::Odometry(odometry)) => odometry.child_frame,
+            _ => "",
+        };
+        let base = Base::of(&self.tree, frame).filter(|_| !self.topics.is_mounting_stated);
+        let word = match base {
+            Some(_) => format!("pose of `{frame}`, whose mounting the transforms state"),
+            None => "pose".to_owned(),
+        };
+        self.take(seen, Job::Pose(base), &word, &POSE);
     }
 
     /// Places without a heading.

@@ -10,7 +10,7 @@ use crate::message::View;
 use crate::slots::{Slots, measured};
 use crate::wrapped_angles::Angle;
 
-impl Choosing<'_> {
+impl<'a> Choosing<'a> {
     pub(super) fn fields(&mut self) -> Result<()> {
         for topic in &self.topics.fields {
             let seen = self.named("field", &topic.topic)?;
@@ -75,16 +75,21 @@ impl Choosing<'_> {
         } else if !self.measures_wheels() {
             // Of counters and of joints the one with the most wheels, the first of these: the wheels' sensor
             // is chosen among all that was measured.
-            for wanted in [true, false] {
-                let free = self
-                    .free()
-                    .into_iter()
-                    .filter(|seen| is_ticks(seen) == wanted);
-                let all = free.map(|seen| (joints_of(seen).len(), seen));
-                let best = all
-                    .filter(|(count, _)| *count > 0)
-                    .reduce(|a, b| if b.0 > a.0 { b } else { a });
-                found.extend(best.map(|(_, seen)| seen));
+            let best = |free: &[&'a TopicPreview], wanted| {
+                let free = free.iter().filter(|seen| is_ticks(seen) == wanted);
+                let all = free.map(|seen| (joints_of(seen).len(), *seen));
+                let all = all.filter(|(count, _)| *count > 0);
+                let best = all.reduce(|a, b| if b.0 > a.0 { b } else { a });
+                best.map(|(_, seen)| seen)
+            };
+            for free in [self.free(), self.free_or_of_fields()] {
+                if found.is_empty() {
+                    found.extend(
+                        [true, false]
+                            .into_iter()
+                            .filter_map(|wanted| best(&free, wanted)),
+                    );
+                }
             }
         }
         if let Some(own) = found.first() {
@@ -92,16 +97,32 @@ impl Choosing<'_> {
         }
         for seen in found {
             let joints = joints_of(seen);
-            let mut measures = Vec::new();
+            let (mut measures, mut unmeasured) = (Vec::new(), Vec::new());
             for (name, wheel) in &joints {
-                let (position, velocity) = seen.joints.get(name).copied().unwrap_or_default();
+                let [positions, velocities] = seen.joints.get(name).copied().unwrap_or_default();
                 let has = [
                     (is_ticks(seen), Meaning::WheelCount),
-                    (position, Meaning::WheelAngle),
-                    (velocity, Meaning::WheelRate),
+                    (positions.are_measured(&velocities), Meaning::WheelAngle),
+                    (velocities.are_measured(&positions), Meaning::WheelRate),
                 ];
+                for (are_sent, has, what, other) in [
+                    (positions.are_sent(), has[1].0, "positions", "velocities"),
+                    (velocities.are_sent(), has[2].0, "velocities", "positions"),
+                ] {
+                    if are_sent && !has {
+                        unmeasured.push((name.clone(), what, other));
+                    }
+                }
                 let has = has.into_iter().filter(|(has, _)| *has);
                 measures.extend(has.map(|(_, meaning)| (meaning, Some(*wheel))));
+            }
+            if let Some((_, what, other)) = unmeasured.first() {
+                let names: Vec<&str> = unmeasured.iter().map(|(name, ..)| name.as_str()).collect();
+                self.choice.notes.push(format!(
+                    "the {what} of {} in `{}` are no numbers, or show no motion: {other} are used",
+                    names.join(", "),
+                    seen.channel.topic
+                ));
             }
             let wraps =
                 |(name, _): &(String, usize)| seen.angles.get(name).is_some_and(Angle::wraps);
@@ -119,6 +140,26 @@ impl Choosing<'_> {
             self.wheel_odometry(odometry)?;
         }
         Ok(())
+    }
+
+    /// The topic with the most joints of the suspension, the first of these.
+    pub(super) fn suspension(&mut self) {
+        let Some(all) = &self.topics.suspension else {
+            return;
+        };
+        let joints_of = |seen: &TopicPreview| {
+            let known = all.iter().filter(|of| seen.joints.contains_key(&of.link));
+            known
+                .map(|of| (of.link.clone(), of.joint, of.sign))
+                .collect::<Vec<_>>()
+        };
+        let found = (self.free().into_iter())
+            .map(|seen| (joints_of(seen), seen))
+            .reduce(|a, b| if b.0.len() > a.0.len() { b } else { a });
+        if let Some((joints, seen)) = found.filter(|(joints, _)| !joints.is_empty()) {
+            let word = format!("angles of {} links", joints.len());
+            self.take(seen, Job::Suspension(joints), &word, &[]);
+        }
     }
 
     /// Topics of the same wheels in another namespace are another robot's, and so is all that is in there.

@@ -19,10 +19,13 @@ impl Choosing<'_> {
         } else if self.measures(Meaning::YawRate) {
             None
         } else {
-            let imus = self.free().into_iter().filter(|seen| match seen.view() {
-                Some(View::Imu(imu)) => imu.angular_rate.is_some(),
-                _ => false,
-            });
+            let imus = self
+                .free_or_of_fields()
+                .into_iter()
+                .filter(|seen| match seen.view() {
+                    Some(View::Imu(imu)) => imu.angular_rate.is_some(),
+                    _ => false,
+                });
             self.of_several_imus(&imus.collect::<Vec<_>>())
         };
         let Some((seen, Some(View::Imu(imu)))) = seen.map(|seen| (seen, seen.view())) else {
@@ -84,7 +87,7 @@ impl Choosing<'_> {
             Some(forward) => axes_by_file(forward, up),
             None => axes_by_transforms(&self.tree, imu.frame).filter(|axes| agree(axes[2], up)),
         };
-        let Some([forward, left, _]) = axes else {
+        let Some([forward, left, level]) = axes else {
             // Drivers without an accelerometer leave zeros.
             if seen.accelerations.up().is_some() {
                 let topic = &seen.channel.topic;
@@ -118,6 +121,10 @@ impl Choosing<'_> {
                 .is_some_and(|gravity| agree(gravity, up));
         if imu.acceleration.is_none() || needed.any(unusable) || !is_measured {
             return;
+        }
+        if self.topics.suspension.is_some() && !planar {
+            let axes = [forward, left, level];
+            self.take(seen, Job::Inertial(axes), "attitude", &[]);
         }
         let measures = [Meaning::AccelerationForward, Meaning::AccelerationLeft];
         self.take(

@@ -70,6 +70,7 @@ pub(super) fn read(bytes: &[u8], cell: Option<f64>) -> Result<Raster, TerrainFau
         heights,
         cell,
         upper_left: Some(header.upper_left(rows, cell)),
+        has_system: false,
         undeclared,
     })
 }

@@ -24,7 +24,7 @@ pub(super) const USER_DEFINED: u32 = 32_767;
 /// EPSG's code of the metre.
 const METRE: u32 = 9001;
 /// GeoTIFF's tag of numbers of the coordinate system, which its keys refer to.
-const KEY_DOUBLES_TAG: u16 = 34_736;
+pub(super) const KEY_DOUBLES_TAG: u16 = 34_736;
 /// Relative difference of the sides of a square cell: rounding of the file.
 const MAX_SIDE_DIFFERENCE: f64 = 1e-9;
 

@@ -40,6 +40,7 @@ pub(super) fn read(bytes: &[u8], cell: Option<f64>) -> Fault<Raster> {
         heights,
         cell: file.cell(),
         upper_left: None,
+        has_system: file.georeference().centre(0, 0).is_some(),
         undeclared: file.undeclared(),
     })
 }

@@ -77,6 +77,7 @@ pub(super) fn read(
         heights,
         cell,
         upper_left: None,
+        has_system: false,
         undeclared: None,
     })
 }

@@ -9,15 +9,15 @@ use super::georeference::{Georeference, USER_DEFINED};
 use crate::terrain_fault::NoCell;
 
 /// GeoTIFF's keys of a projection.
-const PROJECTED_SYSTEM_KEY: u32 = 3072;
-const METHOD_KEY: u32 = 3075;
-const STANDARD_PARALLEL_KEY: u32 = 3078;
-const ORIGIN_LATITUDE_KEY: u32 = 3081;
-const FALSE_EASTING_KEY: u32 = 3082;
-const FALSE_NORTHING_KEY: u32 = 3083;
+pub(super) const PROJECTED_SYSTEM_KEY: u32 = 3072;
+pub(super) const METHOD_KEY: u32 = 3075;
+pub(super) const STANDARD_PARALLEL_KEY: u32 = 3078;
+pub(super) const ORIGIN_LATITUDE_KEY: u32 = 3081;
+pub(super) const FALSE_EASTING_KEY: u32 = 3082;
+pub(super) const FALSE_NORTHING_KEY: u32 = 3083;
 const CENTRE_LATITUDE_KEY: u32 = 3089;
-const SCALE_KEY: u32 = 3092;
-const SEMI_MAJOR_AXIS_KEY: u32 = 2057;
+pub(super) const SCALE_KEY: u32 = 3092;
+pub(super) const SEMI_MAJOR_AXIS_KEY: u32 = 2057;
 const ANGULAR_UNIT_KEY: u32 = 2054;
 /// EPSG's code of the degree.
 const DEGREE: u32 = 9102;

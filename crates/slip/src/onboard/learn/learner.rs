@@ -37,7 +37,7 @@ const MAX_DEMAND_SIGMA: f64 = 0.3;
 const MIN_PULL_SLOPE: f64 = 0.05;
 /// 1/(1 + exp(−1.702 x)) lies within 0.01 of the normal distribution (Haley 1952, by way of item response theory).
 const LOGISTIC_FACTOR: f64 = 1.702;
-/// Limits of the slip to run at, as those of a scenario's computed one.
+/// Limits of the slip setpoint, as those of a scenario's computed one.
 const RUNNING_SLIP_LIMITS: (f64, f64) = (0.05, 0.8);
 /// Limits of the believed torque over the known soil's.
 const TORQUE_RATIO_LIMITS: (f64, f64) = (0.1, 10.0);

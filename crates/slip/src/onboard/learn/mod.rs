@@ -3,7 +3,7 @@
 //! ```text
 //! slips, torques, sinkages, force ─► means over half a turn ─► weights of 16 soils ─► belief in use
 //!                                                                  ▲                       │
-//!                              tables of pull and torque over slip ┘     slip demand, slip to run at, expected torque
+//!                              tables of pull and torque over slip ┘     slip demand, slip setpoint, expected torque
 //! ```
 //!
 //! The specific force measures the pull: forwards over upwards it is the pull of all wheels over the load of all wheels, on
