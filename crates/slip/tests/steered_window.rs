@@ -215,8 +215,10 @@ fn one_steered_wheel_counts_the_whole_distance() {
     const AHEAD_M: f64 = 0.8;
     let wheel = Wheel::powered("front").at(AHEAD_M, 0.0).radius(0.1);
     let robot = Robot::new("tricycle".into(), vec![wheel]).unwrap();
-    let mut settings = WindowSettings::default();
-    settings.reference = Reference::Speed;
+    let settings = WindowSettings {
+        reference: Reference::Speed,
+        ..WindowSettings::default()
+    };
     let mut means = WindowMeans::new(&robot, settings).unwrap();
     let (speed, dt) = (0.5, 0.05);
     let mut driven = 0.0;
