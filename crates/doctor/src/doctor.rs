@@ -61,7 +61,7 @@ impl Doctor {
         let steering = file.steering.as_ref();
         let by_sides = steering.is_none();
         Self {
-            tracks: Tracks::new(file, settings.reference, sensor),
+            tracks: Tracks::new(file, settings.reference, sensor).with_room(),
             axes: AxisWatch::new(robot, low_speed),
             pose: PoseWatch::new(robot, steering, low_speed, settings.position_sigma),
             speed_sign: SignWatch::default(),

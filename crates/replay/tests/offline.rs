@@ -252,3 +252,21 @@ fn gaps_and_readings_that_are_none_leave_the_rest_as_it_is() {
     println!("{all:?} {one:?}");
     assert!(one.rmse <= 1.3 * all.rmse, "{one:?} {all:?}");
 }
+
+/// The filter's first steps are shorter than those of wheels that are read seldom: the whole log is smoothed all the same.
+#[test]
+fn wheels_that_are_read_five_times_a_second_are_smoothed_too() {
+    let steps = drive(1.0, true, Disturbance::Clean, 6).steps();
+    let begin = steps[0].samples[0].time_ns;
+    let seldom = |sample: Sample| {
+        let is_read = (sample.time_ns - begin) % 200_000_000 == 0;
+        let is_count = matches!(sample.measurement, Measurement::WheelCount { .. });
+        (is_read || !is_count).then_some(sample)
+    };
+    let [all, five] = [
+        score(&steps, POSE, as_logged, |_| true),
+        score(&steps, POSE, seldom, |_| true),
+    ];
+    println!("{all:?} {five:?}");
+    assert!(five.rmse <= 0.5 * five.centred, "{five:?} {all:?}");
+}

@@ -13,6 +13,12 @@ pub(crate) struct Track {
 }
 
 impl Track {
+    /// Makes room for so many sums.
+    pub(super) fn reserve(&mut self, count: usize) {
+        self.times_s.reserve(count);
+        self.sums.reserve(count);
+    }
+
     /// Adds what has passed at a time, not earlier than those before.
     pub(crate) fn add(&mut self, time_s: f64, passed: f64) {
         self.sum += passed;

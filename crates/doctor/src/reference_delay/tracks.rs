@@ -12,6 +12,8 @@ use super::track::Track;
 const MAX_GYRO_GAP_S: f64 = 0.15;
 /// Length of a log that is used, s.
 const MAX_LOG_S: f64 = 1800.0;
+/// Readings of that time, 9 ms apart.
+const MAX_READINGS: usize = 200_000;
 
 /// What the reference measured between two stamps.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +54,16 @@ impl Tracks {
             ways: Vec::new(),
             turns: Vec::new(),
         }
+    }
+
+    /// The same with room for all that it will hold: nothing is allocated later.
+    #[must_use]
+    pub(crate) fn with_room(mut self) -> Self {
+        self.rims.track.reserve(MAX_READINGS);
+        self.gyro.reserve(MAX_READINGS);
+        self.ways.reserve(MAX_READINGS);
+        self.turns.reserve(MAX_READINGS);
+        self
     }
 
     /// Takes a sample that is a reading of the robot's origin, corrected as the robot file states it, not earlier than those before; is the log long enough now?

@@ -19,8 +19,8 @@ use crate::moment::{Moment, seconds};
 const BLOCK_S: f64 = 400.0;
 const BEYOND_S: f64 = 60.0;
 
-/// A step of so many usual ones is a silence of all sensors: the filter's own are longer by less as the rate of the wheels changes.
-const SILENT_STEPS: f64 = 3.0;
+/// A longer step spans a silence of all sensors, s: the filter's own are as long as the period of the wheels, at most this.
+const SILENT_S: f64 = 1.0;
 /// Of a longer silence the end is passed over, s: by then nothing is known of the speed.
 const MAX_SILENCE_S: f64 = 60.0;
 
@@ -107,7 +107,7 @@ impl Offline {
             };
             self.steps.extend(parts(&hole, usual));
         }
-        if step.dt > SILENT_STEPS * usual {
+        if step.dt > SILENT_S.max(usual) {
             self.steps.extend(parts(&silence(&step), usual));
         } else {
             self.steps.push(step);
