@@ -16,7 +16,7 @@ use crate::speed_sign::SignWatch;
 use crate::turns::TurnWatch;
 use crate::wiring::{SameSensor, SecondDrive};
 
-/// A reference that goes this much farther than the wheels in the median has another unit.
+/// A reference whose distance is this multiple of the wheels' in the median has another unit. A choice: feet are 3.3.
 const MAX_SCALE: f64 = 3.0;
 
 /// Compares the sensors of a log with each other.

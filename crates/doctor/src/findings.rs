@@ -68,7 +68,8 @@ const MIN_SCALE: f64 = 0.125;
 /// next common error is that of diameter and radius.
 const SUSPICIOUS_SCALES: [f64; 2] = [0.6, 1.6];
 /// The multiple of a reference that is derived from the wheels is near 1 and the same in half of the blocks, within this: with motion
-/// capture the quartiles differ by 0.003 to 0.008, with satellites on grass by 0.0011, of a filter over wheels by 0.0007.
+/// capture the quartiles differ by 0.003 to 0.008, with satellites on grass by 0.0011, of a filter over wheels by 0.0007: a choice between
+/// the last two, made on these logs.
 const DERIVED_SCALES: RangeInclusive<f64> = 0.97..=1.03;
 const DERIVED_SPREAD: f64 = 0.0008;
 /// And its residual is below this, m: that of motion capture is 0.3 to 0.7 mm, that of a filter over wheels up to 0.2 mm.

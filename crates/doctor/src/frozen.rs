@@ -11,7 +11,7 @@ const MIN_RUN_M: f64 = 1.0;
 const MIN_JUMP_M: f64 = 0.3;
 const JUMP_RUNS: f64 = 3.0;
 
-/// Watches for a reference that stands and then jumps.
+/// Watches for a reference that is constant while the wheels drive, and then jumps.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FrozenWatch {
     start_ns: Option<i64>,

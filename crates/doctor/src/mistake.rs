@@ -27,7 +27,7 @@ pub enum Mistake {
     },
     /// The log goes on elsewhere after a silence that ended at this time, s.
     SecondDrive(f64),
-    /// Between these times, s, the reference stands while the wheels run, and then it jumps.
+    /// Between these times, s, the reference is constant while the wheels turn, and then it jumps.
     Frozen([f64; 2]),
     /// Wheels of both sides show equal readings, bit by bit in the robot's order.
     SameSensor(u64),
@@ -92,7 +92,7 @@ impl fmt::Display for Mistake {
             ),
             Self::Frozen([from_s, to_s]) => write!(
                 f,
-                "from {from_s:.1} s to {to_s:.1} s the reference stands while the wheels run, and then it jumps: it was frozen or \
+                "from {from_s:.1} s to {to_s:.1} s the reference is constant while the wheels turn, and then it jumps: it was frozen or \
                  lost, and slips of that span do not hold"
             ),
             Self::SameSensor(wheels) => write!(

@@ -1,4 +1,4 @@
-//! Straight paths of a pose: the direction in which it moves beside its yaw.
+//! Straight paths of a pose: its course compared with its yaw.
 
 use std::f64::consts::PI;
 

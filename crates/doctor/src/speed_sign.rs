@@ -12,7 +12,7 @@ pub(crate) struct SignWatch {
     has_sign: bool,
     /// The way of the wheels backwards while the speed was positive, m.
     backwards: f64,
-    /// Do wheels turn backwards too? The way of the reference forwards and backwards while they turn forwards, m.
+    /// Do wheels turn backwards too? Distances of the reference forwards and backwards while they turn forwards, m.
     have_wheels_sign: bool,
     by_reference: [f64; 2],
     until_ns: Option<i64>,
@@ -44,7 +44,7 @@ impl SignWatch {
         }
     }
 
-    /// The way of the robot backwards, m, beside wheels that never turn backwards and go forwards with it.
+    /// Distance of the robot backwards, m, while wheels that never turn backwards turn forwards.
     pub(crate) fn wheels_without_sign(&self) -> Option<f64> {
         let [forwards, backwards] = self.by_reference;
         let both = forwards > MIN_WAY_M && backwards > MIN_WAY_M;

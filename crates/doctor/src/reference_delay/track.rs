@@ -13,7 +13,7 @@ pub(crate) struct Track {
 }
 
 impl Track {
-    /// Makes room for so many sums.
+    /// Reserves memory for this number of sums.
     pub(super) fn reserve(&mut self, count: usize) {
         self.times_s.reserve(count);
         self.sums.reserve(count);

@@ -12,7 +12,7 @@ use super::track::Track;
 const MAX_GYRO_GAP_S: f64 = 0.15;
 /// Length of a log that is used, s.
 const MAX_LOG_S: f64 = 1800.0;
-/// Readings of that time, 9 ms apart.
+/// Readings that are kept: [`MAX_LOG_S`] at intervals of 9 ms.
 const MAX_READINGS: usize = 200_000;
 
 /// What the reference measured between two stamps.
@@ -56,7 +56,7 @@ impl Tracks {
         }
     }
 
-    /// The same with room for all that it will hold: nothing is allocated later.
+    /// The same with memory reserved for everything that it keeps: nothing is allocated later.
     #[must_use]
     pub(crate) fn with_room(mut self) -> Self {
         self.rims.track.reserve(MAX_READINGS);
