@@ -129,7 +129,8 @@ impl WheelOnSoil {
     ///
     /// Of several it is the first from −1 on, where a wheel that was locked ends: at all lower slips the soil turns it faster, or
     /// nothing carries it. Where the sinkage jumps with slip the torque may jump over that value; the skid is there. The torque is
-    /// followed as the force of [`WheelOnSoil::under_load`] is; turns within 0.001 of slip are missed.
+    /// followed as the force of [`WheelOnSoil::under_load`] is; what rises and falls again
+    /// within 0.002 of slip is missed.
     ///
     /// A free wheel does not roll without slip, as a fifth wheel that measures speed is assumed to:
     /// v = r ω/(1 + s).

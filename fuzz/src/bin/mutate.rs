@@ -5,12 +5,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use mutatis::Session;
 
 /// Longest time of one case: a minute of a robot's samples takes milliseconds.
 const LONGEST: Duration = Duration::from_secs(5);
+/// After this time a case is taken for one without end, on a machine however busy.
+const ENDLESS: Duration = Duration::from_secs(60);
 const MAX_BYTES: usize = 16 << 10;
 /// Peak memory of the whole process, kB.
 const MAX_MEMORY_KB: u64 = 512 << 10;
@@ -41,9 +44,12 @@ fn main() -> ExitCode {
     let mut random = seed;
     let began = Instant::now();
     let mut longest = Duration::ZERO;
+    let running = Arc::new(Mutex::new(None));
+    end_endless(name.to_owned(), seed, Arc::clone(&running));
     for execution in 0..executions {
         let case = case(&seeds, &mut session, &mut random);
         let start = Instant::now();
+        *running.lock().expect("a lock") = Some((execution, case.clone(), start));
         let ended = std::panic::catch_unwind(|| (target.run)(&case));
         let took = start.elapsed();
         longest = longest.max(took);
@@ -69,6 +75,28 @@ fn main() -> ExitCode {
         return ExitCode::FAILURE;
     }
     ExitCode::SUCCESS
+}
+
+/// A case under way: its number, its bytes and when it began.
+type Running = Arc<Mutex<Option<(u64, Vec<u8>, Instant)>>>;
+
+/// Ends the process, and keeps the case, where a case takes longer than [`ENDLESS`].
+fn end_endless(name: String, seed: u64, running: Running) {
+    std::thread::spawn(move || {
+        loop {
+            std::thread::sleep(Duration::from_secs(1));
+            if let Some((execution, case, start)) = running.lock().expect("a lock").as_ref()
+                && start.elapsed() > ENDLESS
+            {
+                let path = keep(&name, *execution, case);
+                eprintln!(
+                    "{name}: case {execution} of seed {seed} does not end, kept in {}",
+                    path.display()
+                );
+                std::process::exit(1);
+            }
+        }
+    });
 }
 
 /// Folders of seeds beside a target's own, as in `fuzz/run`.
