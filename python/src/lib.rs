@@ -41,7 +41,7 @@ mod _core {
         command::run_command,
         contact::{WheelOnSoil, slips_from_speeds},
         drive::{Scenario, Simulation},
-        figure::{chart_svg, write_file},
+        figure::{chart, write_file},
         fleet::Fleet,
         identify::identify,
         logs::{Engine, estimate, read_samples},

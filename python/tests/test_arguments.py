@@ -87,7 +87,7 @@ WRONG_TYPES: list[tuple[str, Callable[[Any], object]]] = [
     ("path", lambda x: Robot.read(x)),
     ("path", lambda x: soils.read(x)),
     ("path", lambda x: terrain.read(x)),
-    ("path", lambda x: identify.run(x)),
+    ("job", lambda x: identify.run(x)),
     ("path", lambda x: optimize.solve_file(x)),
     ("text", lambda x: optimize.solve_text(x)),
     ("robot", lambda x: terrain.SlipMapper(x, SAND, cell_m=1.0)),

@@ -80,11 +80,21 @@ def test_columns_of_different_lengths_are_refused() -> None:
         figures.slip_curves(soils.find("lunar"), Wheel(radius_m=0.1, width_m=0.1), load_n=50.0, quantity="colour")
 
 
-def test_a_figure_is_svg_and_no_other_file(tmp_path: Path) -> None:
+def test_a_figure_is_svg_or_png_and_no_other_file(tmp_path: Path) -> None:
     figure = figures.lines("Pull", "x", "y", figures.Line([0.0, 1.0], [0.0, 1.0]))
-    for name in ("x.png", "x.pdf", "x", "x.svg.png"):
-        with pytest.raises(InputError, match=r"must end in `\.svg`") as caught:
+    for name in ("x.pdf", "x", "x.svg.jpg"):
+        with pytest.raises(InputError, match=r"must end in `\.svg` or `\.png`") as caught:
             figure.write(tmp_path / name)
         assert caught.value.field == "path" and not (tmp_path / name).exists()
     figure.write(tmp_path / "X.SVG")
     assert (tmp_path / "X.SVG").read_text() == figure.svg
+    sizes = []
+    for dots_per_inch in (100.0, 200.0):
+        figure.write(tmp_path / "x.png", dots_per_inch=dots_per_inch)
+        picture = (tmp_path / "x.png").read_bytes()
+        assert picture.startswith(b"\x89PNG\r\n")
+        sizes.append(int.from_bytes(picture[16:20], "big"))
+    assert abs(sizes[1] - 2 * sizes[0]) <= 2
+    with pytest.raises(InputError) as caught:
+        figure.write(tmp_path / "large.png", dots_per_inch=1e9)
+    assert caught.value.field == "dots_per_inch" and not (tmp_path / "large.png").exists()

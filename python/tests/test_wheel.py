@@ -403,7 +403,7 @@ def test_a_point_without_derivatives_is_bad_input() -> None:
     for slip in (-0.3, 0.0, 0.2, 1.0):
         found = wheel.jacobian(wheel.WheelOnSoil(wheel.Wheel(radius_m=0.125, width_m=0.1), SAND), load_n=loads, slip=slip)
         assert found.status[:2].tolist() == [3, 3] and found.status[-3:].tolist() == [0, 0, 0]
-        for numbers in found[1:]:
+        for numbers in list(found.values())[1:]:
             is_finite = np.isfinite(numbers).reshape(loads.size, -1)
             assert is_finite[found.status == 0].all() and not is_finite[found.status != 0].any()
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
 import os
-from typing import Any, Union
+from collections.abc import Callable
+from typing import Any, ParamSpec, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -13,8 +16,47 @@ from ._errors import InputError, InputTypeError
 FloatArray = npt.NDArray[np.float64]
 Column = Union[float, FloatArray]
 
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
 # real numbers: floats, signed and unsigned integers
 _KINDS = "fiu"
+
+
+def said(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """`function`, whose calls that do not fit its parameters are told what to write."""
+
+    @functools.wraps(function)
+    def call(*positional: _P.args, **keywords: _P.kwargs) -> _R:
+        try:
+            return function(*positional, **keywords)
+        except TypeError:
+            signature = inspect.signature(function)
+            try:
+                signature.bind(*positional, **keywords)
+            except TypeError:
+                raise InputTypeError(_misfit(function.__name__, signature, len(positional), keywords)) from None
+            raise
+
+    return call
+
+
+def _misfit(name: str, signature: inspect.Signature, positional: int, keywords: dict[str, Any]) -> str:
+    parameters = signature.parameters.values()
+    by_place = sum(each.kind is not each.KEYWORD_ONLY for each in parameters)
+    needed = [each.name for each in parameters if each.default is each.empty][by_place:]
+    if positional > by_place:
+        return f"{name} takes numbers by keyword: {', '.join(f'{each}=…' for each in needed)}"
+    for key in keywords:
+        if key.startswith(("grouser_", "slip_angle")) and key not in signature.parameters:
+            return f"{name} has no `{key}`: lugs belong to a `Wheel`, and `operating_points` computes it, with slip angles as well"
+        if key not in signature.parameters:
+            import difflib  # not with the package: importing it stays fast
+
+            near = difflib.get_close_matches(key, signature.parameters, 1)
+            hint = f"did you mean `{near[0]}`?" if near else f"it has {', '.join(signature.parameters)}"
+            return f"{name} has no `{key}`; {hint}"
+    return f"{name} needs {', '.join(f'{each}=…' for each in needed if each not in keywords)}"
 
 
 def as_floats(field: str, value: Any) -> FloatArray:

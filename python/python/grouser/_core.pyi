@@ -21,7 +21,7 @@ __all__ = [
     "Wheel",
     "WheelOnSoil",
     "catalogue_keys",
-    "chart_svg",
+    "chart",
     "estimate",
     "identify",
     "instructions",
@@ -449,13 +449,14 @@ def estimate(
 def read_samples(
     paths: Sequence[str | PathLike[str]], robot: Robot, columns: str | PathLike[str] | None
 ) -> dict[str, Any]: ...
-def chart_svg(
+def chart(
     title: str,
     x_title: str,
     y_title: str,
     lines: Sequence[tuple[_Floats, _Floats, str, bool]],
-) -> str: ...
-def write_file(path: str | PathLike[str], text: str) -> None: ...
+    dots_per_inch: float | None,
+) -> bytes: ...
+def write_file(path: str | PathLike[str], bytes: bytes) -> None: ...
 def identify(path: str | PathLike[str], threads: int) -> dict[str, Any]: ...
 
 @final

@@ -19,15 +19,14 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Union
 
-import numpy as np
-import numpy.typing as npt
 
 from . import _core
 from ._arrays import check_kind, number, whole
 from ._core import Scenario
 from ._errors import InputError, InputTypeError
+from ._tables import Table
 from .slip import WheelCommand, WheelObservation
 
 __all__ = [
@@ -47,6 +46,8 @@ PERIOD_S = 0.01
 """The period of the control loop, s."""
 
 read = Scenario.read
+
+AnyScenario = Union[Scenario, str, "os.PathLike[str]"]
 
 
 class Observation(NamedTuple):
@@ -96,7 +97,7 @@ class DriveResult:
     decisions: list[tuple[float, str]]
     """Time (s) and text of the on-board controller's decisions."""
     decision_count: int
-    track: dict[str, npt.NDArray[np.float64]]
+    track: Table
     """Columns over time, every 0.01 s; `slip` and `estimated_slip` have one column a wheel."""
 
 
@@ -105,7 +106,7 @@ class Simulation:
 
     Parameters
     ----------
-    scenario : Scenario
+    scenario : Scenario or path
     pilot : str
         `controller` or `open-loop`. With commands of your own choose `open-loop`: its computer
         estimates and takes no decisions.
@@ -113,8 +114,10 @@ class Simulation:
         Of ground and noise; the scenario's by default.
     """
 
-    def __init__(self, scenario: Scenario, *, pilot: str = "controller", seed: int | None = None) -> None:
-        check_kind("scenario", scenario, Scenario)
+    def __init__(self, scenario: AnyScenario, *, pilot: str = "controller", seed: int | None = None) -> None:
+        if isinstance(scenario, (str, os.PathLike)):
+            scenario = Scenario.read(scenario)
+        check_kind("scenario", scenario, Scenario, "a scenario or the path of its file")
         self._core = _core.Simulation(scenario, pilot, scenario.seed if seed is None else whole("seed", seed, 0, 2**64 - 1))
 
     def advance(self, *, duration_s: float = PERIOD_S) -> bool:
@@ -143,7 +146,7 @@ class Simulation:
         wheels = track.pop("wheels")
         for key in ("slip", "estimated_slip"):
             track[key] = track[key].reshape(-1, wheels)
-        return DriveResult(track=track, **self._core._result())
+        return DriveResult(track=Table(**track), **self._core._result())
 
 
 def _periods(field: str, duration_s: Any) -> int:
@@ -167,7 +170,7 @@ def _command(command: Any) -> tuple[float, float, float]:
 
 
 def run(
-    scenario: Scenario,
+    scenario: AnyScenario,
     *,
     pilot: str = "controller",
     controller: Controller | None = None,
@@ -178,7 +181,7 @@ def run(
 
     Parameters
     ----------
-    scenario : Scenario
+    scenario : Scenario or path
     pilot : str
         `controller` (ours) or `open-loop`; without effect where a controller is given.
     controller : callable, optional

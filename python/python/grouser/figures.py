@@ -1,4 +1,4 @@
-"""Figures as SVG: the same look as those of the command, shown by notebooks as they are.
+"""Figures as SVG or PNG: the same look as those of the command, shown by notebooks as they are.
 
 Examples
 --------
@@ -13,7 +13,7 @@ True
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -21,11 +21,14 @@ import numpy as np
 
 from . import _core
 from . import wheel as _wheel
-from ._arrays import FloatArray, as_floats, flag, path_of
+from ._arrays import FloatArray, as_floats, flag, number, path_of
 from ._core import Soil, Wheel
 from ._errors import InputError
 
 __all__ = ["Figure", "Line", "lines", "slip_curves"]
+
+
+_Drawn = tuple[FloatArray, FloatArray, str, bool]
 
 
 @dataclass(frozen=True)
@@ -33,22 +36,28 @@ class Figure:
     """A figure: SVG text, which notebooks show."""
 
     svg: str
+    _drawn: tuple[str, str, str, list[_Drawn]] = field(repr=False, compare=False)
 
     def _repr_svg_(self) -> str:
         return self.svg
 
-    def write(self, path: str | os.PathLike[str]) -> None:
-        """Writes the SVG file: as a whole, or what was there stays.
+    def write(self, path: str | os.PathLike[str], *, dots_per_inch: float = 300.0) -> None:
+        """Writes the figure as a whole, or what was there stays: SVG or PNG, as the path ends.
 
         Raises
         ------
         InputError
-            A path that does not end in `.svg`.
+            A path that ends neither in `.svg` nor in `.png`.
         """
         file = Path(path_of("path", path))
-        if file.suffix.lower() != ".svg":
-            raise InputError(f"path is `{file}`, but a figure is SVG: it must end in `.svg`", "path", str(file))
-        _core.write_file(file, self.svg)
+        if file.suffix.lower() == ".svg":
+            _core.write_file(file, self.svg.encode())
+        elif file.suffix.lower() == ".png":
+            _core.write_file(file, _core.chart(*self._drawn, number("dots_per_inch", dots_per_inch)))
+        else:
+            raise InputError(
+                f"path is `{file}`, but must end in `.svg` or `.png`; a browser prints an SVG as PDF", "path", str(file)
+            )
 
 
 @dataclass(frozen=True)
@@ -82,7 +91,8 @@ def lines(title: str, x_title: str, y_title: str, *given: Line) -> Figure:
         if x.size != y.size:
             raise InputError(f"y has {y.size} points, but x has {x.size}", "y", y.size, x.size, "1")
         drawn.append((x, y, line.label, flag("points", line.points)))
-    return Figure(_core.chart_svg(title, x_title, y_title, drawn))
+    chart = (title, x_title, y_title, drawn)
+    return Figure(_core.chart(*chart, None).decode(), chart)
 
 
 def slip_curves(soil: Soil, wheel: Wheel, *, load_n: Any, quantity: str = "drawbar_pull_n") -> Figure:

@@ -11,11 +11,14 @@ Examples
 from __future__ import annotations
 
 import os
-from typing import NamedTuple
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from . import _core
 from ._arrays import path_of, threads_of
 from ._core import Soil
+from ._frames import write_job
 
 __all__ = ["Identification", "Number", "run"]
 
@@ -47,10 +50,29 @@ class Identification(NamedTuple):
     """Why the result is doubtful, a likely mistake in a unit first; empty where it is not."""
 
 
-def run(path: str | os.PathLike[str], *, threads: int | None = None) -> Identification:
-    """Identifies the soil of a job file (TOML), which names the tables of tests.
+def run(job: str | os.PathLike[str] | Mapping[str, Any], *, threads: int | None = None) -> Identification:
+    """Identifies the soil of a job: the same numbers as the command `grouser identify`.
 
-    The same numbers as the command `grouser identify`.
+    Parameters
+    ----------
+    job : path or mapping
+        A job file (TOML), which names the tables of tests; or its keys, each `table` a path, a data frame, or a mapping
+        of columns.
+    threads : int, optional
+        Threads of this call.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from grouser import identify
+    >>> def plate(diameter_m):  # a plate of 1.4 kN/m^1.8 and 820 kN/m^2.8, exactly
+    ...     depth = np.linspace(0.002, 0.03, 15)
+    ...     pressure = (1.4e3 / (0.5 * diameter_m) + 8.2e5) * depth**0.8
+    ...     force = pressure * np.pi / 4 * diameter_m**2
+    ...     return {"table": {"depth_m": depth, "force_n": force, "plate_diameter_m": 15 * [diameter_m]}}
+    >>> found = identify.run({"name": "exact", "plate": [plate(0.05), plate(0.1)]})
+    >>> round(found.numbers["n"].value, 3)
+    0.8
 
     Raises
     ------
@@ -59,7 +81,14 @@ def run(path: str | os.PathLike[str], *, threads: int | None = None) -> Identifi
     InputError
         What a file lacks or has wrong.
     """
-    found = _core.identify(path_of("path", path), threads_of(threads))
+    threads = threads_of(threads)
+    if isinstance(job, Mapping):
+        import tempfile  # not with the package: importing it stays fast
+
+        with tempfile.TemporaryDirectory() as folder:
+            found = _core.identify(str(write_job(job, Path(folder))), threads)
+    else:
+        found = _core.identify(path_of("job", job), threads)
     text = found["text"]
     open_numbers = [] if text is None else [key for key in ("k_shear_m", "c_1", "c_2") if f"\n{key} = " not in text]
     soil = None if text is None or open_numbers else Soil.from_toml(text)

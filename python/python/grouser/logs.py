@@ -15,6 +15,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, NamedTuple, Union
 
 import numpy as np
@@ -24,14 +26,17 @@ from . import _core
 from ._arrays import check_kind, flag, number, path_of
 from ._core import Robot
 from ._errors import InputError
+from ._frames import is_frame, write_csv
 from ._declared import Sample
+from ._tables import Table
 
 __all__ = ["Engine", "Result", "Robot", "Rows", "Sample", "Samples", "estimate", "read"]
 
 Paths = Union[str, "os.PathLike[str]", Iterable[Union[str, "os.PathLike[str]"]]]
+AnyRobot = Union[Robot, str, "os.PathLike[str]"]
 
 
-class Rows(NamedTuple):
+class Rows(Table):
     """A row for every wheel whenever it was read, as columns."""
 
     time_s: npt.NDArray[np.float64]
@@ -91,6 +96,27 @@ def _paths(paths: Paths) -> list[str]:
     return found
 
 
+@contextmanager
+def _files(log: Any) -> Iterator[list[str]]:
+    """The files of a log; of a frame a table `log.csv`, which lasts as long as the context."""
+    if is_frame(log):
+        import tempfile  # not with the package: importing it stays fast
+
+        with tempfile.TemporaryDirectory() as folder:
+            table = Path(folder) / "log.csv"
+            write_csv(log, table)
+            yield [str(table)]
+    else:
+        yield _paths(log)
+
+
+def _robot(robot: AnyRobot) -> Robot:
+    if isinstance(robot, (str, os.PathLike)):
+        return Robot.read(robot)
+    check_kind("robot", robot, Robot, "a robot or the path of a robot file")
+    return robot
+
+
 def _map_path(columns: str | os.PathLike[str] | None) -> str | None:
     return None if columns is None else path_of("columns", columns)
 
@@ -113,8 +139,8 @@ def _choices(
 
 
 def estimate(
-    paths: Paths,
-    robot: Robot,
+    paths: Any,
+    robot: AnyRobot,
     *,
     columns: str | os.PathLike[str] | None = None,
     method: str | None = None,
@@ -129,9 +155,9 @@ def estimate(
 
     Parameters
     ----------
-    paths : path or paths
-        Files of one log, or folders of them.
-    robot : Robot
+    paths : path, paths, or frame
+        Files of one log, or folders of them; a data frame, or a mapping of columns, counts as the table `log.csv`.
+    robot : Robot or path
     columns : path, optional
         The column map of tables; by default the robot file's own, or `columns.toml` beside it.
     method : str, optional
@@ -158,11 +184,12 @@ def estimate(
         A file that is damaged or does not fit the robot; a choice that does not exist.
     """
     choices = _choices(method, reference, wheel_sensor, window_s, from_s, to_s, not flag("online", online))
-    rows, summary = _core.estimate(_paths(paths), robot, _map_path(columns), choices)
+    with _files(paths) as files:
+        rows, summary = _core.estimate(files, _robot(robot), _map_path(columns), choices)
     return Result(Rows(**rows), summary)
 
 
-def read(paths: Paths, robot: Robot, *, columns: str | os.PathLike[str] | None = None) -> Samples:
+def read(paths: Any, robot: AnyRobot, *, columns: str | os.PathLike[str] | None = None) -> Samples:
     """The samples of a log in the order of time, on their own clocks.
 
     Examples
@@ -174,7 +201,8 @@ def read(paths: Paths, robot: Robot, *, columns: str | os.PathLike[str] | None =
     >>> bool(abs(numbers[:, 0].sum() * 0.02 - 0.94) < 0.01)  # 0.15 rad/s for 6 s, and the gyro's bias
     True
     """
-    found = _core.read_samples(_paths(paths), robot, _map_path(columns))
+    with _files(paths) as files:
+        found = _core.read_samples(files, _robot(robot), _map_path(columns))
     found["numbers"] = found["numbers"].reshape(-1, 6)
     return Samples(**found)
 

@@ -24,11 +24,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ._arrays import as_floats, check_kind, flag, number, threads_of, whole
 from ._core import SlipMap, SlipMapper
 from ._errors import InputError
+from ._tables import Table
 
 __all__ = ["QUANTITIES", "STATES", "Plan", "Route", "SlipMap", "SlipMapper", "plan", "read", "slip_map"]
 
@@ -107,7 +107,7 @@ class Route:
     """By one heading each."""
     deep_share: float
     """Share of its cells in which a wheel sinks by more than a sixth of its diameter, where the laws lose their grip."""
-    way: dict[str, npt.NDArray[np.float64]]
+    way: Table
     """Columns by waypoint: `x_m`, `y_m`, `heading_deg`, and since the start `energy_j`, `time_s`, `length_m`; `slip`
     and `risk` there."""
 
@@ -172,10 +172,14 @@ def plan(
     )
     route = answer["route"]
     return Plan(
-        route=None if route is None else Route(**route),
-        alternatives=[Route(**other) for other in answer["alternatives"]],
+        route=None if route is None else _route(route),
+        alternatives=[_route(other) for other in answer["alternatives"]],
         least_risk=answer["least_risk"],
     )
+
+
+def _route(found: dict[str, Any]) -> Route:
+    return Route(way=Table(**found.pop("way")), **found)
 
 
 def _warn_of_other_heading(found: SlipMap, field: str, angle: float | None) -> None:

@@ -3,7 +3,7 @@
 Array functions broadcast their inputs as NumPy's own functions do. Every keyword carries its unit.
 Inputs are numbers, NumPy arrays, lists, and columns of pandas, polars and pyarrow; contiguous columns of
 float64 are read in place. A point that cannot be computed is not an exception but a status, with NaN in
-its results: the others are computed.
+its results: the others are computed. Results are tables: ``pandas.DataFrame(points)``, `Table.to_frame`.
 
 =======  =================================================
 status   meaning
@@ -30,17 +30,20 @@ array([-3.656 ,  3.2949])
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arrays import as_floats, check_kind, columns, shaped, threads_of
+from ._arrays import FloatArray, as_floats, check_kind, columns, said, shaped, threads_of
 from ._core import Soil, Wheel, WheelOnSoil
 from ._declared import OperatingPoint
 from ._errors import InputError
+from ._tables import Table
+from .soils import of as soil_of
 
 __all__ = [
     "BestSlip",
@@ -69,86 +72,86 @@ __all__ = [
 instructions = _core.instructions
 
 
-class Points(NamedTuple):
+class Points(Table):
     """Operating points side by side, in the shape of the inputs; NaN where the status is not 0."""
 
-    status: Any
+    status: npt.NDArray[np.uint8]
     """How each point ended (uint8): see the module."""
-    sinkage_m: Any
+    sinkage_m: FloatArray
     """Sinkage, m."""
-    vertical_force_n: Any
+    vertical_force_n: FloatArray
     """Vertical force, N, upwards."""
-    drawbar_pull_n: Any
+    drawbar_pull_n: FloatArray
     """Drawbar pull, N, forwards."""
-    torque_nm: Any
+    torque_nm: FloatArray
     """Torque, N m, positive where a motor drives."""
 
 
-class OperatingPoints(NamedTuple):
+class OperatingPoints(Table):
     """Operating points of one wheel that may drift; NaN where the status is not 0."""
 
-    status: Any
+    status: npt.NDArray[np.uint8]
     """How each point ended (uint8): see the module."""
-    sinkage_m: Any
+    sinkage_m: FloatArray
     """Sinkage, m."""
-    vertical_force_n: Any
+    vertical_force_n: FloatArray
     """Vertical force, N, upwards."""
-    drawbar_pull_n: Any
+    drawbar_pull_n: FloatArray
     """Drawbar pull, N, forwards."""
-    torque_nm: Any
+    torque_nm: FloatArray
     """Torque, N m, positive where a motor drives."""
-    side_force_n: Any
+    side_force_n: FloatArray
     """Side force, N, to the left."""
 
 
-class Demand(NamedTuple):
+class Demand(Table):
     """The slip that a slope needs; NaN where the status is not 0."""
 
-    status: Any
+    status: npt.NDArray[np.uint8]
     """How each point ended (uint8): 0 holds, 1 immobilised, 3 bad input."""
-    slip: Any
+    slip: FloatArray
     """The smallest slip that holds the slope; negative downhill."""
 
 
-class BestSlip(NamedTuple):
+class BestSlip(Table):
     """The slip at which a pull or an efficiency is greatest; NaN where the status is not 0."""
 
-    status: Any
+    status: npt.NDArray[np.uint8]
     """How each point ended (uint8): 0 found, 1 no slip carries the load or pulls, 3 bad input."""
-    slip: Any
+    slip: FloatArray
     """The slip, 0 to 1."""
-    value: Any
+    value: FloatArray
     """The greatest pull, N, or efficiency."""
 
 
-class Skid(NamedTuple):
+class Skid(Table):
     """The skid of a free wheel; NaN where the status is not 0."""
 
-    status: Any
+    status: npt.NDArray[np.uint8]
     """How each point ended (uint8): 0 turns, 1 locked or not carried, 3 bad input."""
-    slip: Any
+    slip: FloatArray
     """The slip, negative."""
 
 
-class Derivatives(NamedTuple):
+class Derivatives(Table):
     """Values and exact derivatives under a load; NaN where the status is not 0.
 
     The last axis of each derivative is (slip, radius_m, width_m, load_n), in SI units.
     """
 
-    status: Any
+    status: npt.NDArray[np.uint8]
     """How each point ended (uint8): see the module."""
-    sinkage_m: Any
+    sinkage_m: FloatArray
     """Sinkage, m."""
-    drawbar_pull_n: Any
+    drawbar_pull_n: FloatArray
     """Drawbar pull, N."""
-    torque_nm: Any
+    torque_nm: FloatArray
     """Torque, N m."""
-    d_sinkage: Any
+    d_sinkage: FloatArray
     """Derivatives of the sinkage, shape (..., 4)."""
-    d_drawbar_pull: Any
+    d_drawbar_pull: FloatArray
     """Derivatives of the drawbar pull, shape (..., 4)."""
-    d_torque: Any
+    d_torque: FloatArray
     """Derivatives of the torque, shape (..., 4)."""
 
 
@@ -171,8 +174,9 @@ def _drawn(draws: Mapping[str, Any] | None) -> tuple[list[str], dict[str, Any]]:
     return keys, {f"draws[{key!r}]": value for key, value in zip(keys, draws.values())}
 
 
+@said
 def under_load(
-    soil: Soil,
+    soil: Soil | str | os.PathLike[str],
     *,
     radius_m: Any,
     width_m: Any,
@@ -186,8 +190,8 @@ def under_load(
 
     Parameters
     ----------
-    soil : Soil
-        The soil of all points.
+    soil : Soil, str or path
+        The soil of all points; a key of the catalogue, or a soil file.
     radius_m, width_m : array_like
         Radius and width of the wheels, m, 0.001 to 100.
     load_n : array_like
@@ -232,7 +236,7 @@ def under_load(
     >>> p.drawbar_pull_n.round(2).tolist()
     [-2.57, -1.4, 0.21]
     """
-    check_kind("soil", soil, Soil)
+    soil = soil_of("soil", soil)
     rebound = soil.rebound if rebound is None else rebound
     keys, drawn = _drawn(draws)
     shape, points, flat = columns(
@@ -243,8 +247,9 @@ def under_load(
     return _points(shape, status, numbers)
 
 
+@said
 def at_sinkage(
-    soil: Soil,
+    soil: Soil | str | os.PathLike[str],
     *,
     radius_m: Any,
     width_m: Any,
@@ -263,7 +268,7 @@ def at_sinkage(
     >>> round(float(p.vertical_force_n), 6)
     11.899672
     """
-    check_kind("soil", soil, Soil)
+    soil = soil_of("soil", soil)
     rebound = soil.rebound if rebound is None else rebound
     keys, drawn = _drawn(draws)
     shape, points, flat = columns(
@@ -274,8 +279,9 @@ def at_sinkage(
     return _points(shape, status, numbers)
 
 
+@said
 def cautions(
-    soil: Soil,
+    soil: Soil | str | os.PathLike[str],
     points: Points,
     *,
     radius_m: Any,
@@ -308,11 +314,11 @@ def cautions(
     >>> wheel.cautions(sand, p, **size, slip=0.9)
     {'deep-sinkage': array([False,  True])}
     """
-    check_kind("soil", soil, Soil)
+    soil = soil_of("soil", soil)
     check_kind("points", points, Points)
     rebound = soil.rebound if rebound is None else rebound
     keys, drawn = _drawn(draws)
-    numbers = {name: getattr(points, name) for name in Points._fields[1:]}
+    numbers = {name: column for name, column in points.items() if name != "status"}
     shape, count, flat = columns(
         radius_m=radius_m, width_m=width_m, rebound=rebound, slip=slip, **numbers, **drawn
     )
@@ -320,7 +326,8 @@ def cautions(
     return {key: shaped(shape, mask) for key, mask in found}
 
 
-def curve(soil: Soil, wheel: Wheel, *, load_n: float, slip: Any) -> Points:
+@said
+def curve(soil: Soil | str | os.PathLike[str], wheel: Wheel, *, load_n: float, slip: Any) -> Points:
     """Sinkage and forces of one smooth wheel under one load at many slips.
 
     As accurate as `under_load`, and several times as fast, because the points start from an interpolation.
@@ -339,7 +346,7 @@ def curve(soil: Soil, wheel: Wheel, *, load_n: float, slip: Any) -> Points:
     >>> bool(c.drawbar_pull_n[0] < 0.0 < c.drawbar_pull_n[-1])
     True
     """
-    check_kind("soil", soil, Soil)
+    soil = soil_of("soil", soil)
     check_kind("wheel", wheel, Wheel)
     slips = as_floats("slip", slip)
     load = as_floats("load_n", load_n)
@@ -351,6 +358,7 @@ def curve(soil: Soil, wheel: Wheel, *, load_n: float, slip: Any) -> Points:
     return _points(slips.shape, status, numbers)
 
 
+@said
 def operating_points(
     contact: WheelOnSoil,
     *,
@@ -382,6 +390,7 @@ def operating_points(
     return OperatingPoints(shaped(shape, status), *(shaped(shape, column) for column in results))
 
 
+@said
 def slip_demand(
     contact: WheelOnSoil, *, weight_n: Any, slope_deg: Any, threads: int | None = None
 ) -> Demand:
@@ -408,6 +417,7 @@ def slip_demand(
     return Demand(shaped(shape, status), shaped(shape, slips))
 
 
+@said
 def slip_of_maximum_pull(
     contact: WheelOnSoil, *, load_n: Any, threads: int | None = None
 ) -> BestSlip:
@@ -431,6 +441,7 @@ def slip_of_maximum_pull(
     return _best_slip(contact, True, load_n, threads)
 
 
+@said
 def slip_of_maximum_efficiency(
     contact: WheelOnSoil, *, load_n: Any, threads: int | None = None
 ) -> BestSlip:
@@ -462,6 +473,7 @@ def _best_slip(contact: WheelOnSoil, of_pull: bool, load_n: Any, threads: int | 
     return BestSlip(shaped(shape, status), *(shaped(shape, column) for column in results))
 
 
+@said
 def free_slip(
     contact: WheelOnSoil, *, load_n: Any, bearing_torque_nm: Any = 0.0, threads: int | None = None
 ) -> Skid:
@@ -490,6 +502,7 @@ def free_slip(
     return Skid(shaped(shape, status), shaped(shape, slips))
 
 
+@said
 def jacobian(
     contact: WheelOnSoil, *, load_n: Any, slip: Any, threads: int | None = None
 ) -> Derivatives:
@@ -516,6 +529,7 @@ def jacobian(
     )
 
 
+@said
 def slip_from_speeds(*, forward_speed_mps: Any, rim_speed_mps: Any) -> Any:
     """Slip from the speed of the wheel's centre and of its rim, m/s.
 
