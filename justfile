@@ -46,6 +46,10 @@ mutants crate *options:
 drills *names:
     drills/run {{names}}
 
+# what a point costs over the common case: slip sign, depth, lugs, rebound, slip angle, laws
+cliffs:
+    cargo test --release -p grouser-terra --test all cliffs:: -- --nocapture
+
 # reading of logs beside the mcap crate, decoders of zstd and Python's rosbags
 bench-log:
     cargo run --release --manifest-path bench/log/Cargo.toml

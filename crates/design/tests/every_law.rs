@@ -186,7 +186,7 @@ impl Case {
         }
     }
 
-    /// The same slips by `under_load`, `under_load_on` and `curve`, which solves them by an interpolation.
+    /// The same slips by `under_load`, `under_load_on` and `curve`.
     fn batch_and_range(&self) {
         let slip: Vec<f64> = (0..60).map(|i| 0.015 * f64::from(i)).collect();
         let kernel = BatchKernel::new(self.soil);

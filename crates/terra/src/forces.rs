@@ -111,6 +111,14 @@ impl<R: Real> Contact<R> {
         }
     }
 
+    /// What pressure and strength of the contact give together at most, N.
+    pub(crate) fn most_force(&self, i: &Integrals<R>) -> R {
+        let arc = self.angles.theta_1 - self.angles.theta_2;
+        let pressure = i.sigma_cos.hypot(i.sigma_sin);
+        let strength = self.cohesion * arc + self.tan_phi * pressure;
+        self.size.radius * self.size.width * (pressure + strength)
+    }
+
     /// The forces of the rim and of the soil beside the wheel together.
     fn with_disc(&self, rim: Forces<R>, disc: SideDisc<R>) -> Forces<R> {
         let r = self.size.radius;

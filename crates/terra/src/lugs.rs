@@ -10,7 +10,7 @@ use crate::wheel_on_soil::WheelOnSoil;
 
 /// Positions of the lugs, over one spacing, at which their forces are summed up: enough for the difference of
 /// the extremes to 1 % (the sum is smooth but for lugs that enter and leave).
-const PASSAGE_STEPS: u32 = 64;
+const PASSAGE_STEPS: u32 = 40;
 
 /// Thickness δ of the layer of soil that lugs carry backwards, m: δ = h/2 (1 − N t/(2π r)).
 ///

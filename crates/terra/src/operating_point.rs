@@ -2,7 +2,7 @@
 
 use crate::angle::Angle;
 use crate::caution::Cautions;
-use crate::contact::{Contact, ContactAngles};
+use crate::contact::{Contact, ContactAngles, Order};
 use crate::forces::Forces;
 use crate::kinematics::Kinematics;
 use crate::law_preset::ModelError;
@@ -33,18 +33,28 @@ pub struct OperatingPoint {
     pub forces: Forces,
     /// Force of the soil on the wheel to the left, N.
     pub side_force: f64,
-    /// How far any of vertical force, drawbar pull and torque/r may be off by quadrature, N: the
-    /// difference to a finer rule.
-    pub error_estimate: f64,
     /// What the laws miss of measurements; `None` where that is not known.
     pub model_error: Option<ModelError>,
     /// What to keep in mind.
     pub cautions: Cautions,
     pub(crate) contact: Contact<f64>,
     pub(crate) radius: f64,
+    pub(crate) finer: Order,
 }
 
 impl OperatingPoint {
+    /// How far any of vertical force, drawbar pull and torque/r may be off by quadrature, N: the
+    /// difference to a finer rule.
+    #[must_use]
+    pub fn error_estimate(&self) -> f64 {
+        let finer = self.contact.forces_by(None, self.finer);
+        let [pull, torque] = [self.forces.drawbar_pull, self.forces.torque].map(|x| self.mirror(x));
+        (self.forces.vertical_force - finer.vertical_force)
+            .abs()
+            .max((pull - finer.drawbar_pull).abs())
+            .max((torque - finer.torque).abs() / self.radius)
+    }
+
     /// Normal stress at `theta` (rad), Pa.
     #[must_use]
     pub fn normal_stress(&self, theta: f64) -> f64 {

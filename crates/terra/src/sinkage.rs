@@ -3,10 +3,11 @@
 use grouser_real::{Real, ResultField};
 
 use crate::caution::Caution;
-use crate::contact::crossing;
+use crate::contact::{Contact, crossing};
 use crate::error::{Error, Result};
 use crate::followed::Followed;
 use crate::kinematics::Kinematics;
+use crate::lanes::EightNodes;
 use crate::operating_point::OperatingPoint;
 use crate::pressure::Pressure;
 use crate::status::SolveStatus;
@@ -31,6 +32,10 @@ pub(crate) const SCAN_STEPS: i32 = 10;
 
 /// Steps of ln θ_1 below which the scan tells no turn: a top that is no wider exceeds its neighbours by less than 1e-6.
 const SCAN_RESOLUTION: f64 = 1e-3;
+
+/// Error of the rough forces of a scan at most, over pressure and strength together ([`Contact::most_force`]): the shear may change
+/// its sign between two of the eight nodes of a piece. Where the load is nearer the force is evaluated as it should be.
+const ROUGH_ERROR: f64 = 0.12;
 
 /// Share of the load below which a force counts as none: from there no neighbouring sample is reached.
 const NOTHING: f64 = 1e-3;
@@ -146,10 +151,10 @@ const _: fn(OperatingPoint) = |OperatingPoint {
                                    angles: _,
                                    forces: _,
                                    side_force: _,
-                                   error_estimate: _,
                                    cautions: _,
                                    contact: _,
                                    radius: _,
+                                   finer: _,
                                    model_error: _,
                                }| ();
 
@@ -242,7 +247,7 @@ impl LoadSolution {
             |of| Some(of.solved()?.forces.energy_residual),
         ),
         Own::optional("error_estimate_n", "error of the integrals at most", |of| {
-            Some(of.solved()?.error_estimate)
+            Some(of.solved()?.error_estimate())
         })
         .shown("N"),
         Own::optional(
@@ -399,15 +404,23 @@ impl WheelOnSoil {
                 theta_1: 0.0,
             });
         }
+        let contact = self.contacts(kinematics);
         let force = |theta_1| {
-            self.contact(theta_1, kinematics)
+            contact(theta_1)
                 .forces_by(self.tables(), self.order())
                 .vertical_force
         };
         let mut several = false;
         if self.may_fall(kinematics) {
             let least = self.scan_start(load, search.high);
-            match search.scan(load, least, self.turning_angles(kinematics), &force) {
+            let ladder = Ladder::new(least, search.high);
+            let rough = self.rough_forces(&ladder, (load, &contact), search);
+            let turns = self.turning_angles(kinematics);
+            // the greatest load is known from forces as they should be
+            let scanned = search
+                .scan(load, (&ladder, rough), turns, &force)
+                .or_else(|_| search.scan(load, (&ladder, [None; Ladder::COUNT]), turns, &force));
+            match scanned {
                 Ok(more) => several = more,
                 Err(max_load) => return LoadOutcome::NoSolution { max_load },
             }
@@ -421,6 +434,31 @@ impl WheelOnSoil {
                 several,
                 theta_1,
             })
+    }
+
+    /// The vertical force (N) at each place of a ladder, where a rough one shows on which side of the load it lies.
+    fn rough_forces(
+        &self,
+        ladder: &Ladder,
+        (load, contact): (f64, &impl Fn(f64) -> Contact<f64>),
+        search: &mut Search,
+    ) -> [Option<f64>; Ladder::COUNT] {
+        let mut found = [None; Ladder::COUNT];
+        if self.settings().shear.restart().0 {
+            return found;
+        }
+        for (places, found) in ladder.places.chunks(8).zip(found.chunks_mut(8)) {
+            let last = places[places.len() - 1];
+            let contacts = core::array::from_fn(|k| contact(*places.get(k).unwrap_or(&last)));
+            search.evaluations += 1;
+            let integrals = EightNodes::best().rough(&contacts);
+            for ((contact, integrals), found) in contacts.iter().zip(&integrals).zip(found) {
+                let force = contact.assemble(integrals).vertical_force;
+                let near = ROUGH_ERROR * contact.most_force(integrals);
+                *found = ((force - load).abs() > near).then_some(force);
+            }
+        }
+        found
     }
 
     /// Can the vertical force fall as the wheel sinks? Driving on soil that does not rise behind the
@@ -499,36 +537,47 @@ impl WheelOnSoil {
     }
 }
 
+/// The entry angles (rad) with which a scan begins: a geometric ladder from the least to the greatest.
+struct Ladder {
+    places: [f64; Self::COUNT],
+}
+
+impl Ladder {
+    const COUNT: usize = SCAN_STEPS as usize + 1;
+
+    fn new(least: f64, top: f64) -> Self {
+        let ratio = Real::powf(top / least, 1.0 / f64::from(SCAN_STEPS));
+        let mut places = [top; Self::COUNT];
+        for (place, i) in places.iter_mut().zip(0..SCAN_STEPS) {
+            *place = least * Real::powi(ratio, i);
+        }
+        Self { places }
+    }
+}
+
 impl Search {
-    /// Narrows the bracket to the lowest interval in which the vertical force (N) rises through `load`: a coarse scan from `least`
-    /// on, and more samples where the force may turn between them. `force` to 1e-6 may decide. Returns whether there is another
+    /// Narrows the bracket to the lowest interval in which the vertical force (N) rises through `load`: a coarse scan of a ladder,
+    /// and more samples where the force may turn between them. `force` to 1e-6 may decide. Returns whether there is another
     /// interval. `Err` with the greatest force seen if there is none.
     fn scan(
         &mut self,
         load: f64,
-        least: f64,
+        (ladder, rough): (&Ladder, [Option<f64>; Ladder::COUNT]),
         turns: Option<[f64; 2]>,
         force: &impl Fn(f64) -> f64,
     ) -> core::result::Result<bool, f64> {
         let top = self.high;
-        // a geometric ladder from there to the limit
-        let ratio = Real::powf(top / least, 1.0 / f64::from(SCAN_STEPS));
         let mut most = f64::NEG_INFINITY;
-        let mut look = |search: &mut Self, theta_1: f64| {
-            let force = search.look(theta_1, force);
+        let mut look = |search: &mut Self, theta_1: f64, rough: Option<f64>| {
+            let force = rough.unwrap_or_else(|| search.look(theta_1, force));
             most = most.max(force);
             // straight in ln θ_1, and what is far below the load never decides
             Real::ln((force / load).max(NOTHING))
         };
         let mut followed = Followed::new(SCAN_RESOLUTION);
         let (mut before, mut bracket) = ((0.0, -1.0), None);
-        for i in 0..=SCAN_STEPS {
-            let theta_1 = if i == SCAN_STEPS {
-                top
-            } else {
-                least * Real::powi(ratio, i)
-            };
-            let now = (theta_1, look(self, theta_1));
+        for (theta_1, rough) in ladder.places.into_iter().zip(rough) {
+            let now = (theta_1, look(self, theta_1, rough));
             if before.1 < 0.0 && now.1 >= 0.0 && bracket.is_none() {
                 bracket = Some((before.0, theta_1));
             }
@@ -537,10 +586,10 @@ impl Search {
         }
         let passes = followed.passes();
         for theta_1 in turns.into_iter().flatten().filter(|turn| *turn < top) {
-            followed.add(Real::ln(theta_1), look(self, theta_1));
+            followed.add(Real::ln(theta_1), look(self, theta_1, None));
         }
         while let Some(place) = followed.next_place() {
-            followed.add(place, look(self, Real::exp(place)));
+            followed.add(place, look(self, Real::exp(place), None));
         }
         if followed.passes() > passes
             && let Some([low, high]) = followed.first_rise()

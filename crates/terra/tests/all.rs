@@ -8,6 +8,7 @@
 
 mod batches;
 mod by_hand;
+mod cliffs;
 mod derivative_oracles;
 mod effort;
 mod faults;

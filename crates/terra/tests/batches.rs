@@ -479,46 +479,6 @@ fn a_curve_is_as_good_as_its_points() {
     }
 }
 
-/// Slopes that are interpolated between eight slips of a stiff shear are off by more than between those of a soft one.
-#[test]
-fn a_curve_of_a_stiff_shear_is_as_good_as_its_points() {
-    let snow = *catalogue::find("snow").unwrap().soil().unwrap().params();
-    for k_shear in [0.1 * snow.k_shear, 0.3 * snow.k_shear] {
-        let kernel = BatchKernel::new(Soil::new(SoilParams { k_shear, ..snow }).unwrap());
-        let (radius, width) = (0.49, 0.29);
-        let wheel = RigidWheel::new(radius, width).unwrap();
-        // below and above the length from which polynomials give the points
-        for (count, load) in [40, 150]
-            .into_iter()
-            .flat_map(|count| [100.0, 200.0, 400.0, 800.0, 1600.0].map(|load| (count, load)))
-        {
-            let slip: Vec<f64> = (0..count)
-                .map(|i| 0.09 + 0.35 * f64::from(i) / f64::from(count - 1))
-                .collect();
-            let curve = batch(slip.len(), |out| kernel.curve(&wheel, load, &slip, out));
-            let points = BatchPoints {
-                radius: radius.into(),
-                width: width.into(),
-                rebound: 0.0.into(),
-                slip: (&slip).into(),
-            };
-            let alone = batch(slip.len(), |out| kernel.under_load(&points, load, out));
-            for (s, (got, alone)) in slip.iter().zip(curve.iter().zip(&alone)) {
-                let (got, alone) = (done(got), done(alone));
-                let off = (got.drawbar_pull - alone.drawbar_pull)
-                    .abs()
-                    .max((got.torque - alone.torque).abs() / radius);
-                let size = load.max(alone.drawbar_pull.abs());
-                assert!(
-                    off <= 1e-9 * size,
-                    "{count} slip {s} load {load}: {:e}",
-                    off / size
-                );
-            }
-        }
-    }
-}
-
 /// Found by fuzzing: with the greatest stress close behind the entry, what the short cosine lacks counts by the
 /// narrow front. Such a point is not for lanes.
 #[test]

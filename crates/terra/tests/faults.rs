@@ -279,7 +279,8 @@ fn loads_that_nothing_carries() {
             panic!("{:?}", solution.outcome)
         };
         assert!(max_load > 0.0 && max_load < 1e9);
-        assert!(solution.evaluations <= 12, "{}", solution.evaluations);
+        // a rough scan, and one that is not
+        assert!(solution.evaluations <= 20, "{}", solution.evaluations);
         assert!(solution.point().is_none());
         // and what it says is true: a little less is carried
         assert!(

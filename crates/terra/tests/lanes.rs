@@ -315,7 +315,7 @@ fn lanes_are_used_where_they_serve() {
     assert!(slips().any(|slip| apart(slip, 0.01, 0.3)));
     assert!(!slips().any(|slip| apart(slip, 0.02, 2.6)));
     assert!(!apart(-1e-9, 0.01, 0.0) && !apart(-0.5, 0.01, 0.0));
-    // under a load, and on a curve of many slips
+    // under a load
     let slip: Vec<f64> = (0..100).map(|i| 0.009 * f64::from(i)).collect();
     let points = BatchPoints {
         radius: 0.1.into(),
@@ -324,8 +324,7 @@ fn lanes_are_used_where_they_serve() {
         slip: (&slip).into(),
     };
     let lanes = batch(100, |out| kernel.under_load(&points, 60.0, out));
-    let curve = batch(100, |out| kernel.curve(&wheel, 60.0, &slip, out));
-    let (mut from_alone, mut from_lanes, mut curve_from_alone) = (0, 0, 0);
+    let mut from_alone = 0;
     for (i, &slip) in slip.iter().enumerate() {
         let motion = Kinematics::straight(Slip::new(slip).unwrap());
         let alone = on_soil
@@ -334,13 +333,8 @@ fn lanes_are_used_where_they_serve() {
             .sinkage()
             .unwrap();
         from_alone += u32::from(lanes[i].sinkage.to_bits() != alone.to_bits());
-        from_lanes += u32::from(lanes[i].sinkage.to_bits() != curve[i].sinkage.to_bits());
-        curve_from_alone += u32::from(curve[i].sinkage.to_bits() != alone.to_bits());
     }
-    assert!(
-        from_alone > 50 && from_lanes > 50 && curve_from_alone > 50,
-        "{from_alone} {from_lanes} {curve_from_alone}"
-    );
+    assert!(from_alone > 50, "{from_alone}");
 }
 
 /// Demands of slopes, best slips and skids of a few wheels are those of the single searches.

@@ -309,9 +309,9 @@ fn how_a_search_for_a_sinkage_ends() {
     }
 }
 
-/// Where the vertical force may fall, eleven samples guard the search.
+/// Where the vertical force may fall, eleven rough samples, eight side by side, guard the search.
 #[test]
-fn eleven_samples_where_the_force_may_fall() {
+fn rough_samples_where_the_force_may_fall() {
     let evaluations = |on_soil: &WheelOnSoil, slip: f64| {
         on_soil.sinkage_under(80.0, &at(slip)).unwrap().evaluations
     };
@@ -335,12 +335,12 @@ fn eleven_samples_where_the_force_may_fall() {
             .unwrap();
         let lugged =
             WheelOnSoil::new(lugged, Soil::new(plain).unwrap(), Settings::default()).unwrap();
-        assert!((13..=18).contains(&evaluations(&on(rising), slip)));
+        assert!((5..=10).contains(&evaluations(&on(rising), slip)));
         for free in [on(plain), on(carried), lugged] {
             assert!((2..=7).contains(&evaluations(&free, slip)));
         }
     }
-    assert!((13..=18).contains(&evaluations(&on(plain), -0.1)));
+    assert!((5..=10).contains(&evaluations(&on(plain), -0.1)));
 }
 
 /// A load that is carried at three sinkages: the lowest is taken, with a caution; where it is carried once, without.

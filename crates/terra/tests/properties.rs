@@ -159,7 +159,7 @@ proptest! {
         let size = size(&f, any.radius);
         prop_assert!(off <= 1e-9 * size, "{:e}", off / size);
         // what the solution says of its own error holds, up to rounding
-        prop_assert!(off <= 1.5 * point.error_estimate + 1e-12 * size);
+        prop_assert!(off <= 1.5 * point.error_estimate() + 1e-12 * size);
     }
 
     #[test]

@@ -109,7 +109,7 @@ fn the_error_estimate_is_of_the_errors_size() {
             .max((f.drawbar_pull - case.expected[1]).abs());
         // the finer rule's own error and rounding stay below 1e-13 of the forces
         assert!(
-            true_error <= 1.1 * point.error_estimate + 1e-13 * size,
+            true_error <= 1.1 * point.error_estimate() + 1e-13 * size,
             "{}",
             case.name
         );

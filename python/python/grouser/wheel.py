@@ -330,7 +330,7 @@ def cautions(
 def curve(soil: Soil | str | os.PathLike[str], wheel: Wheel, *, load_n: float, slip: Any) -> Points:
     """Sinkage and forces of one smooth wheel under one load at many slips.
 
-    As accurate as `under_load`, and several times as fast, because the points start from an interpolation.
+    `under_load` of a `Wheel`.
 
     Raises
     ------

@@ -4,7 +4,7 @@ use grouser_real::{Real, Scalar};
 
 use super::Contact;
 use super::crossing::crossing;
-use crate::shear::{Restart, ShearLaw, ShearState};
+use crate::shear::{Restart, ShearState};
 
 /// How closely the growth of the shear is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -189,18 +189,21 @@ impl<R: Scalar> ShearState<R> {
     /// of 1 − q cos θ and not against all of it, the direction swings within a part of the arc that no
     /// level of displacement shows.
     pub(crate) fn swings(&self, arc: R) -> bool {
-        let turns = self.sideways && !self.locked;
-        match self.law {
-            ShearLaw::SlipVelocityRegular => return true,
-            ShearLaw::SlipVelocity => return turns,
-            ShearLaw::Independent => return false,
-            ShearLaw::Coupled | ShearLaw::TowedRestart | ShearLaw::TowedWongReece => {}
+        if self.law.is_regular() && self.locked {
+            return true;
         }
-        if !turns {
+        let turns = (self.sideways && !self.locked) || self.law.is_regular();
+        if self.law.is_independent() || !turns {
             return false;
         }
         let (least, most) = self.values().slope_range(arc.value());
-        let steady = least > 0.25 * most || most < 0.25 * least;
+        // a direction that is that of the slip speed turns with all of it, one of displacements with its mean
+        let share = if self.law.is_by_slip_velocity() {
+            0.5
+        } else {
+            0.25
+        };
+        let steady = least > share * most || most < share * least;
         let across = self.q_y.value().abs() > 2.0 * least.abs().max(most.abs());
         !(across || steady)
     }

@@ -123,7 +123,7 @@ impl<R: Scalar> Contact<R> {
         };
         let step = Step::for_stiffness(stiffness, self.angles.theta_1.value())?;
         // A stress whose direction turns along the contact is less smooth than its growth suggests.
-        let step = if self.shear.sideways {
+        let step = if self.shear.sideways || self.shear.law.is_regular() {
             step.finer()?
         } else {
             step
@@ -142,6 +142,22 @@ impl<R: Scalar> Contact<R> {
     }
 }
 
+impl<R> Integrals<R> {
+    /// Every integral by a function.
+    #[inline(always)]
+    pub(crate) fn map<S>(self, f: impl Fn(R) -> S) -> Integrals<S> {
+        Integrals {
+            sigma_cos: f(self.sigma_cos),
+            sigma_sin: f(self.sigma_sin),
+            tau_cos: f(self.tau_cos),
+            tau_sin: f(self.tau_sin),
+            tau: f(self.tau),
+            tau_side: f(self.tau_side),
+            lost: f(self.lost),
+        }
+    }
+}
+
 impl<R: Real> Integrals<R> {
     #[inline(always)]
     pub(crate) fn zero() -> Self {
@@ -154,20 +170,6 @@ impl<R: Real> Integrals<R> {
             tau: zero,
             tau_side: zero,
             lost: zero,
-        }
-    }
-
-    /// Every integral by a function.
-    #[inline(always)]
-    pub(crate) fn map<S>(self, f: impl Fn(R) -> S) -> Integrals<S> {
-        Integrals {
-            sigma_cos: f(self.sigma_cos),
-            sigma_sin: f(self.sigma_sin),
-            tau_cos: f(self.tau_cos),
-            tau_sin: f(self.tau_sin),
-            tau: f(self.tau),
-            tau_side: f(self.tau_side),
-            lost: f(self.lost),
         }
     }
 
@@ -220,6 +222,22 @@ impl<R: Real> Integrals<R> {
         self.add(contact, u, sigma * front, sigma * front * contact.tan_phi);
         let w = theta_1 - (theta_2 + t * rear);
         self.add(contact, w, sigma * rear, sigma * rear * contact.tan_phi);
+    }
+
+    /// A node of both pieces, at the same stress, of a rule that holds tⁿ itself.
+    #[inline(always)]
+    pub(crate) fn add_pieces(&mut self, contact: &Contact<R>, t: R, weight: R) {
+        let ContactAngles {
+            theta_1,
+            theta_2,
+            theta_m,
+        } = contact.angles;
+        let (front, rear) = (theta_1 - theta_m, theta_m - theta_2);
+        let sigma = weight * contact.sigma(t * front);
+        let strength = weight.mul_add(contact.cohesion, sigma * contact.tan_phi);
+        self.add(contact, t * front, sigma * front, strength * front);
+        let w = theta_1 - (theta_2 + t * rear);
+        self.add(contact, w, sigma * rear, strength * rear);
     }
 
     /// Cohesion at a node of a rule over the whole arc.

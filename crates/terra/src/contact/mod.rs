@@ -338,52 +338,61 @@ impl Contact<f64> {
     /// The same contact in numbers of another kind, without derivatives: in every lane, say.
     #[inline(always)]
     pub(crate) fn spread<V: Real>(&self) -> Contact<V> {
-        let c = V::from_f64;
-        let (angles, shear, size) = (&self.angles, &self.shear, &self.size);
+        self.lifted(|of| V::from_f64(of(self)))
+    }
+
+    /// A contact of which `number` gives every number; how the wheel moves and the laws are this one's.
+    #[inline(always)]
+    pub(crate) fn lifted<V: Real>(&self, number: impl Fn(fn(&Self) -> f64) -> V) -> Contact<V> {
+        let shear = &self.shear;
         Contact {
             angles: ContactAngles {
-                theta_1: c(angles.theta_1),
-                theta_2: c(angles.theta_2),
-                theta_m: c(angles.theta_m),
+                theta_1: number(|of| of.angles.theta_1),
+                theta_2: number(|of| of.angles.theta_2),
+                theta_m: number(|of| of.angles.theta_m),
             },
-            amplitude: c(self.amplitude),
-            n: c(self.n),
-            cohesion: c(self.cohesion),
-            tan_phi: c(self.tan_phi),
+            amplitude: number(|of| of.amplitude),
+            n: number(|of| of.n),
+            cohesion: number(|of| of.cohesion),
+            tan_phi: number(|of| of.tan_phi),
             shear: ShearState {
                 law: shear.law,
                 displacement: Displacement {
-                    theta_1: c(shear.displacement.theta_1),
-                    q: c(shear.displacement.q),
-                    one_minus_q: c(shear.displacement.one_minus_q),
+                    theta_1: number(|of| of.shear.displacement.theta_1),
+                    q: number(|of| of.shear.displacement.q),
+                    one_minus_q: number(|of| of.shear.displacement.one_minus_q),
                 },
-                radius: c(shear.radius),
-                k_shear: c(shear.k_shear),
-                k_side: c(shear.k_side),
-                q_y: c(shear.q_y),
+                radius: number(|of| of.shear.radius),
+                k_shear: number(|of| of.shear.k_shear),
+                k_side: number(|of| of.shear.k_side),
+                q_y: number(|of| of.shear.q_y),
                 locked: shear.locked,
                 sideways: shear.sideways,
-                restart: match shear.restart {
-                    Some(restart) => Some(Restart {
-                        arc: c(restart.arc),
-                        displacement: c(restart.displacement),
-                        front: restart.front.map(c),
+                restart: shear.restart.map(|restart| Restart {
+                    arc: number(|of| of.shear.restart.map_or(0.0, |restart| restart.arc)),
+                    displacement: number(|of| {
+                        of.shear.restart.map_or(0.0, |restart| restart.displacement)
                     }),
-                    None => None,
-                },
-                lugs: c(shear.lugs),
+                    front: restart.front.map(|_| {
+                        number(|of| {
+                            let front = of.shear.restart.and_then(|restart| restart.front);
+                            front.unwrap_or(0.0)
+                        })
+                    }),
+                }),
+                lugs: number(|of| of.shear.lugs),
             },
             size: WheelSize {
-                radius: c(size.radius),
-                shear_radius: c(size.shear_radius),
-                rim_radius: c(size.rim_radius),
-                tip_share: c(size.tip_share),
-                width: c(size.width),
-                lug_layer: c(size.lug_layer),
-                lug_mobilisation: c(size.lug_mobilisation),
+                radius: number(|of| of.size.radius),
+                shear_radius: number(|of| of.size.shear_radius),
+                rim_radius: number(|of| of.size.rim_radius),
+                tip_share: number(|of| of.size.tip_share),
+                width: number(|of| of.size.width),
+                lug_layer: number(|of| of.size.lug_layer),
+                lug_mobilisation: number(|of| of.size.lug_mobilisation),
             },
-            p: c(self.p),
-            pq: c(self.pq),
+            p: number(|of| of.p),
+            pq: number(|of| of.pq),
             // counts once, not at each node
             disc: None,
         }

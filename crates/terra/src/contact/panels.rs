@@ -30,6 +30,13 @@ pub(crate) struct Panel {
 }
 
 impl Panel {
+    /// A piece without a cut.
+    pub(crate) const WHOLE: Self = Self {
+        piece: Piece::Front,
+        from: 0.0,
+        to: 1.0,
+    };
+
     /// t and its weight at a node of a rule.
     #[inline(always)]
     pub(crate) fn place<R: Real>(&self, x: R, weight: R) -> (R, R) {

@@ -17,9 +17,8 @@ use crate::wheel_on_soil::WheelOnSoil;
 use super::columns::{
     BatchColumns, BatchInput, BatchPoints, Inputs, SOIL_NUMBERS, SoilColumns, SoilInputs, put,
 };
-use super::curve;
 use super::forces::ForceSheet;
-use super::load::{LoadSheet, Start};
+use super::load::LoadSheet;
 use super::machine::Level;
 use super::plan::{CHUNK, Chunk, Plan, Prepared};
 
@@ -66,10 +65,9 @@ pub struct BatchKernel {
 enum Task {
     Forces,
     Load,
-    Curve,
 }
 
-/// Room for a chunk in work. It is not cleared between calls: that would take a tenth of a curve's time.
+/// Room for a chunk in work. It is not cleared between calls.
 struct Workspace {
     /// Numbers that all points share, as columns.
     constants: [[f64; CHUNK]; 5],
@@ -242,9 +240,7 @@ impl BatchKernel {
     /// A slip curve: sinkages and forces of one wheel under one load (N) at many slips, on this soil with
     /// its own rebound.
     ///
-    /// Where the curve is smooth enough, Chebyshev's slips alone are solved and polynomials give the other points;
-    /// elsewhere the searches start from an interpolation. The last coefficients or each residual are checked, and each
-    /// point is as accurate as by [`BatchKernel::under_load`].
+    /// [`BatchKernel::under_load`] with one size and one load.
     ///
     /// ```
     /// use grouser_terra::{BatchColumns, BatchKernel, SolveStatus, RigidWheel, catalogue};
@@ -282,8 +278,7 @@ impl BatchKernel {
             rebound: self.soil.params().rebound.into(),
             slip: slip.into(),
         };
-        let inputs = (&points, None, load.into());
-        Workspace::with(|room| self.run(inputs, out, (Task::Curve, room)))
+        self.under_load(&points, load, out)
     }
 
     /// What to keep in mind about the solved point at a place of columns, from its numbers alone, as
@@ -363,7 +358,7 @@ impl BatchKernel {
                 BatchInput::Column(column) => Error::check_length(column.len(), n)?,
             }
         }
-        let chunk = chunk_length(task, n);
+        let chunk = chunk_length(n);
         for from in (0..n).step_by(chunk) {
             let range = from..n.min(from + chunk);
             let [radius, width, rebound, slip, given] =
@@ -402,8 +397,7 @@ impl BatchKernel {
             };
             match task {
                 Task::Forces => self.level.forces(&mut chunk, forces),
-                Task::Load => self.level.load(&mut chunk, load, Start::ALONE),
-                Task::Curve => curve::run(&mut chunk, load, self.level),
+                Task::Load => self.level.load(&mut chunk, load),
             }
         }
         // What the lanes do not serve, and what they gave back.
@@ -472,16 +466,11 @@ fn shared_tables(n: BatchInput<'_>) -> Option<ExponentTables> {
 }
 
 /// How many of `n` points are worked on together.
-fn chunk_length(task: Task, n: usize) -> usize {
-    match task {
-        // chunks of a curve are whole: each is interpolated by itself
-        Task::Curve => CHUNK,
-        // elsewhere as equal as they can be: groups that are not full are lost work
-        Task::Forces | Task::Load => n
-            .div_ceil(n.div_ceil(CHUNK).max(1))
-            .max(1)
-            .next_multiple_of(8),
-    }
+fn chunk_length(n: usize) -> usize {
+    // as equal as they can be: groups that are not full are lost work
+    n.div_ceil(n.div_ceil(CHUNK).max(1))
+        .max(1)
+        .next_multiple_of(8)
 }
 
 /// Cautions at a place of columns on a soil.

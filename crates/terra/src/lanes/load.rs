@@ -11,7 +11,6 @@
 mod searched;
 
 use super::columns::Inputs;
-use super::curve::Smooth;
 use super::plan::{ABREAST, Chunk, LaneSoil, Plan, Prepared, Rules, SINGLE_STEP, step_of, within};
 use super::sheet::{Column, eight};
 use super::vector::Vector;
@@ -47,8 +46,6 @@ pub(super) struct LoadSheet {
     per_slope: Column,
     /// Exponent and tan φ, where each point has its own.
     soil: [Column; 2],
-    /// Where the search of each point ended, if that is kept: x, dx/d ln W and the two slopes.
-    pub(super) kept: [Column; 4],
 }
 
 impl LoadSheet {
@@ -57,7 +54,6 @@ impl LoadSheet {
         x: Column::EMPTY,
         per_slope: Column::EMPTY,
         soil: [Column::EMPTY; 2],
-        kept: [Column::EMPTY; 4],
     };
 }
 
@@ -263,38 +259,17 @@ fn held<V: Vector>(x: V) -> V {
     x.clamp(V::from_f64(MIN_LN_THETA_1), V::from_f64(MAX_LN_THETA_1))
 }
 
-/// Where the searches of a chunk begin, and by which rules they end.
-#[derive(Clone, Copy)]
-pub(super) struct Start<'a> {
-    /// Where their neighbours on a curve say: points that differ in nothing but slip. Else Bekker's closed form.
-    pub(super) expected: Option<&'a Smooth>,
-    /// Points through which a curve is interpolated: all take one rule, and [`LoadSheet::kept`] is filled.
-    pub(super) nodes: bool,
-}
-
-impl Start<'_> {
-    /// Each point by itself.
-    pub(super) const ALONE: Self = Self {
-        expected: None,
-        nodes: false,
-    };
-}
-
 /// Solves every point that the lanes serve; the plan holds the others, and a search that left its range is
 /// given back as not converged.
 #[inline(always)]
-pub(super) fn run<V: Vector>(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start: Start<'_>) {
+pub(super) fn run<V: Vector>(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet) {
     let Chunk {
         prepared,
         inputs,
         plan,
         out,
     } = chunk;
-    let Start { expected, nodes } = start;
-    match expected {
-        Some(smooth) => interpolate::<V>(prepared, inputs, (sheet, plan), (smooth, nodes)),
-        None => search::<V>(prepared, inputs, (sheet, plan), nodes),
-    }
+    search::<V>(prepared, inputs, (sheet, plan));
     let mut exponents = prepared.exponents::<V, ABREAST>(inputs);
     let mut groups = plan.groups();
     let mut abreast = [Searched::<V>::nothing(); ABREAST];
@@ -302,24 +277,22 @@ pub(super) fn run<V: Vector>(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start
         let mut count = 0;
         for (searched, group) in abreast.iter_mut().zip(&mut groups) {
             searched.place = count;
-            searched.begin((prepared, inputs), sheet, group, start);
+            searched.begin((prepared, inputs), sheet, group);
             exponents.set(count, &searched.loaded.n);
             count += 1;
         }
         let abreast = &mut abreast[..count];
-        if start.expected.is_none() {
-            for group in abreast.iter_mut() {
-                group.first(&mut exponents);
-            }
-            for group in abreast.iter_mut() {
-                group.second(&mut exponents);
-            }
+        for group in abreast.iter_mut() {
+            group.first(&mut exponents);
+        }
+        for group in abreast.iter_mut() {
+            group.second(&mut exponents);
         }
         for group in abreast.iter_mut() {
             group.fine(&mut exponents);
         }
         for group in abreast.iter_mut() {
-            group.finish((inputs, &mut exponents), sheet, (out, start));
+            group.finish((inputs, &mut exponents), out);
         }
         if count < ABREAST {
             break;
@@ -333,7 +306,6 @@ fn search<V: Vector>(
     prepared: &Prepared,
     inputs: &Inputs<'_>,
     (sheet, plan): (&mut LoadSheet, &mut Plan),
-    one_rule: bool,
 ) {
     let n = inputs.len();
     let mut exponents = prepared.exponents::<V, ABREAST>(inputs);
@@ -367,37 +339,7 @@ fn search<V: Vector>(
             choose::<V>(sheet, plan, at);
         }
     }
-    if one_rule {
-        plan.level(n);
-    }
     plan.sort(n);
-}
-
-/// From the interpolated curve to where the fine rule begins.
-#[inline(always)]
-fn interpolate<V: Vector>(
-    prepared: &Prepared,
-    inputs: &Inputs<'_>,
-    (sheet, plan): (&mut LoadSheet, &mut Plan),
-    (smooth, one_rule): (&Smooth, bool),
-) {
-    let shared = [inputs.radius, inputs.width, inputs.rebound, inputs.given];
-    let soil = prepared.soil::<V>(inputs, 0);
-    let base = Base::<V>::new(prepared, &soil, shared.map(|column| V::from_f64(column[0])));
-    for at in (0..inputs.len()).step_by(8) {
-        let slip = eight::<V>(inputs.slip, at);
-        keep((sheet, plan), &base.at(prepared, &soil, slip), at);
-        let [x, rest @ ..] = smooth.at(slip);
-        sheet.x.store(at, held(x));
-        for (column, x) in sheet.kept.iter_mut().zip(rest) {
-            column.store(at, x);
-        }
-        choose::<V>(sheet, plan, at);
-    }
-    if one_rule {
-        plan.level(inputs.len());
-    }
-    plan.sort(inputs.len());
 }
 
 /// Eight points in their natural order: what does not depend on sinkage, and where to begin.

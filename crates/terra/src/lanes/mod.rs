@@ -3,7 +3,6 @@
 mod batch;
 mod best;
 mod columns;
-mod curve;
 mod forces;
 mod load;
 mod machine;

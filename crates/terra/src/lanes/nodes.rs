@@ -3,7 +3,7 @@
 
 use crate::contact::quick::{QuickContact, QuickPart, QuickPlan};
 use crate::contact::{Contact, Integrals, Nodes, Panel};
-use crate::quadrature::{LEGENDRE_16, RuleView};
+use crate::quadrature::{LEGENDRE_8, LEGENDRE_16, RuleView};
 
 use super::machine::Level;
 use super::vector::Vector;
@@ -31,6 +31,14 @@ impl EightNodes {
         part: QuickPart,
     ) -> Integrals<f64> {
         self.0.quick_part(contact, part)
+    }
+}
+
+impl EightNodes {
+    /// The integrals of eight contacts that differ in their entry angles, to some percent: one rule for each piece, without
+    /// a cut. None of them may have a restart.
+    pub(crate) fn rough(&self, contacts: &[Contact<f64>; 8]) -> [Integrals<f64>; 8] {
+        self.0.rough_contacts(contacts)
     }
 }
 
@@ -86,6 +94,19 @@ pub(super) fn panel<V: Vector>(
         sum.add_part(&contact, panel.piece, t, weight);
     }
     total(sum)
+}
+
+/// [`EightNodes::rough`] on a kind of lanes.
+#[inline(always)]
+pub(super) fn rough<V: Vector>(contacts: &[Contact<f64>; 8]) -> [Integrals<f64>; 8] {
+    let contact = contacts[0].lifted(|of| V::from_array(contacts.each_ref().map(of)));
+    let mut sum = Integrals::<V>::zero();
+    for (x, weight) in LEGENDRE_8.view().iter() {
+        let (t, weight) = Panel::WHOLE.place(V::from_f64(x), V::from_f64(weight));
+        sum.add_pieces(&contact, t, weight);
+    }
+    let lanes = sum.map(V::to_array);
+    core::array::from_fn(|k| lanes.map(|of| of[k]))
 }
 
 /// [`EightNodes::quick`] on a kind of lanes.

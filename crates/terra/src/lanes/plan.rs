@@ -320,12 +320,6 @@ impl Plan {
         ranges: [(0, 0); Step::COUNT],
     };
 
-    /// Gives the first `n` points the greatest step that any of them needs.
-    pub(super) fn level(&mut self, n: usize) {
-        let greatest = self.steps[..n].iter().copied().fold(0.0, f64::max);
-        self.steps[..n].fill(greatest);
-    }
-
     /// Sorts the first `n` points by their steps. Stable, so that neighbours stay neighbours.
     #[allow(
         clippy::cast_possible_truncation,

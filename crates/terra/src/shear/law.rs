@@ -69,6 +69,26 @@ impl ShearLaw {
         }
     }
 
+    /// Does the stress point along the slip velocity, not along the displacement?
+    pub(crate) const fn is_by_slip_velocity(self) -> bool {
+        match self {
+            Self::SlipVelocity | Self::SlipVelocityRegular => true,
+            Self::Coupled | Self::Independent | Self::TowedRestart | Self::TowedWongReece => false,
+        }
+    }
+
+    /// Does the stress turn by degrees straight ahead, too?
+    pub(crate) const fn is_regular(self) -> bool {
+        match self {
+            Self::SlipVelocityRegular => true,
+            Self::Coupled
+            | Self::SlipVelocity
+            | Self::Independent
+            | Self::TowedRestart
+            | Self::TowedWongReece => false,
+        }
+    }
+
     /// Do the two directions have a displacement and a K each, so that their sum may exceed the strength?
     pub(crate) const fn is_independent(self) -> bool {
         match self {

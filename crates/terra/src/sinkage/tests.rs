@@ -78,7 +78,8 @@ fn a_scan_brackets_the_load() {
             .vertical_force
     };
     let scan = |search: &mut Search, load: f64| {
-        search.scan(load, on_soil.scan_start(load, top), None, &force)
+        let ladder = Ladder::new(on_soil.scan_start(load, top), top);
+        search.scan(load, (&ladder, [None; Ladder::COUNT]), None, &force)
     };
     let load = 60.0;
     let least = on_soil.scan_start(load, top);
@@ -156,7 +157,12 @@ fn a_scan_finds_other_crossings() {
     for (load, several, at) in [(0.08, false, 0.08), (0.15, true, 0.15), (0.5, false, 0.8)] {
         let (found, seen) = looks((0.0, 1.0), &force, |search, force| {
             (
-                search.scan(load, 0.05, None, &force),
+                search.scan(
+                    load,
+                    (&Ladder::new(0.05, search.high), [None; Ladder::COUNT]),
+                    None,
+                    &force,
+                ),
                 (search.low, search.high),
             )
         });
@@ -180,7 +186,12 @@ fn a_scan_finds_a_top_between_its_samples() {
     for (load, several) in [(0.40, true), (0.45, false)] {
         let (found, seen) = looks((0.0, 1.4), &force, |search, force| {
             (
-                search.scan(load, 0.05, None, &force),
+                search.scan(
+                    load,
+                    (&Ladder::new(0.05, search.high), [None; Ladder::COUNT]),
+                    None,
+                    &force,
+                ),
                 search.low,
                 search.high,
             )
@@ -252,4 +263,61 @@ fn a_load_is_sought_by_secants_in_logarithms() {
         let seen = seek(open, (0.1, 1.0), &force);
         assert_eq!(seen.len(), looked, "{bend}");
     }
+}
+
+/// Rough forces of eight entry angles against those of the search, over soils, motions and laws without a restart.
+#[test]
+fn rough_forces_are_as_good_as_a_scan_takes_them() {
+    let mut state = 7_u64;
+    let mut draw = |low: f64, high: f64| {
+        // splitmix64
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        low + (high - low) * ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let laws = [
+        crate::ShearLaw::Coupled,
+        crate::ShearLaw::Independent,
+        crate::ShearLaw::SlipVelocity,
+        crate::ShearLaw::SlipVelocityRegular,
+    ];
+    let (mut worst, mut count) = (0.0_f64, 0);
+    for i in 0..4000 {
+        let numbers = [
+            draw(0.3, 2.0),
+            draw(0.0, 5e3),
+            10_f64.powf(draw(-3.0, -1.3)),
+            draw(-0.4, 0.4).max(0.0),
+        ];
+        let soil = dry_sand_with(|params| {
+            [params.n, params.cohesion, params.k_shear, params.rebound] = numbers;
+        });
+        let wheel = RigidWheel::new(10_f64.powf(draw(-1.5, -0.4)), 0.1).unwrap();
+        let settings = Settings {
+            shear: laws[i % laws.len()],
+            ..Settings::default()
+        };
+        let on_soil = WheelOnSoil::new(wheel, soil, settings).unwrap();
+        let (slip, drift) = (draw(-1.0, 1.0), draw(-0.3, 0.3));
+        let motion = Kinematics::with_slip_angle(
+            Slip::new(slip).unwrap(),
+            crate::Angle::from_rad(if i % 2 == 0 { 0.0 } else { drift }),
+        )
+        .unwrap();
+        let contact = on_soil.contacts(&motion);
+        let top = on_soil.entry_limit(&motion);
+        let places = [0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0].map(|share| share * top);
+        let contacts = places.map(&contact);
+        for (contact, rough) in contacts.iter().zip(EightNodes::best().rough(&contacts)) {
+            let exact = contact.forces_by(on_soil.tables(), on_soil.order());
+            let most = contact.most_force(&rough);
+            let rough = contact.assemble(&rough);
+            let off = (rough.vertical_force - exact.vertical_force).abs() / most;
+            worst = worst.max(off);
+            count += 1;
+        }
+    }
+    assert!(worst < ROUGH_ERROR && count == 32_000, "{worst}");
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::ShearLaw;
 use crate::shear::Displacement;
 
 /// r 0.1, K 0.02, K across 0.01 m.

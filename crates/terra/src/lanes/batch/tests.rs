@@ -98,9 +98,8 @@ fn which_exponents_share_their_tables() {
 /// As few chunks as there can be, as long as one another but for a group.
 #[test]
 fn chunks_are_as_equal_as_they_can_be() {
-    let of = |n: usize| chunk_length(Task::Load, n);
+    let of = chunk_length;
     assert_eq!([0, 1, 8, 9, CHUNK].map(of), [8, 8, 8, 16, CHUNK]);
     assert_eq!(of(CHUNK + 1), (CHUNK / 2 + 1).next_multiple_of(8));
     assert_eq!(of(4 * CHUNK - 7), CHUNK);
-    assert_eq!(chunk_length(Task::Curve, 9), CHUNK);
 }

@@ -7,7 +7,7 @@ use crate::lanes::plan::{ABREAST, Exponents, Group, Prepared, step_of, within};
 use crate::lanes::vector::Vector;
 use crate::status::SolveStatus;
 
-use super::{Found, LoadSheet, Loaded, Start, held, secant, stiffness};
+use super::{Found, LoadSheet, Loaded, held, secant, stiffness};
 
 /// Where a lane may end: residual ln(W/load) times the last step in ln θ_1. The slopes were found over that
 /// step, on which they change by no more than its own length, so this bounds the error of going straight.
@@ -61,20 +61,12 @@ impl<V: Vector> Searched<V> {
         (prepared, inputs): (&Prepared, &Inputs<'_>),
         sheet: &LoadSheet,
         group: Group,
-        start: Start<'_>,
     ) {
         let places = group.places;
         self.group = group;
         self.loaded = Loaded::<V>::gather((prepared, inputs), sheet, places);
         self.x = sheet.x.gather(places);
-        let [kept_slope, pull, turn, _] = &sheet.kept;
-        if let Some(smooth) = start.expected {
-            self.per_slope = kept_slope.gather(places);
-            self.slopes = [pull.gather(places), turn.gather(places)];
-            self.step = V::from_f64(smooth.slope_error);
-        } else {
-            self.per_slope = sheet.per_slope.gather(places);
-        }
+        self.per_slope = sheet.per_slope.gather(places);
     }
 
     #[inline(always)]
@@ -128,8 +120,7 @@ impl<V: Vector> Searched<V> {
     pub(super) fn finish(
         &mut self,
         (inputs, exponents): (&Inputs<'_>, &mut Exponents<'_, V, ABREAST>),
-        sheet: &mut LoadSheet,
-        (out, start): (&mut BatchColumns<'_>, Start<'_>),
+        out: &mut BatchColumns<'_>,
     ) {
         for _ in 0..MAX_FINE_PASSES {
             let found = self.found;
@@ -166,15 +157,6 @@ impl<V: Vector> Searched<V> {
             ..
         } = self;
         let dx = -found.off * self.per_slope;
-        if start.nodes {
-            let [pull, turn] = *slopes;
-            let ended = [self.x + dx, self.per_slope, pull, turn].map(V::to_array);
-            for (column, ended) in sheet.kept.iter_mut().zip(ended) {
-                for (&place, x) in group.places.iter().zip(ended) {
-                    column.0[usize::from(place)] = x;
-                }
-            }
-        }
         let theta_1 = (self.x + dx).exp();
         let z_over_r = versine(theta_1);
         let stiffness = stiffness(theta_1, z_over_r, loaded.q, loaded.r_over_k);

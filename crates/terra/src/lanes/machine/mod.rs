@@ -13,10 +13,8 @@ mod lanes_of;
 use lanes_of::lanes_of;
 
 use super::Lanes;
-use super::columns::{BatchColumns, Inputs};
-use super::curve::{self, CurveNodes};
 use super::forces::{self, ForceSheet};
-use super::load::{self, LoadSheet, Start};
+use super::load::{self, LoadSheet};
 use super::nodes;
 use super::plan::Chunk;
 use crate::contact::quick::{QuickContact, QuickPart, QuickPlan};
@@ -81,33 +79,15 @@ impl Level {
     }
 
     /// The sinkages and forces of a chunk under its loads.
-    pub(super) fn load(self, chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start: Start<'_>) {
+    pub(super) fn load(self, chunk: &mut Chunk<'_>, sheet: &mut LoadSheet) {
         match self {
-            Self::Portable => load::run::<Lanes>(chunk, sheet, start),
+            Self::Portable => load::run::<Lanes>(chunk, sheet),
             // SAFETY: as in `forces`.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx2 => unsafe { load_avx2(chunk, sheet, start) },
+            Self::Avx2 => unsafe { load_avx2(chunk, sheet) },
             // SAFETY: as in `forces`.
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx512 => unsafe { load_avx512(chunk, sheet, start) },
-        }
-    }
-
-    /// [`curve::write`].
-    pub(super) fn curve(
-        self,
-        nodes: &CurveNodes<'_>,
-        inputs: &Inputs<'_>,
-        out: &mut BatchColumns<'_>,
-    ) -> bool {
-        match self {
-            Self::Portable => curve::write::<Lanes>(nodes, inputs, out),
-            // SAFETY: as in `forces`.
-            #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx2 => unsafe { curve_avx2(nodes, inputs, out) },
-            // SAFETY: as in `forces`.
-            #[cfg(all(feature = "std", target_arch = "x86_64"))]
-            Self::Avx512 => unsafe { curve_avx512(nodes, inputs, out) },
+            Self::Avx512 => unsafe { load_avx512(chunk, sheet) },
         }
     }
 
@@ -155,6 +135,19 @@ impl Level {
         }
     }
 
+    /// [`nodes::rough`].
+    pub(super) fn rough_contacts(self, contacts: &[Contact<f64>; 8]) -> [Integrals<f64>; 8] {
+        match self {
+            Self::Portable => nodes::rough::<Lanes>(contacts),
+            // SAFETY: as in `forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx2 => unsafe { rough_avx2(contacts) },
+            // SAFETY: as in `forces`.
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            Self::Avx512 => unsafe { rough_avx512(contacts) },
+        }
+    }
+
     /// [`nodes::panel`].
     pub(super) fn panel_nodes(
         self,
@@ -182,8 +175,8 @@ fn forces_avx2(chunk: &mut Chunk<'_>, sheet: &mut ForceSheet) {
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 #[target_feature(enable = "avx2,fma")]
-fn load_avx2(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start: Start<'_>) {
-    load::run::<avx2::Avx2>(chunk, sheet, start);
+fn load_avx2(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet) {
+    load::run::<avx2::Avx2>(chunk, sheet);
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
@@ -194,20 +187,8 @@ fn forces_avx512(chunk: &mut Chunk<'_>, sheet: &mut ForceSheet) {
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 #[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
-fn load_avx512(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet, start: Start<'_>) {
-    load::run::<avx512::Avx512>(chunk, sheet, start);
-}
-
-#[cfg(all(feature = "std", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma")]
-fn curve_avx2(nodes: &CurveNodes<'_>, inputs: &Inputs<'_>, out: &mut BatchColumns<'_>) -> bool {
-    curve::write::<avx2::Avx2>(nodes, inputs, out)
-}
-
-#[cfg(all(feature = "std", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
-fn curve_avx512(nodes: &CurveNodes<'_>, inputs: &Inputs<'_>, out: &mut BatchColumns<'_>) -> bool {
-    curve::write::<avx512::Avx512>(nodes, inputs, out)
+fn load_avx512(chunk: &mut Chunk<'_>, sheet: &mut LoadSheet) {
+    load::run::<avx512::Avx512>(chunk, sheet);
 }
 
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
@@ -264,6 +245,18 @@ fn quick_part_avx2(contact: &QuickContact<f64>, part: QuickPart) -> Integrals<f6
 #[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
 fn quick_part_avx512(contact: &QuickContact<f64>, part: QuickPart) -> Integrals<f64> {
     nodes::quick_part::<avx512::Avx512>(contact, part)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma")]
+fn rough_avx2(contacts: &[Contact<f64>; 8]) -> [Integrals<f64>; 8] {
+    nodes::rough::<avx2::Avx2>(contacts)
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,avx512f,avx512dq")]
+fn rough_avx512(contacts: &[Contact<f64>; 8]) -> [Integrals<f64>; 8] {
+    nodes::rough::<avx512::Avx512>(contacts)
 }
 
 #[cfg(test)]

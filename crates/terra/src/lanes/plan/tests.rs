@@ -39,14 +39,6 @@ fn groups_hold_every_place_once() {
     }
 }
 
-#[test]
-fn one_rule_for_all() {
-    let mut plan = Plan::EMPTY;
-    plan.steps[..5].copy_from_slice(&[0.0, 3.0, 1.0, 4.0, 2.0]);
-    plan.level(3);
-    assert_eq!(plan.steps[..5], [3.0, 3.0, 3.0, 4.0, 2.0]);
-}
-
 /// By the limits of the ladder, whose own step for single numbers is the same below an entry angle of 60°.
 #[test]
 fn steps_are_those_of_the_ladder() {
