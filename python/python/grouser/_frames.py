@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from . import _core
 from ._errors import InputError
 
 
@@ -59,7 +60,7 @@ def write_job(job: Mapping[str, Any], folder: Path) -> Path:
                 value = os.path.abspath(value)
             lines.append(f"{key} = {_toml(value)}")
     path = folder / "job.toml"
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    _core.write_file(path, ("\n".join(lines) + "\n").encode())
     return path
 
 
