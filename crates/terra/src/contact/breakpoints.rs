@@ -196,16 +196,7 @@ impl<R: Scalar> ShearState<R> {
         if self.law.is_independent() || !turns {
             return false;
         }
-        let (least, most) = self.values().slope_range(arc.value());
-        // a direction that is that of the slip speed turns with all of it, one of displacements with its mean
-        let share = if self.law.is_by_slip_velocity() {
-            0.5
-        } else {
-            0.25
-        };
-        let steady = least > share * most || most < share * least;
-        let across = self.q_y.value().abs() > 2.0 * least.abs().max(most.abs());
-        !(across || steady)
+        !self.values().speeds_are_steady(arc.value())
     }
 
     /// How fast the shear grows along the contact, in multiples of K over its whole arc if it went on
@@ -222,6 +213,20 @@ impl<R: Scalar> ShearState<R> {
 }
 
 impl ShearState<f64> {
+    /// Do the slip speeds of the arc keep their sense, or turn little beside the drift?
+    pub(crate) fn speeds_are_steady(&self, arc: f64) -> bool {
+        let (least, most) = self.slope_range(arc);
+        // a direction that is that of the slip speed turns with all of it, one of displacements with its mean
+        let share = if self.law.is_by_slip_velocity() {
+            0.5
+        } else {
+            0.25
+        };
+        let steady = least > share * most || most < share * least;
+        let across = self.q_y.abs() > 2.0 * least.abs().max(most.abs());
+        across || steady
+    }
+
     /// The least and the greatest of 1 − q cos θ over the arc, with lugs: at its ends or at θ = 0.
     fn slope_range(&self, arc: f64) -> (f64, f64) {
         let bottom = self.displacement.theta_1.min(arc);

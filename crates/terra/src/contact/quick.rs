@@ -1,6 +1,6 @@
 //! The quick kernel: forces to 1e-6 for steps in time, driving, braking and drifting, eight nodes at a time.
 //!
-//! It is the stress model of [`Contact`] with the coupled shear law, cut at the arcs where the shear displacement along
+//! It is the stress model of [`Contact`] with the coupled shear law, or with one along the slip velocity where that keeps its sense, cut at the arcs where the shear displacement along
 //! the wheel changes its sign, and with the short elementary functions of the lean kernel. Each part is one Gauss-Legendre
 //! rule in v, t = v³. Both components of the shear are (c + σ tan φ) (1 − e^(−|j|/K))/|j| times those of j. Where j
 //! along the wheel passes 0 beside a small drift, the stress turns within a part of the arc that no rule resolves, but
@@ -57,6 +57,12 @@ pub(crate) struct QuickContact<R> {
     tan_phi: R,
     /// Factor of a displacement along the wheel where it drives: 1 + what lugs add.
     lugs: R,
+    /// |q_y|.
+    drift: R,
+    /// Does the stress point along the slip velocity?
+    is_by_speed: bool,
+    /// ε² of that direction.
+    width_squared: R,
     sin_1: R,
     cos_1: R,
 }
@@ -104,6 +110,15 @@ impl Contact<f64> {
         if !(stiffness <= MAX_STIFFNESS[1]) {
             return None;
         }
+        let is_by_speed = shear.law.is_by_slip_velocity();
+        if is_by_speed && !shear.speeds_are_steady(arc) {
+            return None;
+        }
+        let width = if shear.law.is_regular() {
+            shear.width()
+        } else {
+            0.0
+        };
         let none = QuickPart {
             is_front: false,
             from: 0.0,
@@ -123,6 +138,9 @@ impl Contact<f64> {
                 cohesion: self.cohesion,
                 tan_phi: self.tan_phi,
                 lugs: 1.0 + shear.lugs,
+                drift: shear.q_y.abs(),
+                is_by_speed,
+                width_squared: width * width,
                 sin_1,
                 cos_1,
             },
@@ -227,6 +245,9 @@ impl QuickContact<f64> {
             cohesion: c(self.cohesion),
             tan_phi: c(self.tan_phi),
             lugs: c(self.lugs),
+            drift: c(self.drift),
+            is_by_speed: self.is_by_speed,
+            width_squared: c(self.width_squared),
             sin_1: c(self.sin_1),
             cos_1: c(self.cos_1),
         }
@@ -441,9 +462,22 @@ impl<R: Short> QuickContact<R> {
         let along = self.r_over_k * (w - self.q * (self.sin_1 - sin));
         let along = R::select(R::ZERO.lt(along), along * self.lugs, along);
         let across = self.across * w;
-        let both = along.mul_add(along, across * across).sqrt();
-        let both = R::select(R::from_f64(1e-150).lt(both), both, R::from_f64(1e-150));
-        let scale = strength * (R::ONE - (-both).exp2_short()) / both;
+        let least = R::from_f64(1e-150);
+        let length = |x: R, y: R| {
+            let length = x.mul_add(x, y).sqrt();
+            R::select(least.lt(length), length, least)
+        };
+        let both = length(along, across * across);
+        let share = strength * (R::ONE - (-both).exp2_short());
+        let (along, across, both) = if self.is_by_speed {
+            let speed = R::ONE - self.q * cos;
+            let speed = R::select(R::ZERO.lt(speed), speed * self.lugs, speed);
+            let rest = self.drift.mul_add(self.drift, self.width_squared);
+            (speed, self.drift, length(speed, rest))
+        } else {
+            (along, across, both)
+        };
+        let scale = share / both;
         let tau = scale * along;
         sums.sigma_cos = sigma.mul_add(cos, sums.sigma_cos);
         sums.sigma_sin = sigma.mul_add(sin, sums.sigma_sin);

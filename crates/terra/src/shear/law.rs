@@ -105,8 +105,8 @@ impl ShearLaw {
 // driving straight ahead, every law but the regular one is the coupled law
 laws!(ShearLaw {
     Coupled: "coupled" => [General, Quick, Lanes, Tape, Remainder],
-    SlipVelocity: "slip-velocity" => [General, Lanes, Tape, Remainder],
-    SlipVelocityRegular: "slip-velocity-regular" => [General],
+    SlipVelocity: "slip-velocity" => [General, Quick, Lanes, Tape, Remainder],
+    SlipVelocityRegular: "slip-velocity-regular" => [General, Quick],
     Independent: "independent" => [General, Lanes, Tape, Remainder],
     TowedRestart: "towed-restart" => [General, Lanes, Tape, Remainder],
     TowedWongReece: "towed-wong-reece" => [General, Lanes, Tape, Remainder],
@@ -214,12 +214,18 @@ impl<R: Real> ShearState<R> {
         }
     }
 
+    /// ε, where the law has one.
+    #[inline(always)]
+    pub(crate) fn width(&self) -> R {
+        let q = self.displacement.q;
+        let greater = R::select(q.lt(R::ONE), R::ONE, q);
+        R::from_f64(REGULAR_WIDTH) * greater
+    }
+
     /// `share` along (x, y)/√(x² + y² + ε²).
     #[inline(always)]
     fn regular(&self, share: R, x: R, y: R) -> (R, R) {
-        let q = self.displacement.q;
-        let greater = R::select(q.lt(R::ONE), R::ONE, q);
-        let width = R::from_f64(REGULAR_WIDTH) * greater;
+        let width = self.width();
         let scale = share / (x * x + y * y + width * width).sqrt();
         (scale * x, scale * y)
     }
