@@ -6,8 +6,8 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// What a campaign refuses.
 ///
 /// ```
-/// let error = grouser_campaign::paper::Paper::compute("no scenario", "no robot").err().unwrap();
-/// assert!(matches!(error, grouser_campaign::Error::File(_) | grouser_campaign::Error::Rover(_)));
+/// let missing = grouser_rover::drive::read_scenario("none.toml".as_ref()).unwrap_err();
+/// assert!(matches!(grouser_campaign::Error::from(missing), grouser_campaign::Error::Rover(_)));
 /// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -18,6 +18,9 @@ pub enum Error {
     /// A reading of the paper's problem, or the slip setpoint.
     #[error(transparent)]
     Design(#[from] grouser_design::Error),
+    /// A wheel of the robot on the soil of the run.
+    #[error(transparent)]
+    Law(#[from] grouser_terra::Error),
     /// The run on sand.
     #[error(transparent)]
     Rover(#[from] grouser_rover::Error),

@@ -20,6 +20,11 @@ pub(crate) struct ReportFlag {
 }
 
 impl ReportFlag {
+    /// Is a report required?
+    pub(crate) const fn is_given(&self) -> bool {
+        self.report.is_some()
+    }
+
     /// Begins the file, so that a path that cannot be written is refused before the work; `None` without the flag.
     pub(crate) fn begin(&self) -> Result<Option<ReportFile>> {
         let Some(path) = &self.report else {
@@ -39,6 +44,11 @@ impl ReportFlag {
 pub(crate) struct ReportFile(OutputFile);
 
 impl ReportFile {
+    /// Writes a page that is complete; gives the line that says so.
+    pub(crate) fn write_page(self, html: &str) -> Result<String> {
+        self.0.write_whole(html.as_bytes())
+    }
+
     /// Writes the page; gives the line that says so. `shown` is what the page reads: `runs`, or an `answer`.
     pub(crate) fn write(self, title: &str, shown: Object, session: &Session) -> Result<String> {
         let mut report = json!({ "title": title, "provenance": provenance(session) });
@@ -48,7 +58,7 @@ impl ReportFile {
         let html = Document::of_report("report.json", &report)
             .html()
             .map_err(|error| Error::usage_without_hint(error.to_string()))?;
-        self.0.write_whole(html.as_bytes())
+        self.write_page(&html)
     }
 }
 

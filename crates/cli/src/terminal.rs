@@ -59,6 +59,13 @@ pub(crate) fn remark(text: &str) {
     let _ = io::stderr().lock().write_all(printable(text).as_bytes());
 }
 
+/// The step that a job is at, on standard error where somebody looks at it.
+pub(crate) fn progress(step: &str) {
+    if io::stderr().is_terminal() {
+        remark(&format!("{step}\n"));
+    }
+}
+
 /// `error: …` on standard error, for a job that ended without its result.
 pub(crate) fn fail(message: &str) {
     say("error", RED, message);

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use grouser_campaign::paper::STATEMENTS;
+
 use crate::repository::root;
 
 /// A fenced block: its language, the words behind it, and its lines.
@@ -274,6 +276,53 @@ fn the_tutorials_run_and_print_what_they_quote() {
 #[test]
 fn the_reference_pages_run_and_print_what_they_quote() {
     check(&pages(&root().join("docs")), 10);
+}
+
+/// Text between backticks.
+fn code_spans(cell: &str) -> Vec<&str> {
+    cell.split('`').skip(1).step_by(2).collect()
+}
+
+/// The paper's rows: each has its statement, its command runs, and the output has what the row quotes.
+#[test]
+fn every_row_of_the_paper_runs_and_prints_what_it_quotes() {
+    let text = fs::read_to_string(root().join("docs/paper.md")).unwrap();
+    let folder = Folder::new("paper-rows");
+    let rows: Vec<Vec<&str>> = text
+        .lines()
+        .filter(|line| line.starts_with("| "))
+        .map(|line| line.trim_matches('|').split(" | ").map(str::trim).collect())
+        .collect();
+    let mut outputs = std::collections::BTreeMap::new();
+    let mut failures = Vec::new();
+    for statement in STATEMENTS {
+        let Some(row) = rows.iter().find(|row| row[0] == statement.item) else {
+            failures.push(format!("{}: no row", statement.item));
+            continue;
+        };
+        let [_, about, command, comes_out, _] = row[..] else {
+            failures.push(format!("{}: not five cells", statement.item));
+            continue;
+        };
+        if about != statement.about || code_spans(command).concat() != statement.command {
+            failures.push(format!("{}: not as the command has it", statement.item));
+        }
+        let [command] = code_spans(command)[..] else {
+            continue; // what is lost has no command
+        };
+        let printed = outputs
+            .entry(command)
+            .or_insert_with(|| run(command, &folder.0, None, 0).expect("a command"));
+        match printed {
+            Ok(printed) => {
+                let quotes = code_spans(comes_out).join("\n");
+                failures.extend(check_quotes(command, printed, &quotes).err());
+            }
+            Err(failure) => failures.push(failure.clone()),
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+    assert!(outputs.len() > 12, "only {} commands", outputs.len());
 }
 
 /// Lines of prose stay readable beside code: at most 100 characters in the README and the tutorials, and a tutorial is one sitting.

@@ -281,28 +281,54 @@ fn the_paper_is_written_and_its_slip_is_not_claimed() {
     assert!((slip + 0.3897).abs() < 2e-3 && inside, "{slip}");
     let page = fs::read_to_string(Path::new(&target).join("paper.html")).unwrap();
     assert!(page.contains("not claimed") && page.contains("figure-10.svg"));
-    // The run on sand: it drives and it brakes, and the error that is printed is that of the table.
+    // The run on sand: five powered wheels drive and brake, and the errors that are printed are those of the table.
     let table = fs::read_to_string(Path::new(&target).join("figure-13.csv")).unwrap();
-    let rows = table.lines().skip(1).filter_map(|row| {
-        let cells: Vec<&str> = row.split(',').collect();
-        Some([cells[2].parse::<f64>().ok()?, cells[3].parse().ok()?])
-    });
-    let rows: Vec<[f64; 2]> = rows.collect();
-    let square: f64 = rows
-        .iter()
-        .map(|[truth, seen]| (seen - truth).powi(2))
-        .sum();
-    let rmse = (square / rows.len() as f64).sqrt();
-    let printed = found["sand_run"]["slip_rmse"].as_f64().unwrap();
-    assert!((rmse - printed).abs() < 1e-9, "{rmse} {printed}");
-    assert!(rows.len() > 1000 && rmse < 0.1, "{} {rmse}", rows.len());
-    for (what, is) in [
-        ("drives", (|slip| slip > 0.2) as fn(f64) -> bool),
-        ("brakes", |slip| slip < -0.05),
-    ] {
-        let both = rows.iter().filter(|row| row.iter().all(|slip| is(*slip)));
-        assert!(both.count() > 20, "{what}");
+    let wheels = found["sand_run"]["wheels"].as_array().unwrap();
+    assert_eq!(wheels.len(), 5);
+    for wheel in wheels {
+        let name = wheel["wheel"].as_str().unwrap();
+        let rows: Vec<Vec<&str>> = table
+            .lines()
+            .map(|row| row.split(',').collect::<Vec<_>>())
+            .filter(|cells| cells[1] == name)
+            .collect();
+        assert_eq!(rows.len() as u64, wheel["rows"].as_u64().unwrap());
+        let number = |cells: &[&str], place: usize| cells[place].parse::<f64>().ok();
+        let both: Vec<[f64; 2]> = rows
+            .iter()
+            .filter_map(|cells| Some([number(cells, 2)?, number(cells, 5)?]))
+            .collect();
+        let square: f64 = both
+            .iter()
+            .map(|[slip, truth]| (slip - truth).powi(2))
+            .sum();
+        let rmse = (square / both.len() as f64).sqrt();
+        let printed = wheel["slip_rmse"].as_f64().unwrap();
+        assert!((rmse - printed).abs() < 1e-9, "{name}: {rmse} {printed}");
+        assert!(both.len() > 1000 && rmse < 0.15, "{name}: {rmse}");
+        assert!(wheel["coverage_90"].as_f64().unwrap() > 0.8, "{name}");
+        for cells in &rows {
+            let slip = number(cells, 2).unwrap();
+            if let (Some(low), Some(high)) = (number(cells, 3), number(cells, 4)) {
+                assert!(low <= slip && slip <= high, "{cells:?}");
+            }
+            if let Some(worded) = number(cells, 6) {
+                assert!(worded <= 1.0 && (worded > 0.0) == (slip < 0.0), "{cells:?}");
+            }
+        }
+        for is in [(|slip| slip > 0.2) as fn(f64) -> bool, |slip| slip < -0.05] {
+            let both = both.iter().filter(|row| row.iter().all(|slip| is(*slip)));
+            assert!(both.count() > 20, "{name}");
+        }
     }
+    let optima: Vec<f64> = found["optima"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|optimum| optimum["slip"].as_f64().unwrap())
+        .collect();
+    assert_eq!((optima.len(), optima[0]), (4, 0.1146));
+    assert!(optima[1] < optima[2] && optima[2] < optima[3], "{optima:?}");
     // Each reading that is written is a problem that can be solved.
     let reading = Path::new(&target).join("problem-as-printed-in-pa.toml");
     assert_eq!(
@@ -314,6 +340,72 @@ fn the_paper_is_written_and_its_slip_is_not_claimed() {
     // A file in the folder's place is refused.
     let taken = folder.file("taken", "");
     assert_eq!(grouser(&["paper", "-o", &taken]).status.code(), Some(2));
+}
+
+/// From the model to the decisions: every step is done, the setpoint is proved, the pulses of the free wheel are in the log, the
+/// soil that is learnt from it is the ground's, and the page stands alone.
+#[test]
+fn the_papers_robot_goes_from_end_to_end() {
+    let folder = Folder::new("paper-end-to-end");
+    let (target, page) = (folder.path("out"), folder.path("page.html"));
+    let words = [
+        "paper",
+        "--end-to-end",
+        "-o",
+        &target,
+        "--report",
+        &page,
+        "--json",
+    ];
+    let output = grouser(&words);
+    assert_eq!(output.status.code(), Some(0));
+    let found = json(&output);
+    let steps = found["steps"].as_array().unwrap();
+    assert_eq!(steps.len(), 6);
+    for step in steps {
+        assert_eq!(step["exit_code"], 0, "{step}");
+    }
+    assert_eq!(found["certificate"], "proved");
+    let setpoint = found["slip_setpoint"].as_f64().unwrap();
+    let scenario = fs::read_to_string(Path::new(&target).join("scenario.toml")).unwrap();
+    assert!(
+        scenario.contains(&format!("optimum = {setpoint:?}")),
+        "{scenario}"
+    );
+    let info = grouser(&["log", "info", &format!("{target}/drive.mcap")]);
+    assert!(String::from_utf8_lossy(&info.stdout).contains("/wheel_edges"));
+    assert_eq!(found["wheels"].as_array().unwrap().len(), 5);
+    let soil = &found["soil_learnt"];
+    let of = |key: &str| soil[key].as_f64().unwrap();
+    assert!(
+        of("strength_low") < 1.0 && 1.0 < of("strength_high"),
+        "{soil}"
+    );
+    assert!(
+        of("stiffness_low") < 1.0 && 1.0 < of("stiffness_high"),
+        "{soil}"
+    );
+    assert_eq!(found["run_on_sand"]["energy_gain"], "no gain");
+    let patch = &found["soft_patch"];
+    assert_eq!(
+        (&patch["controller_arrives"], &patch["open_loop_arrives"]),
+        (&5.into(), &0.into())
+    );
+    assert!(found["decisions"].as_u64().unwrap() > 5);
+    let page = fs::read_to_string(&page).unwrap();
+    assert!(page.contains("data:image/svg+xml,") && !page.contains("src=\"figure"));
+    for table in [
+        "slip.csv",
+        "figure-13.csv",
+        "decisions.csv",
+        "soil.csv",
+        "model.csv",
+    ] {
+        let text = fs::read_to_string(Path::new(&target).join(table)).unwrap();
+        assert!(text.lines().count() > 5, "{table}");
+    }
+    let refused = grouser(&["paper", "-o", &target, "--report", "page.html"]);
+    assert_eq!(refused.status.code(), Some(2));
 }
 
 #[test]

@@ -11,7 +11,6 @@ fn every_kind_has_a_column_or_a_reason() {
             .iter()
             .any(|(_, meaning, _)| meaning.kind() == *kind);
         let reason = match kind {
-            MeasurementKind::WheelEdge => Some("logs have counters"),
             MeasurementKind::Carrier => Some("it follows from the angles of the joints"),
             MeasurementKind::MotorCurrent => {
                 Some("a current is a torque once the robot file has its factor")

@@ -59,7 +59,7 @@ impl Use {
     pub const fn words(self) -> &'static str {
         match self {
             Self::Wheels => "wheel angles or rates",
-            Self::Contacts => "sinkages or entry angles of wheels",
+            Self::Contacts => "sinkages, entry angles or encoder edges",
             Self::YawRate => "yaw rate",
             Self::Motion => "pose and speed",
             Self::Command => "commanded speed",

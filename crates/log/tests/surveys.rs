@@ -240,7 +240,7 @@ fn every_topic_has_its_use() {
     );
     let words = [
         (Use::Wheels, "wheel angles or rates"),
-        (Use::Contacts, "sinkages or entry angles of wheels"),
+        (Use::Contacts, "sinkages, entry angles or encoder edges"),
         (Use::YawRate, "yaw rate"),
         (Use::Motion, "pose and speed"),
         (Use::Command, "commanded speed"),

@@ -152,6 +152,7 @@ const fn meanings(sensor: WheelSensor) -> &'static [Meaning] {
 fn measures(log: &impl Measures, sensor: WheelSensor, wheel: &str) -> bool {
     let mut all = meanings(sensor).iter();
     all.any(|meaning| log.measures_wheel(*meaning, wheel))
+        || log.measures_wheel(Meaning::WheelEdge, wheel)
 }
 
 /// The sensor by which the wheels are measured: the option's, else the robot file's, else the first of

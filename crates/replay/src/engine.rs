@@ -135,6 +135,7 @@ impl Engine {
         {
             *left = self.slips.turn_acceleration();
         }
+        self.slips.learn(&sample.measurement);
         let carried = (self.suspension.as_mut()).map_or_else(Vec::new, |of| of.take(&mut sample));
         if self.inputs.wheel_sensor.uses(&sample.measurement) {
             self.doctor.take(&sample);

@@ -77,11 +77,15 @@ impl Fusion {
         })
     }
 
+    /// A measurement as the sensor shows it, for the learning of the soil: slopes act on its pull.
+    pub(crate) fn learn(&mut self, raw: &Measurement) {
+        if let Some(learning) = &mut self.learning {
+            learning.take(raw);
+        }
+    }
+
     /// A sample of the time at hand: which of them stands first in the log must not matter.
     pub(crate) fn update(&mut self, sample: Sample) {
-        if let Some(learning) = &mut self.learning {
-            learning.take(&sample.measurement);
-        }
         if reaches_filter(&sample.measurement, self.reference, &self.robot) {
             self.waiting.push(sample);
         }

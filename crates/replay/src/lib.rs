@@ -78,4 +78,4 @@ pub use start::check_start;
 pub use summary::{
     AlongSummary, EventAt, FusedSummary, Spread, Status, Summary, UNKNOWN, WheelSummary, YawSummary,
 };
-pub use truth::{Compared, Truth, TruthError};
+pub use truth::{Compared, ComparedSlip, Truth, TruthError};

@@ -5,7 +5,7 @@ use grouser_slip::detect::Change;
 use grouser_slip::filter::Learnt;
 use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::window::{WindowBody, WindowEstimator, WindowMeans, WindowSettings};
-use grouser_slip::{Robot, Sample, Slip};
+use grouser_slip::{Measurement, Robot, Sample, Slip};
 
 use crate::checks::WayCheck;
 use crate::choice::Inputs;
@@ -58,6 +58,13 @@ impl Slips {
         match self {
             Self::Filter(fusion, _) => fusion.soil(),
             Self::Window(_) => None,
+        }
+    }
+
+    /// A measurement as the sensor shows it, gravity's share included.
+    pub(crate) fn learn(&mut self, raw: &Measurement) {
+        if let Self::Filter(fusion, _) = self {
+            fusion.learn(raw);
         }
     }
 

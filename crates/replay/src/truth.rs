@@ -244,8 +244,22 @@ pub struct Compared {
 struct Estimate {
     time_s: f64,
     slip: f64,
-    /// Of an estimate that is Ok.
     sigma: Option<f64>,
+    is_ok: bool,
+}
+
+/// An estimated slip with its 90 % interval, next to the true one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ComparedSlip {
+    /// Seconds since the log's start.
+    pub time_s: f64,
+    /// The estimate.
+    pub slip: f64,
+    /// Its 90 % interval, within the slips that exist (−1 to 1).
+    pub interval_90: Option<[f64; 2]>,
+    /// The true slip, where it is known.
+    pub truth: Option<f64>,
 }
 
 impl Sink for Compared {
@@ -254,7 +268,8 @@ impl Sink for Compared {
             self.estimates[row.wheel].push(Estimate {
                 time_s: row.time_s,
                 slip,
-                sigma: row.slip_sigma.filter(|_| row.health == Health::Ok),
+                sigma: row.slip_sigma,
+                is_ok: row.health == Health::Ok,
             });
         }
         Ok(())
@@ -281,6 +296,28 @@ impl Compared {
                     name.clone(),
                     points.map(|(time, slip)| [time, slip]).collect(),
                 )
+            })
+            .collect()
+    }
+
+    /// Every estimated slip of each wheel that has a truth, with its name.
+    #[must_use]
+    pub fn slips(&self) -> Vec<(String, Vec<ComparedSlip>)> {
+        let all = self.truth.names.iter().zip(&self.truth.wheels);
+        all.zip(&self.estimates)
+            .filter(|((_, truth), _)| !truth.is_empty())
+            .map(|((name, truth), estimates)| {
+                let truth = self.since_start(truth);
+                let of = |estimate: &Estimate| ComparedSlip {
+                    time_s: estimate.time_s,
+                    slip: estimate.slip,
+                    interval_90: estimate.sigma.map(|sigma| {
+                        [-1.0, 1.0]
+                            .map(|sign| (estimate.slip + sign * SIGMAS_90 * sigma).clamp(-1.0, 1.0))
+                    }),
+                    truth: at(&truth, estimate.time_s),
+                };
+                (name.clone(), estimates.iter().map(of).collect())
             })
             .collect()
     }
@@ -337,7 +374,8 @@ fn errors_of(name: &str, truth: &[(f64, f64)], estimates: &[Estimate]) -> TruthE
         count += 1;
         sum += error;
         squares += error * error;
-        if let Some(sigma) = estimate.sigma.filter(|sigma| *sigma > 0.0) {
+        let sigma = estimate.sigma.filter(|_| estimate.is_ok);
+        if let Some(sigma) = sigma.filter(|sigma| *sigma > 0.0) {
             sure += 1;
             nees += Real::powi(error / sigma, 2);
             covered += u32::from(error.abs() <= SIGMAS_90 * sigma);
@@ -424,6 +462,7 @@ mod tests {
                 time_s: f64::from(i) * 0.01,
                 slip: if i < 530 { 0.1 } else { 0.4 } + if i % 2 == 0 { 0.01 } else { -0.01 },
                 sigma: Some(0.01),
+                is_ok: true,
             })
             .collect();
         let found = errors_of("left", &truth, &estimates);
@@ -450,6 +489,7 @@ mod tests {
                 time_s,
                 slip: slip(time_s - 0.3),
                 sigma: Some(0.01),
+                is_ok: true,
             })
             .collect();
         for (late_s, lag_s) in [(0.0, 0.3), (0.8, -0.5), (-0.6, 0.9)] {

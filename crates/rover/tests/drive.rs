@@ -4,8 +4,9 @@ use std::path::Path;
 
 use grouser_rover::Error;
 use grouser_rover::drive::{
-    DriveResult, Outcome, Pilot, Scenario, Simulation, SlipScore, read_scenario,
+    DriveResult, Outcome, Pilot, Scenario, Simulation, SlipScore, equal_speed_share, read_scenario,
 };
+use grouser_slip::Measurement;
 use grouser_slip::control::{Action, Ending, Reason};
 use grouser_terra::{Angle, Kinematics, Settings, ShearLaw, Slip, Soil, SoilParams, WheelOnSoil};
 
@@ -228,36 +229,73 @@ fn the_same_seed_drives_the_same_drive() {
     assert_ne!(first, drive(&short, Pilot::Controller, 2));
 }
 
-/// The baseline of a controller: requested speeds in the share that the controller's own drive reached.
+/// The baseline of a controller: the robot is as fast as with it. On a slope wheels then run faster than requested, and times
+/// and energies of drives that arrive compare.
 #[test]
-fn open_loop_at_the_controllers_pace_has_its_mean_speed() {
+fn open_loop_has_the_mean_speed_of_the_controllers_drive() {
     let mut slope = scenario("slope");
-    slope.duration = 20.0;
-    let speed = slope.legs[0].speed;
+    slope.legs[0].distance = slope.legs[0].distance.map(|whole| 0.3 * whole);
     let controlled = drive(&slope, Pilot::Controller, 15);
-    let mean = controlled.way / controlled.duration;
+    let open = |share: f64| drive(&slope.at_pace(share), Pilot::OpenLoop, 15);
+    let share = equal_speed_share(&controlled, |share| Ok::<_, Error>(open(share))).unwrap();
+    assert!(share > 1.5, "{share}");
+    let fair = open(share);
     assert!(
-        (controlled.pace() - mean / speed).abs() < 0.1,
-        "{}",
-        controlled.pace()
+        (fair.duration / controlled.duration - 1.0).abs() < 0.02,
+        "{} s, {} s",
+        fair.duration,
+        controlled.duration
     );
-    let fair = slope.at_pace(controlled.pace());
-    assert_eq!(fair.legs[0].speed, controlled.pace() * speed);
-    let rim = |scenario: &Scenario| {
-        let mut fastest = 0.0;
-        Simulation::new(scenario, Pilot::OpenLoop, RUNNING_SLIP, 15)
-            .unwrap()
-            .run(|frame| {
-                fastest = frame
-                    .wheels
-                    .iter()
-                    .map(|w| w.speeds[0])
-                    .fold(fastest, f64::max);
-                true
-            });
-        fastest
+    // at equal speed the controller saves no energy
+    let ratio = controlled.energy_per_metre().unwrap() / fair.energy_per_metre().unwrap();
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+    // where open loop digs in there is no such speed, and the search ends at once
+    let mut drives = 0;
+    let digs = |_| {
+        drives += 1;
+        Ok::<_, Error>(drive(&scenario("soft-patch"), Pilot::OpenLoop, 3))
     };
-    assert!((rim(&fair) / rim(&slope) - controlled.pace()).abs() < 0.05);
+    let patch = drive(&scenario("soft-patch"), Pilot::Controller, 3);
+    equal_speed_share(&patch, digs).unwrap();
+    assert_eq!(drives, 1);
+}
+
+/// Free wheels that stamp their pulses are not counted: as many edges as ticks, in the order of time, to the clock's resolution.
+#[test]
+fn a_free_wheel_stamps_each_pulse() {
+    let mut short = scenario("sandbox");
+    short.duration = 4.0;
+    let ticks = |clock: f64| {
+        let mut own = short.clone();
+        own.sensors.edge_clock = clock;
+        let (mut edges, mut last_ns, mut counted) = (0_i64, 0, None);
+        let mut drive = Simulation::new(&own, Pilot::OpenLoop, RUNNING_SLIP, 1).unwrap();
+        drive.run(|frame| {
+            for sample in frame.samples {
+                match sample.measurement {
+                    Measurement::WheelEdge { wheel, forward } => {
+                        assert_eq!(wheel, 5);
+                        assert!(sample.time_ns > last_ns);
+                        last_ns = sample.time_ns;
+                        edges += if forward { 1 } else { -1 };
+                    }
+                    Measurement::WheelCount { wheel: 5, raw } => counted = Some(raw),
+                    _ => {}
+                }
+            }
+            true
+        });
+        (edges, counted)
+    };
+    let (none, counted) = ticks(0.0);
+    let (edges, uncounted) = ticks(1e-6);
+    assert_eq!((none, uncounted), (0, None));
+    // the counter starts with the angle at the first reading
+    let counted = i64::try_from(counted.unwrap()).unwrap();
+    assert!(
+        (edges - counted).abs() <= 2 && edges > 100,
+        "{edges} {counted}"
+    );
 }
 
 /// Halving the step changes the drive less than its course: progress and energy within 2 %.

@@ -2,7 +2,7 @@
 
 use grouser_files::Document;
 use grouser_page::run::{Drive, DriveRecorder};
-use grouser_rover::drive::{Pilot, Simulation, parse_scenario};
+use grouser_rover::drive::{Pilot, Simulation, equal_speed_share, parse_scenario};
 use grouser_rover::robot::RobotModel;
 use serde_json::Value;
 
@@ -48,7 +48,13 @@ pub(crate) fn solve(request: &Request<'_>) -> Result<Value, Problem> {
             let controlled = drive(&scenario, Pilot::Controller)
                 .map_err(Problem::from_error)?
                 .run(|_| true);
-            scenario.at_pace(controlled.pace())
+            let share = equal_speed_share(&controlled, |share| {
+                let at_share = scenario.at_pace(share);
+                let mut open_loop = Simulation::new(&at_share, Pilot::OpenLoop, optimum, seed)
+                    .map_err(Problem::from_error)?;
+                Ok::<_, Problem>(open_loop.run(|_| true))
+            })?;
+            scenario.at_pace(share)
         }
         _ => scenario,
     };

@@ -48,13 +48,12 @@ impl PaperFile {
     /// The names that are written: a figure's with both endings.
     ///
     /// ```
-    /// use grouser_campaign::paper::Paper;
+    /// use grouser_campaign::paper::{Paper, SandRun};
     ///
-    /// let templates = |name: &str| {
-    ///     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/");
-    ///     std::fs::read_to_string(format!("{folder}{name}")).unwrap()
-    /// };
-    /// let paper = Paper::compute(&templates("scenarios/sandbox.toml"), &templates("robots/five-wheel.toml"))?;
+    /// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/scenarios/sandbox.toml");
+    /// let scenario = grouser_rover::drive::read_scenario(file.as_ref())?;
+    /// let run = SandRun { wheels: Vec::new(), seed: scenario.seed, robot: scenario.robot.clone() };
+    /// let paper = Paper::compute(&scenario, run)?;
     /// assert!(paper.files().iter().flat_map(|file| file.names()).any(|name| name == "figure-8.png"));
     /// # Ok::<(), grouser_campaign::Error>(())
     /// ```

@@ -1,7 +1,9 @@
 //! Ani et al. (2012), J. Cent. South Univ. 19: what can be reproduced of it.
 
+mod decisions;
 mod figures;
 mod file;
+mod optima;
 mod page;
 mod problem;
 mod robot_drawings;
@@ -13,12 +15,15 @@ use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_report::number::{rounded, shown};
 use grouser_report::{Fields, Table, fields};
+use grouser_rover::drive::Scenario;
+use grouser_terra::{Kinematics, Settings, Slip, WheelOnSoil};
 
 use crate::error::Result;
 pub use file::{Content, PaperFile};
-use page::{Block, Page};
+pub use optima::{SlipOptimum, setpoint_problem};
+pub use page::{Block, Page};
 pub use problem::{INTERPRETATIONS, Interpretation, PRINTED_SLIP, sinkage_ratio_of_slip};
-use sand_run::SandRun;
+pub use sand_run::{SandRun, SandWheel, SlipMoment, slip_as_worded};
 pub use solved::SEED;
 use solved::Solved;
 pub use statements::{STATEMENTS, Statement, Verdict};
@@ -27,18 +32,20 @@ pub use statements::{STATEMENTS, Statement, Verdict};
 pub struct Paper {
     files: Vec<PaperFile>,
     solved: Vec<Solved>,
+    optima: Vec<SlipOptimum>,
     run: SandRun,
 }
 
 impl Paper {
-    /// Computes everything. The run on sand is `scenario`, driven by `robot` (the texts of the two files).
+    /// Computes everything. `run` is the estimate of the log of `scenario`.
     ///
     /// # Errors
-    /// What the two files lack or what their solves refuse.
-    pub fn compute(scenario: &str, robot: &str) -> Result<Self> {
-        let run = SandRun::drive(scenario, robot)?;
+    /// What the solves refuse.
+    pub fn compute(scenario: &Scenario, run: SandRun) -> Result<Self> {
         let solved = solved::solve()?;
+        let optima = optima::optima(scenario)?;
         let mut files = robot_drawings::files(&run.robot);
+        files.extend(stress_figure(scenario, &optima)?);
         for figure in figures::all() {
             let (number, about) = (figure.number, figure.about);
             let name = format!("figure-{number}");
@@ -50,11 +57,22 @@ impl Paper {
             let about = format!("figure {number}: {about}");
             files.push(PaperFile::figure(name, figure.draw(), about));
         }
+        let [ours, papers] = run.figures();
         files.extend([
             PaperFile::figure(
+                "figure-11",
+                decisions::figure(),
+                "figure 11: from slip to decision",
+            ),
+            PaperFile::figure(
                 "figure-13",
-                run.draw(),
-                "figure 13, simulated: slip against time by the fifth wheel beside the truth",
+                ours,
+                "figure 13, simulated: slip against time, estimated and true",
+            ),
+            PaperFile::figure(
+                "figure-13-paper",
+                papers,
+                "the same in the paper's definition of slip",
             ),
             PaperFile::text("figure-13.csv", run.csv(), "the numbers of figure 13"),
             PaperFile::figure(
@@ -81,11 +99,16 @@ impl Paper {
                 format!("the reading \"{name}\""),
             ));
         }
-        let page = page(&solved, &run, &files);
+        let page = page(&solved, &optima, &run, &files);
         for (name, content) in [("paper.md", page.markdown()), ("paper.html", page.html())] {
             files.push(PaperFile::text(name, content, "this page"));
         }
-        Ok(Self { files, solved, run })
+        Ok(Self {
+            files,
+            solved,
+            optima,
+            run,
+        })
     }
 
     /// Its files, the pages last.
@@ -101,6 +124,7 @@ impl Paper {
             "files" "files that were written" =
                 paper.files.iter().flat_map(PaperFile::names).collect::<Vec<_>>();
             "statements" "equations, tables and figures of the paper" rows(statement()) = STATEMENTS;
+            "optima" "slips that are called optimal" rows(SlipOptimum::fields()) = &paper.optima;
             "sand_run" "the run on sand" group(SandRun::fields()) = &paper.run;
             "printed_slip" "optimum slip that the paper prints" = PRINTED_SLIP;
             "printed_slip_claimed" "whether it is reproduced" = false;
@@ -136,15 +160,40 @@ impl Paper {
             "the printed optimum, |S_0| = {}, is not claimed: its bounds, start, scaling and utility are not printed",
             shown(PRINTED_SLIP)
         );
-        let _ = writeln!(
-            text,
-            "figure 13, simulated: slip by the fifth wheel is within {} (RMS) of the true one",
-            self.run
-                .error()
-                .map_or_else(|| "—".to_owned(), |error| rounded(error, 3))
-        );
+        text.push('\n');
+        let mut table = Table::new()
+            .text("optimal slip")
+            .number("slip")
+            .text("what it optimises");
+        for optimum in &self.optima {
+            let [name, slip, optimises, ..] = &optimum.row()[..] else {
+                continue;
+            };
+            table.row([name.as_str(), slip, optimises]);
+        }
+        text.push_str(&table.render());
+        text.push('\n');
+        text.push_str(&self.run.text());
         text
     }
+}
+
+/// Figures 5 to 7: the stress under the scenario's typical wheel at its slip setpoint.
+fn stress_figure(scenario: &Scenario, optima: &[SlipOptimum]) -> Result<Option<PaperFile>> {
+    let setpoint = optima.get(1).and_then(|optimum| optimum.slip);
+    let (Some((index, load)), Some(slip)) = (scenario.typical_wheel(), setpoint) else {
+        return Ok(None);
+    };
+    let ground = &scenario.ground.soils[0];
+    let wheel = scenario.robot.wheels[index].wheel;
+    let pair = WheelOnSoil::new(wheel, ground.soil, Settings::default())?;
+    let solved = pair.under_load(load, &Kinematics::straight(Slip::new(slip)?))?;
+    let Some(point) = solved.point() else {
+        return Ok(None);
+    };
+    let figure = crate::stress::draw(&pair, &point, &ground.name);
+    let about = "figures 5 to 7: the stress under a wheel of the robot";
+    Ok(Some(PaperFile::figure("figure-5", figure, about)))
 }
 
 fn file_name(words: &str) -> String {
@@ -184,7 +233,8 @@ fn readings(solved: &[Solved]) -> Vec<Vec<String>> {
         .collect()
 }
 
-fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
+#[allow(clippy::too_many_lines, reason = "the page from its top to its end")]
+fn page(solved: &[Solved], optima: &[SlipOptimum], run: &SandRun, written: &[PaperFile]) -> Page {
     let mut blocks = vec![
         Block::Text(
             "Ani, Xu, Xue, Liu & Zhang, \"Analytical modeling and multi-objective optimization of slippage for \
@@ -194,13 +244,17 @@ fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
         ),
         Block::Heading(2, "What is reproduced".to_owned()),
         Block::Table(
-            vec!["item", "about", "verdict", "how, or why not"],
+            vec!["item", "about", "verdict", "command", "how, or why not"],
             STATEMENTS
                 .iter()
                 .map(|s| {
-                    [s.item, s.about, s.verdict.key(), s.why]
-                        .map(str::to_owned)
-                        .into()
+                    let command = match s.command {
+                        "" => "–".to_owned(),
+                        command => format!("`{command}`"),
+                    };
+                    let [item, about, verdict, why] =
+                        [s.item, s.about, s.verdict.key(), s.why].map(str::to_owned);
+                    vec![item, about, verdict, command, why]
                 })
                 .collect(),
         ),
@@ -212,6 +266,11 @@ fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
         picture("figure-1", "Figure 1: the robot from its left side"),
         picture("figure-2", "Figure 2: the chassis from above"),
         picture("figure-3", "Figure 3: the fifth wheel, a powered and a free wheel on one arm"),
+        Block::Heading(2, "Figures 5 to 7".to_owned()),
+        picture(
+            "figure-5",
+            "Figures 5 to 7: a wheel of the robot in dry sand at its slip setpoint, with the stresses of the model",
+        ),
         Block::Heading(2, "Figures 8 to 10".to_owned()),
         Block::Text(
             "S_0 is the slip at which the shear displacement returns to zero at the angle θ. It equals 1 − sec ξ with \
@@ -228,12 +287,22 @@ fn page(solved: &[Solved], run: &SandRun, written: &[PaperFile]) -> Page {
         ));
     }
     blocks.extend([
+        Block::Heading(2, "Figure 11".to_owned()),
+        picture("figure-11", "Figure 11: from the slip of each wheel to the decision, tested from top to bottom"),
         Block::Heading(2, "Figure 13, simulated".to_owned()),
         Block::Text(run.about()),
-        picture(
-            "figure-13",
-            "Figure 13, simulated: slip of a powered wheel by the fifth wheel beside the truth (a), where it brakes (b), \
-             and the measured slip as section 4.1 of the paper words it (c)",
+        picture("figure-13", "Figure 13, simulated: slip of each powered wheel, estimated with its 90 % interval, and true"),
+        picture("figure-13-paper", "The same in the definition of section 4.1 of the paper"),
+        Block::Table(SandRun::HEADER.to_vec(), run.rows()),
+        Block::Heading(2, "Four optimal slips".to_owned()),
+        Block::Text(
+            "Four slips are called optimal. They optimise different quantities; only the second is the setpoint of the \
+             controller."
+                .to_owned(),
+        ),
+        Block::Table(
+            SlipOptimum::HEADER.to_vec(),
+            optima.iter().map(SlipOptimum::row).collect(),
         ),
         Block::Heading(2, "The optimisation problem".to_owned()),
         Block::Text(format!(
@@ -291,6 +360,7 @@ fn statement<'a>() -> Fields<'a, &'a Statement> {
         "item" "equation, table or figure" = statement.item;
         "about" "what it is about" = statement.about;
         "verdict" "reproduced, in part, or not possible" = statement.verdict.key();
+        "command" "command that does it; empty where none can" = statement.command;
         "why" "why" = statement.why;
     }
 }

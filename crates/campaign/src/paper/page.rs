@@ -3,24 +3,35 @@
 use std::fmt::Write as _; // writing to a string cannot fail
 
 /// A part of the page. Text is plain: no markup of either language passes through.
-pub(super) enum Block {
+pub enum Block {
+    /// A heading with its level.
     Heading(u8, String),
+    /// A paragraph.
     Text(String),
+    /// A table: names of columns, and rows.
     Table(Vec<&'static str>, Vec<Vec<String>>),
     /// File and description.
     Picture(String, String),
+    /// An SVG that is part of the page, and its description.
+    Drawing(String, String),
+    /// Lines of output as they were printed.
+    Output(String),
     /// Files with what they hold.
     Files(Vec<(String, String)>),
 }
 
 /// A page with its title.
-pub(super) struct Page {
-    pub(super) title: String,
-    pub(super) blocks: Vec<Block>,
+pub struct Page {
+    /// Its title.
+    pub title: String,
+    /// Its parts.
+    pub blocks: Vec<Block>,
 }
 
 impl Page {
-    pub(super) fn markdown(&self) -> String {
+    /// The page as Markdown.
+    #[must_use]
+    pub fn markdown(&self) -> String {
         let mut text = format!("# {}\n", cell(&self.title));
         for block in &self.blocks {
             text.push('\n');
@@ -51,6 +62,12 @@ impl Page {
                 Block::Picture(file, about) => {
                     let _ = writeln!(text, "![{}]({file})", cell(about));
                 }
+                Block::Drawing(_, about) => {
+                    let _ = writeln!(text, "*{}*", cell(about));
+                }
+                Block::Output(lines) => {
+                    let _ = writeln!(text, "```text\n{}\n```", lines.trim_end());
+                }
                 Block::Files(list) => {
                     for (file, about) in list {
                         let _ = writeln!(text, "- [{file}]({file}): {}", cell(about));
@@ -61,7 +78,9 @@ impl Page {
         text
     }
 
-    pub(super) fn html(&self) -> String {
+    /// The page as HTML.
+    #[must_use]
+    pub fn html(&self) -> String {
         let title = escaped(&self.title);
         let mut text = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -98,6 +117,18 @@ impl Page {
                         "<figure><img src=\"{file}\" alt=\"{about}\"><figcaption>{about}</figcaption></figure>"
                     );
                 }
+                Block::Drawing(svg, about) => {
+                    let (about, source) = (escaped(about), data_address(svg));
+                    let _ = writeln!(
+                        text,
+                        "<figure><img src=\"{source}\" alt=\"{about}\"><figcaption>{about}</figcaption></figure>"
+                    );
+                }
+                Block::Output(lines) => {
+                    let lines = lines.trim_end().lines().map(grouser_figure::escaped);
+                    let lines: Vec<String> = lines.collect();
+                    let _ = writeln!(text, "<pre>{}</pre>", lines.join("\n"));
+                }
                 Block::Files(list) => {
                     text.push_str("<ul>\n");
                     for (file, about) in list {
@@ -118,7 +149,23 @@ h1, h2 { font-weight: 600; line-height: 1.2; }\n\
 table { border-collapse: collapse; width: 100%; }\n\
 th, td { text-align: left; vertical-align: top; padding: 0.3rem 0.8rem 0.3rem 0; border-bottom: 1px solid #d8d8dc; }\n\
 img { max-width: 100%; }\n\
-figcaption { color: #55555c; }\n";
+figcaption { color: #55555c; }\n\
+pre { overflow-x: auto; font-size: 0.8rem; line-height: 1.35; background: #f4f4f5; padding: 0.6rem; }\n";
+
+/// An SVG as an address of its own. Its characters apart from these few may stand in an attribute.
+fn data_address(svg: &str) -> String {
+    let mut address = String::from("data:image/svg+xml,");
+    for letter in svg.chars() {
+        match letter {
+            '%' | '#' | '"' | '<' | '>' | '&' => {
+                let _ = write!(address, "%{:02X}", u32::from(letter));
+            }
+            '\n' => address.push(' '),
+            _ => address.push(letter),
+        }
+    }
+    address
+}
 
 fn escaped(text: &str) -> String {
     let plain = grouser_figure::escaped(text);

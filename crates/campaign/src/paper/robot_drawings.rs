@@ -39,6 +39,9 @@ pub(super) fn files(robot: &RobotModel) -> Vec<PaperFile> {
 /// Between two lines of text below the wheels, as a share of the drawing's width.
 const LINE_SPACING_SHARE: f64 = 0.04;
 
+/// From the outline of a wheel to the middle of its name, as a share of the drawing's width.
+const NAME_GAP_SHARE: f64 = 0.028;
+
 /// The least and the largest of numbers.
 fn span(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
@@ -140,10 +143,13 @@ fn above(robot: &RobotModel) -> Scene {
         } else {
             Colour::BLUE
         };
+        // below a powered wheel and above a free one, which may overlap on an arm
+        let side = if mount.motor.is_some() { -1.0 } else { 1.0 };
+        let name_at = [at.x, at.y + side * (half + NAME_GAP_SHARE * (x[1] - x[0]))];
         scene = scene
             .shape(Shape::Filled(outline.clone(), colour, 0.35))
             .shape(Shape::Line(outline, stroke(Colour::INK, 0.8)))
-            .label([at.x, at.y], plain(&mount.name), Colour::INK);
+            .shape(Shape::Text(name_at, plain(&mount.name), Colour::INK));
     }
     let corners = || robot.wheels.iter().filter(|mount| mount.centre.y != 0.0);
     let length = |[low, high]: [f64; 2]| rounded(1e3 * (high - low), 4);

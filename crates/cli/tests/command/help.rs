@@ -138,6 +138,12 @@ fn templates_are_the_examples() {
         let text = text.replace("\"../robots/five-wheel.toml\"", "\"robot.toml\"");
         assert_eq!(line(&format!("init {kind}")).out, text, "{kind}");
     }
+    let patch = include_str!("../../templates/soft-patch.toml");
+    let text = std::fs::read_to_string(root.join("examples/scenarios/soft-patch.toml")).unwrap();
+    assert_eq!(
+        text.replace("../robots/five-wheel.toml", "robot.toml"),
+        patch
+    );
 }
 
 #[test]

@@ -80,6 +80,7 @@ const EXAMPLES: &[(&str, &str)] = &[
     ),
     ("drive", "drive examples/scenarios/slope.toml"),
     ("paper", "paper -o OUT/paper"),
+    ("paper", "paper --end-to-end -o OUT/end"),
     (
         "robot",
         "robot examples/robots/five-wheel.toml --stance --pitch-deg 15",

@@ -79,6 +79,8 @@ macro_rules! meanings {
 meanings! {
     /// A wheel's tick counter.
     WheelCount = "wheel_count", Ticks => WheelCount;
+    /// An edge of a wheel's encoder at the time of its row: above 0 forwards, below 0 backwards.
+    WheelEdge = "wheel_edge", Number => WheelEdge;
     /// The angle of a wheel's sensor shaft.
     WheelAngle = "wheel_angle", Angle => WheelAngle;
     /// The way of a wheel's rim since some start, as odometers count it; [`Self::WheelAngle`] by the wheel's radius.
@@ -215,6 +217,7 @@ impl Meaning {
         matches!(
             self.kind(),
             MeasurementKind::Sinkage
+                | MeasurementKind::WheelEdge
                 | MeasurementKind::EntryAngle
                 | MeasurementKind::JointAngle
                 | MeasurementKind::Inertial

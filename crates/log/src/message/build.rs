@@ -243,9 +243,14 @@ pub fn wheel_ticks(header: Value, names: &[&str], ticks: &[u64]) -> Value {
     ])
 }
 
-/// `control_msgs/DynamicJointState` with sinkage (m) and entry angle (rad) of each joint, where they are measured.
+/// `control_msgs/DynamicJointState` with sinkage (m), entry angle (rad) and edge (1 or -1) of each joint, where they are
+/// measured; the last ones may be left out.
 #[must_use]
-pub fn wheel_contacts(header: Value, names: &[&str], contacts: &[[Option<f64>; 2]]) -> Value {
+pub fn wheel_contacts<const N: usize>(
+    header: Value,
+    names: &[&str],
+    contacts: &[[Option<f64>; N]],
+) -> Value {
     let interfaces = contacts.iter().map(|contact| {
         let known = CONTACT_INTERFACES.iter().zip(contact);
         let measured = known.filter_map(|(name, value)| Some((*name, (*value)?)));

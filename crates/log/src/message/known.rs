@@ -11,8 +11,9 @@ use crate::container::{Channel, Encoding};
 pub const WHEEL_TICKS: &str = "grouser_msgs/WheelTicks";
 /// Sinkages and entry angles, among other state interfaces by joint.
 pub const JOINT_INTERFACES: &str = "control_msgs/DynamicJointState";
-/// State interfaces of a wheel's joint, by kind: sinkage (m) and entry angle (rad).
-pub const CONTACT_INTERFACES: [&str; 2] = ["sinkage", "entry_angle"];
+/// State interfaces of a wheel's joint, by kind: sinkage (m), entry angle (rad), and an edge of its encoder at the time of the
+/// message (1 forwards, -1 backwards).
+pub const CONTACT_INTERFACES: [&str; 3] = ["sinkage", "entry_angle", "edge"];
 /// Way since the message before.
 pub const DISPLACEMENT: &str = "grouser_msgs/Displacement";
 /// Slip by wheel.

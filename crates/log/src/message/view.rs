@@ -49,12 +49,13 @@ pub enum View<'a> {
         /// Counters.
         ticks: Elements<'a, u64>,
     },
-    /// `control_msgs/DynamicJointState` with the state interfaces `sinkage` or `entry_angle`; one without them has no view.
+    /// `control_msgs/DynamicJointState` with the state interfaces `sinkage`, `entry_angle` or `edge`; one without them has no
+    /// view.
     WheelContacts {
         /// Names.
         names: Elements<'a, &'a str>,
-        /// Sinkage (m) and entry angle (rad) of each.
-        contacts: Elements<'a, [Option<f64>; 2]>,
+        /// Sinkage (m), entry angle (rad) and edge (1 or -1) of each.
+        contacts: Elements<'a, [Option<f64>; 3]>,
     },
     /// `grouser_msgs/Displacement`: way since the message before, in the robot's frame halfway.
     Displacement {
@@ -215,8 +216,8 @@ const fn count(value: &Value) -> Option<u64> {
     }
 }
 
-/// Sinkage and entry angle of one joint's interfaces; `None` where an interface's value is no number.
-fn contact(state: &Value) -> Option<[Option<f64>; 2]> {
+/// Sinkage, entry angle and edge of one joint's interfaces; `None` where an interface's value is no number.
+fn contact(state: &Value) -> Option<[Option<f64>; 3]> {
     let interfaces = state.at("interface_names")?.elements()?;
     let values = numbers(state, "values")?;
     Some(known::CONTACT_INTERFACES.map(|wanted| {

@@ -17,7 +17,7 @@ pub(crate) enum Job {
     Suspension(Vec<(String, usize, f64)>),
     /// Specific force and angular rate along these directions: forwards, to the left, up.
     Inertial([[f64; 3]; 3]),
-    /// Sinkages and entry angles of wheels, likewise.
+    /// Sinkages, entry angles and encoder edges of wheels, likewise.
     Contacts(Vec<(String, usize)>),
     /// The yaw rate about this direction.
     YawRate([f64; 3]),
@@ -88,7 +88,7 @@ impl Job {
                 }
             }
             (Job::Contacts(joints), Some(View::WheelContacts { names, contacts })) => {
-                for (name, [sinkage, entry_angle]) in names.iter().zip(contacts.iter()) {
+                for (name, [sinkage, entry_angle, edge]) in names.iter().zip(contacts.iter()) {
                     let Some(&(_, wheel)) = joints.iter().find(|(joint, _)| joint == name) else {
                         continue;
                     };
@@ -97,6 +97,10 @@ impl Job {
                     }
                     if let Some(angle) = entry_angle {
                         push(Measurement::EntryAngle { wheel, angle });
+                    }
+                    if let Some(direction) = edge {
+                        let forward = direction > 0.0;
+                        push(Measurement::WheelEdge { wheel, forward });
                     }
                 }
             }

@@ -44,7 +44,7 @@ pub(super) struct TopicPreview {
     /// Their positions.
     pub(super) angles: BTreeMap<String, Angle>,
     /// Joints with a sinkage, an entry angle.
-    pub(super) contacts: BTreeMap<String, [bool; 2]>,
+    pub(super) contacts: BTreeMap<String, [bool; 3]>,
     pub(super) accelerations: Accelerations,
     pub(super) fixes: Fixes,
     /// The first message that has a view, else the first.
@@ -434,13 +434,13 @@ mod tests {
         );
         assert_eq!(
             (seen.contacts["a"], seen.contacts["b"]),
-            ([true, false], [true, true])
+            ([true, false, false], [true, true, false])
         );
         let many: Vec<String> = (0..5000).map(|number| format!("joint_{number}")).collect();
         let many: Vec<&str> = many.iter().map(String::as_str).collect();
         take(seen, &many, &vec![[Some(0.1), None]; many.len()]);
         assert_eq!(seen.contacts.len(), MAX_JOINTS);
         take(seen, &["a"], &[[None, Some(0.1)]]);
-        assert_eq!(seen.contacts["a"], [true, true]);
+        assert_eq!(seen.contacts["a"], [true, true, false]);
     }
 }

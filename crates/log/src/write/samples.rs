@@ -105,7 +105,7 @@ impl<W: Write> SampleWriter<W> {
         };
         let header = || build::header(time_ns, "base_link");
         let (mut ticks, mut joints) = (Vec::new(), [const { Vec::new() }; 3]);
-        let mut contacts: BTreeMap<usize, [Option<f64>; 2]> = BTreeMap::new();
+        let mut contacts: BTreeMap<usize, [Option<f64>; 3]> = BTreeMap::new();
         let (mut yaw_rate, mut acceleration) = (None, None);
         for sample in &group {
             match sample.measurement {
@@ -118,6 +118,10 @@ impl<W: Write> SampleWriter<W> {
                 }
                 Measurement::EntryAngle { wheel, angle } => {
                     contacts.entry(wheel).or_default()[1] = Some(angle);
+                }
+                Measurement::WheelEdge { wheel, forward } => {
+                    let direction = if forward { 1.0 } else { -1.0 };
+                    contacts.entry(wheel).or_default()[2] = Some(direction);
                 }
                 Measurement::YawRate { rate } => yaw_rate = Some(rate),
                 Measurement::Acceleration { forward, left } => acceleration = Some([forward, left]),
@@ -144,8 +148,7 @@ impl<W: Write> SampleWriter<W> {
                     let value = build::twist_stamped(header(), linear, [0.0; 3]);
                     self.send(COMMAND, time_ns, &value)?;
                 }
-                Measurement::WheelEdge { .. }
-                | Measurement::Position { .. }
+                Measurement::Position { .. }
                 | Measurement::Inertial { .. }
                 | Measurement::JointAngle { .. }
                 | Measurement::SteeringAngle { .. }

@@ -3,6 +3,7 @@
 //! The primary type is [`Simulation`]. The robot's computer is [`grouser_slip::onboard::OnBoard`], the object that a real
 //! robot runs; only ground, robot and sensors are simulated.
 
+mod baseline;
 mod file;
 mod frame;
 mod motor_driver;
@@ -15,6 +16,7 @@ mod score;
 mod simulation;
 mod write;
 
+pub use baseline::{MIN_GAIN, equal_speed_share};
 pub use file::{parse_scenario, read_scenario};
 pub use frame::{Frame, WheelFrame};
 pub use outcome::{DriveResult, NamedDecision, Outcome, SlipScore};

@@ -131,6 +131,12 @@ impl DriveResult {
         }
     }
 
+    /// Mean speed of its progress along its legs, m/s.
+    #[must_use]
+    pub fn mean_speed(&self) -> f64 {
+        self.distance / self.duration
+    }
+
     /// J per metre of progress; `None` where there was none to speak of (a centimetre).
     #[must_use]
     pub fn energy_per_metre(&self) -> Option<f64> {

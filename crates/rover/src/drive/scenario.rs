@@ -434,8 +434,8 @@ impl Scenario {
         Error::check(&of, "blind_time", blind_time, (first_slip, 1e3), "s")
     }
 
-    /// The same at a share of its requested speeds: the fair baseline of a controller is open loop at the controller's
-    /// own mean speed ([`DriveResult::pace`](super::DriveResult::pace)).
+    /// The same at a share of its requested speeds: the baseline of a controller is open loop at the controller's own
+    /// mean speed ([`equal_speed_share`](super::equal_speed_share)).
     #[must_use]
     pub fn at_pace(&self, share: f64) -> Self {
         let mut slower = self.clone();

@@ -21,6 +21,9 @@ pub(super) struct Encoder {
     play: i64,
     was_reset: bool,
     was_jumped: bool,
+    /// Where its edges were last looked for, ticks, and the time of the last one, s.
+    edge_angle: Option<f64>,
+    edge_time: f64,
 }
 
 impl Encoder {
@@ -42,6 +45,8 @@ impl Encoder {
             play: 0,
             was_reset: false,
             was_jumped: false,
+            edge_angle: None,
+            edge_time: 0.0,
         }
     }
 
@@ -95,6 +100,40 @@ impl Encoder {
         } else {
             raw & ((1 << self.bits) - 1)
         })
+    }
+
+    /// Each edge between two angles of the wheel (rad) at two times (s): its time, to the `clock`'s resolution, and whether it
+    /// is forwards. An edge that falls into the same step of the clock as the one before is lost, as in hardware.
+    pub(super) fn edges(
+        &mut self,
+        angle: f64,
+        [from, to]: [f64; 2],
+        clock: f64,
+        mut take: impl FnMut(f64, bool),
+    ) {
+        let now = angle * self.ticks_per_radian;
+        let before = self.edge_angle.replace(now).unwrap_or(now);
+        let (low, high) = (before.min(now).floor(), before.max(now).floor());
+        let is_forward = now > before;
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a few edges a step"
+        )]
+        let count = (high - low).min(1e4) as u32;
+        for index in 1..=count {
+            let edge = if is_forward {
+                low + f64::from(index)
+            } else {
+                high + 1.0 - f64::from(index)
+            };
+            let time = from + (to - from) * ((edge - before) / (now - before)).clamp(0.0, 1.0);
+            let stamp = (time / clock).floor() * clock;
+            if stamp > self.edge_time {
+                self.edge_time = stamp;
+                take(stamp, is_forward != self.reversed);
+            }
+        }
     }
 
     /// Resets and jumps happen once, where their window begins.

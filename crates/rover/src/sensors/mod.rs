@@ -42,6 +42,8 @@ pub struct Sensors {
     next_camera: f64,
     next_gnss: f64,
     next_sample: f64,
+    /// When edges were last looked for, s.
+    looked_at: f64,
     contact: ContactSensors,
     under_way: VecDeque<(f64, Sample)>,
 }
@@ -77,6 +79,7 @@ impl Sensors {
             next_camera: 0.0,
             next_gnss: 0.0,
             next_sample: 0.0,
+            looked_at: 0.0,
             under_way: VecDeque::with_capacity(256),
         }
     }
@@ -104,6 +107,7 @@ impl Sensors {
     /// Looks at the truth and gives what has arrived by now, in the order of arrival.
     pub fn read(&mut self, vehicle: &Vehicle, arrived: &mut Vec<Sample>) {
         let time = vehicle.time();
+        self.edges(vehicle, time);
         if time + 1e-9 >= self.next_sample {
             let rate = self
                 .schedule
@@ -133,6 +137,9 @@ impl Sensors {
             .active(FaultKind::Latency, None, time)
             .unwrap_or(0.0);
         for (wheel, now) in vehicle.wheels().iter().enumerate() {
+            if self.stamps_edges(vehicle, wheel) {
+                continue;
+            }
             let raw = self.encoders[wheel].count(now.encoder_angle, &self.schedule, wheel, time);
             if let Some(raw) = raw {
                 self.send(time + delay, stamp, Measurement::WheelCount { wheel, raw });
@@ -144,6 +151,47 @@ impl Sensors {
         self.contacts(vehicle, time, stamp, delay);
         self.camera(vehicle, time, stamp, delay);
         self.gnss(vehicle, time, stamp, delay);
+    }
+
+    /// Does the wheel's encoder report the time of each edge instead of a count?
+    fn stamps_edges(&self, vehicle: &Vehicle, wheel: usize) -> bool {
+        self.settings.edge_clock > 0.0 && vehicle.model().wheels[wheel].motor.is_none()
+    }
+
+    /// The edges since the last look.
+    fn edges(&mut self, vehicle: &Vehicle, time: f64) {
+        let span = [self.looked_at, time];
+        self.looked_at = time;
+        for (wheel, now) in vehicle.wheels().iter().enumerate() {
+            let silent = [
+                FaultKind::EncoderSilent,
+                FaultKind::EncoderStuck,
+                FaultKind::AllSilent,
+            ]
+            .iter()
+            .any(|kind| self.schedule.active(*kind, Some(wheel), time).is_some());
+            if !self.stamps_edges(vehicle, wheel) || silent {
+                continue;
+            }
+            let Self {
+                encoders,
+                under_way,
+                settings,
+                ..
+            } = self;
+            encoders[wheel].edges(
+                now.encoder_angle,
+                span,
+                settings.edge_clock,
+                |at, forward| {
+                    let sample = Sample {
+                        time_ns: to_ns(at),
+                        measurement: Measurement::WheelEdge { wheel, forward },
+                    };
+                    send(under_way, time, sample);
+                },
+            );
+        }
     }
 
     fn joints(&mut self, vehicle: &Vehicle, time: f64, stamp: i64, delay: f64) {

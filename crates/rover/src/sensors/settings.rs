@@ -20,6 +20,8 @@ use crate::error::Result;
 pub struct SensorSettings {
     /// Readings of encoders, inertial unit and currents, 1/s.
     pub rate: f64,
+    /// Resolution of the clock that stamps each edge of free wheels' encoders, s; 0: they are counted at `rate`.
+    pub edge_clock: f64,
     /// Noise of the angular velocity, rad/s a reading.
     pub gyro_sigma: f64,
     /// Spread of the gyro's constant bias, rad/s.
@@ -60,6 +62,7 @@ impl Default for SensorSettings {
     fn default() -> Self {
         Self {
             rate: 100.0,
+            edge_clock: 0.0,
             gyro_sigma: 0.003,
             gyro_bias: 0.0005,
             accelerometer_sigma: 0.05,
@@ -85,6 +88,7 @@ impl SensorSettings {
     /// Every number of the settings, in the order of the struct.
     pub const FIELDS: &[Field<Self>] = &[
         Row::new("rate", "Hz", (1.0, 1000.0), |s| &mut s.rate).key("rate_hz"),
+        Row::new("edge_clock", "s", (0.0, 0.01), |s| &mut s.edge_clock).key("edge_clock_s"),
         Row::new("gyro_sigma", "rad/s", (0.0, 10.0), |s| &mut s.gyro_sigma)
             .key_in_degrees("gyro_sigma_deg_per_s"),
         Row::new("gyro_bias", "rad/s", (0.0, 10.0), |s| &mut s.gyro_bias)

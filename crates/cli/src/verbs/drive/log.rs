@@ -1,5 +1,6 @@
 //! The log of a drive's sensors, written while it drives: what `estimate` reads.
 
+use std::fmt::Write as _; // writing to a string cannot fail
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -72,7 +73,7 @@ impl Log {
 }
 
 /// A table: `time_ms`, the counter of each wheel with an encoder, the torque of each with a motor, gyro, accelerometer,
-/// angles of rockers and arms, sinkages and entry angles where they are measured, and the soil where it is learnt.
+/// angles of rockers and arms, sinkages, entry angles and encoder edges where they are measured, and the soil where it is learnt.
 struct Table {
     out: OutputFile,
     last_ns: i64,
@@ -86,6 +87,9 @@ struct Table {
     measures_contact: [bool; 2],
     /// Torque on each wheel for its motor's greatest current, N m; `None` without a motor.
     max_torques: Vec<Option<f64>>,
+    /// Each wheel whose encoder stamps its edges, and the column of these: an edge is a row of its own.
+    edges: Vec<(usize, usize)>,
+    columns: usize,
     /// Does the robot learn its soil?
     has_soil: bool,
 }
@@ -93,21 +97,21 @@ struct Table {
 impl Table {
     fn begin(mut out: OutputFile, scenario: &Scenario) -> io::Result<Self> {
         let wheels = scenario.robot.robot.wheels();
-        out.write_all(b"time_ms")?;
+        let mut names = String::from("time_ms");
         for wheel in wheels {
-            write!(out, ",{}_ticks", wheel.name)?;
+            let _ = write!(names, ",{}_ticks", wheel.name);
         }
         let mounts = &scenario.robot.wheels;
         for mount in mounts.iter().filter(|mount| mount.motor.is_some()) {
-            write!(out, ",{}_torque_nm", mount.name)?;
+            let _ = write!(names, ",{}_torque_nm", mount.name);
         }
-        out.write_all(b",gyro_x_rad_per_s,gyro_y_rad_per_s,gyro_z_rad_per_s")?;
+        names.push_str(",gyro_x_rad_per_s,gyro_y_rad_per_s,gyro_z_rad_per_s");
         for direction in ["forward", "left", "up"] {
-            write!(out, ",acceleration_{direction}_m_per_s2")?;
+            let _ = write!(names, ",acceleration_{direction}_m_per_s2");
         }
         let links = scenario.robot.turned_links();
         for link in &links {
-            write!(out, ",{link}_angle_rad")?;
+            let _ = write!(names, ",{link}_angle_rad");
         }
         let sensors = &scenario.sensors;
         let measures_contact =
@@ -118,18 +122,28 @@ impl Table {
             .filter(|(_, measured)| *measured)
         {
             for wheel in wheels {
-                write!(out, ",{}_{unit}", wheel.name)?;
+                let _ = write!(names, ",{}_{unit}", wheel.name);
+            }
+        }
+        let mut edges = Vec::new();
+        for (index, mount) in mounts.iter().enumerate() {
+            if mount.motor.is_none() && sensors.edge_clock > 0.0 {
+                let _ = write!(names, ",{}_edge", mount.name);
+                edges.push((index, names.matches(',').count()));
             }
         }
         let has_soil = scenario.learns_on_board();
         if has_soil {
-            out.write_all(b",soil_strength,soil_strength_low,soil_strength_high,soil_stiffness,soil_stiffness_low")?;
-            out.write_all(b",soil_stiffness_high,soil_phi_deg,soil_phi_low_deg,soil_phi_high_deg")?;
+            names.push_str(",soil_strength,soil_strength_low,soil_strength_high,soil_stiffness,soil_stiffness_low");
+            names.push_str(",soil_stiffness_high,soil_phi_deg,soil_phi_low_deg,soil_phi_high_deg");
         }
-        out.write_all(b"\n")?;
+        let columns = names.matches(',').count() + 1;
+        writeln!(out, "{names}")?;
         Ok(Self {
             out,
             last_ns: 0,
+            edges,
+            columns,
             has_soil,
             angles: vec![None; links.len()],
             contacts: vec![[None; 2]; wheels.len()],
@@ -143,6 +157,23 @@ impl Table {
         })
     }
 
+    /// A row with an edge alone.
+    fn edge(&mut self, time_ns: i64, wheel: usize, forward: bool) -> io::Result<()> {
+        let Some((_, column)) = self.edges.iter().find(|(own, _)| *own == wheel) else {
+            return Ok(());
+        };
+        write!(self.out, "{}", exact(time_ns as f64 * 1e-6))?;
+        for cell in 1..self.columns {
+            let value = match (cell == *column, forward) {
+                (false, _) => "",
+                (true, true) => "1",
+                (true, false) => "-1",
+            };
+            write!(self.out, ",{value}")?;
+        }
+        self.out.write_all(b"\n")
+    }
+
     fn add(&mut self, frame: &Frame<'_>) -> io::Result<()> {
         self.counts.fill(None);
         self.torques.fill(None);
@@ -152,6 +183,10 @@ impl Table {
         let mut inertial = [None; 6];
         for sample in frame.samples {
             match sample.measurement {
+                Measurement::WheelEdge { wheel, forward } => {
+                    self.edge(sample.time_ns, wheel, forward)?;
+                    continue;
+                }
                 Measurement::WheelCount { wheel, raw } => {
                     if let Some(slot) = self.counts.get_mut(wheel) {
                         *slot = Some(raw);
@@ -207,6 +242,7 @@ impl Table {
             .chain(inertial)
             .chain(self.angles.iter().copied())
             .chain(contacts)
+            .chain(self.edges.iter().map(|_| None))
             .chain(soil.into_iter().flatten())
         {
             // a table holds numbers; what a broken sensor shows instead is an empty cell

@@ -6,6 +6,7 @@
 //! | `/wheel_ticks` | `grouser_msgs/WheelTicks` | counters as the hardware shows them |
 //! | `/joint_states` | `sensor_msgs/JointState` | angle of the encoder's shaft since the first reading (rad), torque on the wheel by its motor's current (N m); angle of each rocker and arm (rad) |
 //! | `/wheel_contacts` | `control_msgs/DynamicJointState` | sinkages (m) and entry angles (rad), where they are measured |
+//! | `/wheel_edges` | `control_msgs/DynamicJointState` | encoder edges of free wheels at their own times (1 forwards, -1 backwards), where they are stamped |
 //! | `/imu`, `/tf_static` | `sensor_msgs/Imu`, `tf2_msgs/TFMessage` | angular velocity and specific force, no orientation; how it is mounted |
 //! | `/camera/displacement` | `grouser_msgs/Displacement` | way since the last picture |
 //! | `/gnss/pose` | `geometry_msgs/PoseStamped` | fixes |
@@ -71,6 +72,7 @@ pub(super) struct Recording {
     ticks: Topic,
     states: Topic,
     contacts: Option<Topic>,
+    edges: Option<Topic>,
     imu: Topic,
     camera: Option<Topic>,
     gnss: Option<Topic>,
@@ -128,6 +130,9 @@ impl Recording {
             states: topic("/joint_states", "sensor_msgs/JointState")?,
             contacts: (sensors.sinkage_rate.max(sensors.entry_angle_rate) > 0.0)
                 .then(|| topic("/wheel_contacts", known::JOINT_INTERFACES))
+                .transpose()?,
+            edges: (sensors.edge_clock > 0.0)
+                .then(|| topic("/wheel_edges", known::JOINT_INTERFACES))
                 .transpose()?,
             imu: topic("/imu", "sensor_msgs/Imu")?,
             camera: (sensors.camera_rate > 0.0)
@@ -198,6 +203,15 @@ impl Recording {
                 Measurement::Inertial { force, rate } => {
                     let value = imu(time_ns, rate, force);
                     self.writer.send(&mut self.imu, arrived_ns, &value)?;
+                }
+                Measurement::WheelEdge { wheel, forward } => {
+                    if let Some(topic) = &mut self.edges {
+                        let header = build::header(time_ns, "base_link");
+                        let names = [self.joints[wheel].name.as_str()];
+                        let edge = Some(if forward { 1.0 } else { -1.0 });
+                        let value = build::wheel_contacts(header, &names, &[[None, None, edge]]);
+                        self.writer.send(topic, arrived_ns, &value)?;
+                    }
                 }
                 Measurement::Sinkage { wheel, depth } => {
                     self.at(time_ns, arrived_ns)?;

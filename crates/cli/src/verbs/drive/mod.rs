@@ -1,5 +1,6 @@
 //! `drive`: a scenario simulated with estimator and controller in the loop.
 
+mod comparison;
 mod log;
 mod mcap;
 mod object;
@@ -13,7 +14,9 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use grouser_page::run::DriveRecorder;
-use grouser_rover::drive::{Frame, Pilot, Scenario, Simulation, SlipScore, read_scenario};
+use grouser_rover::drive::{
+    Frame, Pilot, Scenario, Simulation, SlipScore, equal_speed_share, read_scenario,
+};
 use grouser_slip::onboard::SoilTables;
 use grouser_terrain::mission;
 use rayon::prelude::*;
@@ -43,8 +46,8 @@ pub(crate) struct Arguments {
     /// The scenario (.toml)
     #[arg(value_name = "SCENARIO.toml")]
     scenario: PathBuf,
-    /// Drive the same ground with each of these: `controller`, `open-loop` (wheels at the mean speed of the
-    /// controller's own drive)
+    /// Drive the same ground with each of these: `controller`, `open-loop` (constant wheel speed at which the robot has the
+    /// mean speed of the controller's own drive)
     #[arg(
         long,
         value_name = "NAMES",
@@ -151,7 +154,7 @@ struct Jobs<'a> {
 /// Every driver with every seed, on all cores; in the order of drivers, then seeds. The logs are of the last
 /// driver and the first seed.
 ///
-/// The controller drives first: open loop has the mean speed of that drive, so that their energies compare.
+/// The controller drives first: open loop has the mean speed of that drive, so that times and energies compare.
 fn drive_all(scenario: &Scenario, jobs: &Jobs<'_>, logs: Vec<Log>) -> Result<(Vec<Run>, Vec<Log>)> {
     let first = jobs.first;
     let has_open_loop = jobs.pilots.contains(&Pilot::OpenLoop);
@@ -222,8 +225,13 @@ fn drive_all(scenario: &Scenario, jobs: &Jobs<'_>, logs: Vec<Log>) -> Result<(Ve
             let seed = first.wrapping_add(index);
             let mut of_seed = vec![drive(Pilot::Controller, 1.0, seed)?];
             if has_open_loop {
-                let pace = of_seed[0].result.pace();
-                of_seed.push(drive(Pilot::OpenLoop, pace, seed)?);
+                let share = equal_speed_share(&of_seed[0].result, |share| {
+                    let slower = scenario.at_pace(share);
+                    let optimum = jobs.optimum;
+                    Simulation::with_tables(&slower, Pilot::OpenLoop, optimum, seed, &tables)
+                        .map(|mut drive| drive.run(|_| true))
+                })?;
+                of_seed.push(drive(Pilot::OpenLoop, share, seed)?);
             }
             Ok(of_seed)
         })

@@ -6,6 +6,7 @@ use grouser_rover::drive::{NamedDecision, Scenario, SlipScore};
 use grouser_terrain::learn::TileSummary;
 use grouser_terrain::mission::PlannedDrive;
 
+use super::comparison::{self, Comparison};
 use super::run::Run;
 
 /// The drives and what they share.
@@ -26,6 +27,8 @@ pub(super) fn fields<'a>() -> Fields<'a, Drives<'a>> {
         "optimum_slip_meaning" "which optimal slip that is" = super::optimum::meaning(drives.scenario);
         "world_laws" "law of shear of the ground; null: the estimator's own" =
             drives.scenario.ground.world_laws.map(grouser_terra::ShearLaw::key);
+        "comparison" "the controller compared with open loop at the same mean speed; null for one driver" group(comparison::fields()) =
+            Comparison::of(drives.runs);
         "runs" "the drives" rows(run()) = drives.runs.iter().map(move |run| (drives.scenario, run));
     }
 }
@@ -34,7 +37,7 @@ fn run<'a>() -> Fields<'a, (&'a Scenario, &'a Run)> {
     fields! { |of: (&'a Scenario, &'a Run)|
         "controller" "driver" = of.1.pilot.name();
         "seed" "seed" = of.1.seed;
-        "speed_share" "share of the requested speeds that it was driven at: 1, in open loop that of the controller's own drive" =
+        "speed_share" "share of the requested speeds that it was driven at: 1, in open loop that with the controller's mean speed" =
             of.1.pace;
         "distance_m" "progress along the legs" = of.1.result.distance;
         "way_m" "way of the robot" = of.1.result.way;

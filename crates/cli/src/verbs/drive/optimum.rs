@@ -9,10 +9,10 @@ pub(crate) fn meaning(scenario: &Scenario) -> String {
         return "as the scenario sets it".to_owned();
     }
     let Some((wheel, load)) = scenario.typical_wheel() else {
-        return "greatest tractive efficiency".to_owned();
+        return "maximum tractive efficiency".to_owned();
     };
     format!(
-        "greatest tractive efficiency of wheel {} under {} N on {}",
+        "maximum tractive efficiency of wheel {} under {} N on {}",
         scenario.robot.wheels[wheel].name,
         shown(load),
         scenario.ground.soils[0].name,

@@ -5,6 +5,7 @@ use grouser_report::Object;
 use grouser_rover::drive::Scenario;
 use serde_json::{Value, json};
 
+use super::comparison::Comparison;
 use super::run::{Run, pilots, warnings};
 use super::text::summary;
 
@@ -18,6 +19,9 @@ pub(super) fn object(scenario: &Scenario, optimum: f64, runs: &[Run]) -> Object 
     } else {
         Vec::new()
     };
+    let comparison = Comparison::of(runs).map(|comparison| comparison.text());
+    let lines = comparison.iter().flat_map(|text| text.lines());
+    summaries.splice(0..0, lines.map(str::to_owned));
     summaries.extend(warnings(runs));
     let soils: Vec<(String, &str)> = scenario
         .ground

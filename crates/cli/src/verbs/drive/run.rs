@@ -9,7 +9,7 @@ use grouser_terrain::mission::PlannedDrive;
 /// One finished drive.
 pub(super) struct Run {
     pub(super) pilot: Pilot,
-    /// Share of the requested speeds that it was driven at: 1, in open loop that of the controller's drive.
+    /// Share of the requested speeds that it was driven at: 1, in open loop that with the controller's mean speed.
     pub(super) pace: f64,
     pub(super) seed: u64,
     pub(super) result: DriveResult,

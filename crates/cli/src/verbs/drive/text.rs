@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use grouser_real::median;
 use grouser_rover::drive::{Outcome, Pilot, Scenario, SlipScore};
 
+use super::comparison::Comparison;
 use super::optimum::meaning;
 use super::run::{Run, count, pilots};
 use grouser_report::number::rounded;
@@ -66,8 +67,11 @@ pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
         }
         let _ = writeln!(
             out,
-            "\nopen-loop: wheels at the controller's own mean speed, {share} of the requested"
+            "\nopen loop has the controller's mean speed: wheels at {share} of the requested speed"
         );
+    }
+    if let Some(comparison) = Comparison::of(runs) {
+        out.push_str(&comparison.text());
     }
     planned(runs, &mut out);
     super::soil::text(runs, &mut out);

@@ -144,9 +144,17 @@ fn one_of<T: Copy>(name: &str, all: &[(&str, T)]) -> std::result::Result<T, Stri
 }
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
+    run_compared(arguments, session).map(|(report, _)| report)
+}
+
+/// The report, and with `--truth` every slip next to the true one.
+pub(super) fn run_compared(
+    arguments: &Arguments,
+    session: &mut Session,
+) -> Result<(Report, Option<Compared>)> {
     let mut request = request(arguments, session)?;
     if let Some(report) = job_beside(arguments, &request, session)? {
-        return Ok(report);
+        return Ok((report, None));
     }
     let soil = known_soil(arguments, session)?;
     let known = soil.as_ref().filter(|_| arguments.learn_soil);
@@ -230,7 +238,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         start,
         Some(StartOutcome::Implausible { .. } | StartOutcome::Contradicted(_))
     );
-    Ok(Report {
+    let report = Report {
         outcome: match summary.status {
             Status::Done if object::doubts(found).is_empty() && !is_implausible => Outcome::Done,
             Status::Done => Outcome::Doubtful,
@@ -241,7 +249,8 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         is_aside: false,
         failure: failure(&summary, &rows),
         warnings: warnings(found, &request, &arguments.logs),
-    })
+    };
+    Ok((report, compared))
 }
 
 /// The soil of `--soil`.

@@ -1,31 +1,38 @@
-//! `paper`: its slip model, and a folder with what can be reproduced of the source paper, and what cannot, said plainly.
+//! `paper`: its slip model; a folder with what can be reproduced of the source paper; its robot end to end.
 
+mod end_to_end;
+mod run;
 mod slip_model;
+mod steps;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use grouser_campaign::paper::{Content, Paper, PaperFile, SEED};
 
+use self::run::{sand_run, scenario};
+use self::steps::Steps;
 use crate::error::{Error, Result, shown as shown_path};
 use crate::figure_file;
+use crate::files_in_use;
 use crate::output::OutputFile;
+use crate::report_file::ReportFlag;
 use crate::session::Session;
 use crate::verb_report::Report;
 use grouser_report::{Fields, fields};
-
-const SCENARIO: &str = include_str!("../../../templates/scenario.toml");
-const ROBOT: &str = include_str!("../../../templates/robot.toml");
 
 #[derive(clap::Args, Debug)]
 #[command(
     about = "Write what can be reproduced of Ani et al. (2012), and what cannot",
     long_about = "Write a folder with the figures of Ani et al. (2012) as SVG and PNG and their numbers as CSV: 1 to 3 \
-        from the robot file, 8 to 10 from the slip model, 13 from a simulated run on sand; the \
+        from the robot file, 5 from the stress model, 8 to 10 from the slip model, 11 from the controller, 13 from the log of a simulated run on sand; the \
         paper's optimisation problem under several readings, and a page that says \
         of each equation, table and figure whether it is reproduced, reproduced in part, or not possible and why. The \
-        printed optimum slip of 0.1146 is not claimed.",
-    after_help = "Examples:\n  grouser paper -o paper\n  grouser paper slip-model --theta-deg 32 --sinkage-m 0.03 --radius-m 0.1",
+        printed optimum slip of 0.1146 is not claimed.\n\n--end-to-end instead takes the paper's robot from the analytical \
+        model over a certified slip setpoint, a drive on sand, the estimate of its log and the soil learnt to the \
+        controller's decisions: one page, its tables, and the commands that it runs. docs/paper.md has a row for each \
+        statement of the paper.",
+    after_help = "Examples:\n  grouser paper -o paper\n  grouser paper --end-to-end -o paper --report paper.html\n  grouser paper slip-model --theta-deg 32 --sinkage-m 0.03 --radius-m 0.1",
     args_conflicts_with_subcommands = true
 )]
 pub(crate) struct Arguments {
@@ -34,6 +41,11 @@ pub(crate) struct Arguments {
     /// The folder; it is made if it does not exist
     #[arg(short, long, value_name = "DIR", default_value = "paper")]
     output: PathBuf,
+    /// Take the paper's robot from the analytical model to its decisions
+    #[arg(long)]
+    end_to_end: bool,
+    #[command(flatten)]
+    report: ReportFlag,
 }
 
 /// One part of the paper by itself.
@@ -48,8 +60,21 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     }
     let folder = &arguments.output;
     fs::create_dir_all(folder).map_err(|error| Error::file("make", folder, &error))?;
+    if arguments.end_to_end {
+        return end_to_end::run(folder, arguments.report.begin()?, session);
+    }
+    if arguments.report.is_given() {
+        return Err(Error::usage(
+            "`--report` needs `--end-to-end`",
+            "without it the pages paper.html and paper.md are in the folder",
+        ));
+    }
     session.used_seed(SEED);
-    let paper = Paper::compute(SCENARIO, ROBOT)?;
+    let mut steps = Steps::new(folder, 2);
+    let scenario = scenario(&steps, None)?;
+    let run = sand_run(&mut steps, &scenario, session)?;
+    files_in_use::clear();
+    let paper = Paper::compute(&scenario, run)?;
     for file in paper.files() {
         write(folder, file)?;
     }
@@ -63,7 +88,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             .sum::<usize>(),
         shown_path(folder)
     );
-    Ok(Report::done(fields().object((folder, &paper)), text))
+    Ok(Report {
+        outcome: steps.outcome(),
+        warnings: steps.warnings(),
+        ..Report::done(fields().object((folder, &paper)), text)
+    })
 }
 
 fn write(folder: &Path, file: &PaperFile) -> Result<()> {
@@ -91,7 +120,10 @@ fn fields<'a>() -> Fields<'a, (&'a PathBuf, &'a Paper)> {
 /// The JSON schemas.
 pub(crate) fn schemas() -> [(&'static str, serde_json::Value); 2] {
     [
-        ("paper", fields().schema()),
+        (
+            "paper",
+            serde_json::json!({ "anyOf": [fields().schema(), end_to_end::schema()] }),
+        ),
         ("paper slip-model", slip_model::schema()),
     ]
 }

@@ -183,41 +183,60 @@ impl<'a> Choosing<'a> {
         }
     }
 
-    /// Sinkages and entry angles: the topic that the robot file names, else the first that has some of the wheels.
+    /// Sinkages, entry angles and edges: the topic that the robot file names, else each that measures some of them first.
     pub(super) fn contacts(&mut self) -> Result<()> {
         let found = if let Some(name) = &self.topics.contact {
             let seen = self.named("contact", name)?;
             if seen.contacts.is_empty() {
                 const WANTED: &str =
-                    "control_msgs/DynamicJointState with `sinkage` or `entry_angle`";
+                    "control_msgs/DynamicJointState with `sinkage`, `entry_angle` or `edge`";
                 return Err(self.unfit("contact", seen, WANTED));
             }
-            Some(seen)
+            if self.contacts_of(seen).0.is_empty() {
+                return Err(Error::NoJoints {
+                    file: self.file.to_owned(),
+                    topic: seen.channel.topic.clone(),
+                    joints: seen.contacts.keys().cloned().collect::<Vec<_>>().join(", "),
+                });
+            }
+            vec![seen]
         } else {
-            let has_wheels = |seen: &&TopicPreview| {
-                !joints_in(self.topics, &seen.contacts.keys().collect::<Vec<_>>()).is_empty()
-            };
-            self.free().into_iter().find(has_wheels)
+            let free = self.free().into_iter();
+            free.filter(|seen| !seen.contacts.is_empty()).collect()
         };
-        let Some(seen) = found else { return Ok(()) };
-        let joints = joints_in(self.topics, &seen.contacts.keys().collect::<Vec<_>>());
-        if joints.is_empty() {
-            return Err(Error::NoJoints {
-                file: self.file.to_owned(),
-                topic: seen.channel.topic.clone(),
-                joints: seen.contacts.keys().cloned().collect::<Vec<_>>().join(", "),
-            });
+        let mut all = Vec::new();
+        for seen in found {
+            let (joints, measures) = self.contacts_of(seen);
+            if joints.is_empty() || measures.iter().any(|one| all.contains(one)) {
+                continue;
+            }
+            all.extend_from_slice(&measures);
+            let has_edges = |(meaning, _): &(Meaning, _)| *meaning == Meaning::WheelEdge;
+            let word = if measures.iter().all(has_edges) {
+                format!("encoder edges of {} wheels", joints.len())
+            } else {
+                format!("sinkages or entry angles of {} wheels", joints.len())
+            };
+            self.take(seen, Job::Contacts(joints), &word, &measures);
         }
+        Ok(())
+    }
+
+    /// The wheels of a topic of contacts by joint, and what it measures of each.
+    #[allow(clippy::type_complexity, reason = "what `take` takes")]
+    fn contacts_of(
+        &self,
+        seen: &TopicPreview,
+    ) -> (Vec<(String, usize)>, Vec<(Meaning, Option<usize>)>) {
+        let joints = joints_in(self.topics, &seen.contacts.keys().collect::<Vec<_>>());
         let mut measures = Vec::new();
         for (name, wheel) in &joints {
             let has = seen.contacts.get(name).copied().unwrap_or_default();
-            let meanings = [Meaning::Sinkage, Meaning::EntryAngle].into_iter().zip(has);
-            let has = meanings.filter(|(_, has)| *has);
+            let meanings = [Meaning::Sinkage, Meaning::EntryAngle, Meaning::WheelEdge];
+            let has = meanings.into_iter().zip(has).filter(|(_, has)| *has);
             measures.extend(has.map(|(meaning, _)| (meaning, Some(*wheel))));
         }
-        let word = format!("sinkages or entry angles of {} wheels", joints.len());
-        self.take(seen, Job::Contacts(joints), &word, &measures);
-        Ok(())
+        (joints, measures)
     }
 
     fn wheel_odometry(&mut self, odometry: &WheelOdometry) -> Result<()> {
