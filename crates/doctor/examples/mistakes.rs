@@ -75,7 +75,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         has_acceleration: false,
     });
     let mut out = std::io::stdout().lock();
-    for mistake in found.mistakes() {
+    for mistake in found.mistakes {
         writeln!(out, "{mistake}")?;
     }
     Ok(())

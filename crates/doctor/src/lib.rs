@@ -12,38 +12,30 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod axes;
+mod causes;
+mod comparison;
+mod courses;
 mod distance;
 mod doctor;
-mod encoder_signs;
-mod exchange;
 mod findings;
 mod frozen;
-mod gyro_clock;
 mod held;
 mod mistake;
 mod motion;
-mod paths;
-mod pose;
 mod reference_delay;
-mod speed_sign;
+mod speeds;
 mod start;
 mod steering;
-mod turn_pair;
+mod turning;
 mod turns;
 mod wiring;
 
-pub use axes::AxisCheck;
 pub use distance::DistanceCheck;
 pub use doctor::{Doctor, Window};
-pub use exchange::ExchangeCheck;
-pub use findings::{Findings, Uses};
-pub use gyro_clock::gyro_offset;
+pub use findings::{AxisCheck, Findings, Uses};
 pub use held::{Held, HeldReference};
-pub use mistake::Mistake;
+pub use mistake::{Mistake, PoseFault, SteeringFault};
 pub use motion::wheel_travel;
-pub use pose::{PoseCheck, PoseFault};
-pub use reference_delay::{ReferenceDelay, Tracks};
+pub use reference_delay::{ReferenceDelay, Tracks, gyro_offset};
 pub use start::{StartOutcome, check_start};
-pub use steering::SteeringFault;
 pub use turns::TurnCheck;

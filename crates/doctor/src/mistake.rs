@@ -2,8 +2,31 @@
 
 use std::fmt;
 
-use crate::pose::PoseFault;
-use crate::steering::SteeringFault;
+/// How a pose disagrees with the robot's other sensors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PoseFault {
+    /// Its yaw is constant while the robot turns.
+    YawConstant,
+    /// Its yaw turns against gyro or wheels.
+    YawMirrored,
+    /// Its yaw turns by this multiple of the gyro's or the wheels' turn.
+    YawUnit(f64),
+    /// Its place turns against its yaw: an axis is mirrored, or both are exchanged.
+    PlaceMirrored,
+    /// Its distances are this multiple of those of the wheels.
+    Unit(f64),
+}
+
+/// How a steering angle disagrees with the robot's turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SteeringFault {
+    /// Its sign.
+    Reversed,
+    /// Its unit, or it is not that of the wheels.
+    Unit,
+}
 
 /// A sensor that is described wrongly: its unit, its sign, its axes or its place among others.
 ///
@@ -20,6 +43,8 @@ pub enum Mistake {
     WheelsWithoutSign(f64),
     /// In bends wheels of both sides show the speeds of the other side.
     Exchanged {
+        /// The wheels, bit by bit in the robot's order.
+        wheels: u64,
         /// Is it certain that they are exchanged, and not the sign of the gyro?
         is_certain: bool,
         /// Are all wheels concerned? Then the frame of gyro and reference may be mirrored instead.
@@ -71,6 +96,7 @@ impl fmt::Display for Mistake {
             Self::Exchanged {
                 is_certain,
                 is_whole,
+                ..
             } => write!(
                 f,
                 "in bends wheels show the speeds of the other side: left and right encoders are exchanged{}",
@@ -116,33 +142,18 @@ impl fmt::Display for Mistake {
                 "the gyro shows no turn while pose and wheels do: another axis of the IMU points up (`imu_up`, or another \
                  column), or its rate is not measured"
             ),
-            Self::Scale(scale) => {
-                let (size, what) = if *scale < 1.0 {
-                    (1.0 / scale, "the wheels run at least")
-                } else {
-                    (*scale, "the robot goes at least")
-                };
-                write!(
-                    f,
-                    "{what} {size:.2} times as far as {} at any time: is `gear` or `ticks_per_turn` that of another shaft (the \
-                     motor's), or `radius_m` {}, or {}?",
-                    if *scale < 1.0 {
-                        "the robot goes"
-                    } else {
-                        "its wheels run"
-                    },
-                    if *scale < 1.0 {
-                        "the diameter"
-                    } else {
-                        "too small"
-                    },
-                    if *scale < 1.0 {
-                        format!("do the wheels slip by {:.2} and more", 1.0 - scale)
-                    } else {
-                        "is the reference in another unit".to_owned()
-                    }
-                )
-            }
+            Self::Scale(scale) if *scale < 1.0 => write!(
+                f,
+                "the wheels run at least {:.2} times as far as the robot goes at any time: is `gear` or `ticks_per_turn` that of \
+                 another shaft (the motor's), or `radius_m` the diameter, or do the wheels slip by {:.2} and more?",
+                1.0 / scale,
+                1.0 - scale
+            ),
+            Self::Scale(scale) => write!(
+                f,
+                "the robot goes at least {scale:.2} times as far as its wheels run at any time: is `gear` or `ticks_per_turn` that \
+                 of another shaft (the motor's), or `radius_m` too small, or is the reference in another unit?"
+            ),
             Self::Track(scale) => write!(
                 f,
                 "the wheels turn the robot {scale:.2} times as much as it turns: is the track (`y_m` of the wheels) described \

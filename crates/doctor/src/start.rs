@@ -36,7 +36,7 @@ impl StartOutcome {
             Self::Implausible { .. } => return self,
             other => other,
         };
-        let first = findings.mistakes().first().copied();
+        let first = findings.mistakes.first().copied();
         (first.or(findings.small_unit())).map_or(found, Self::Contradicted)
     }
 }
@@ -55,7 +55,7 @@ fn is_refuted(fault: &Fault, findings: &Findings) -> bool {
     let is_refuted = match *field {
         "yaw rate" => {
             let wheel = findings.turns.as_ref().and_then(|turns| turns.wheel);
-            findings.pose.gyro_agrees || wheel.is_some()
+            findings.gyro_agrees || wheel.is_some()
         }
         "acceleration forward" | "acceleration left" => {
             findings.axes.acceleration.is_none() && findings.has_other_acceleration == Some(false)

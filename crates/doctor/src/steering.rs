@@ -1,52 +1,58 @@
-//! Does the robot turn as its wheels are steered?
+//! Angles by which wheels are steered, and what they are as sensors.
 
-use std::ops::RangeInclusive;
+use grouser_files::steering::{Steering, SteeringKind};
+use grouser_slip::{Measurement, Sample};
 
-use crate::turn_pair::TurnPair;
+/// No steering turns the wheels of one angle as far, rad (86°), and no wheel that is steered by itself: such angles have another unit.
+/// Limits.
+const MAX_STEERING_RAD: f64 = 1.5;
+const MAX_WHEEL_STEERING_RAD: f64 = 7.0;
+/// One in as many readings is an outlier.
+const READINGS_PER_OUTLIER: i64 = 50;
 
-/// A robot turns by such multiples of what its steering says at the speed over ground: wheels skid sideways in bends.
-const SCALES: RangeInclusive<f64> = 0.65..=1.5;
-
-/// How a steering angle disagrees with the robot's turns.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum SteeringFault {
-    /// Its sign.
-    Reversed,
-    /// Its unit, or it is not that of the wheels.
-    Unit,
+/// Watches the angles over a log.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Angles {
+    /// Does one angle steer wheels of one body?
+    is_ackermann: bool,
+    /// Are wheels steered each by an angle?
+    pub(crate) are_wheels_steered: bool,
+    /// Readings that no steering has, each less those that may pass for outliers; `None` without readings.
+    beyond: Option<i64>,
 }
 
-/// The fault of a steering, and the scale of a gyro that alone disagrees with it, by the turns of gyro, pose and course of the
-/// places, each beside those by the steering.
-pub(crate) fn steering_fault(turns: [&TurnPair; 3]) -> (Option<SteeringFault>, Option<f64>) {
-    let (mut fault, mut gyro_scale, mut agrees) = (None, None, false);
-    for (index, of) in turns.into_iter().enumerate() {
-        if !of.is_known() {
-            continue;
+impl Angles {
+    pub(crate) fn new(steering: Option<&Steering>) -> Self {
+        Self {
+            is_ackermann: steering.is_some_and(|steering| steering.kind == SteeringKind::Ackermann),
+            ..Self::default()
         }
-        let found = if of.agrees_but_for_scale() {
-            let scale = of.inverse_scale();
-            if SCALES.contains(&scale) {
-                agrees = true;
-                continue;
-            }
-            gyro_scale = gyro_scale.or((index == 0).then_some(scale));
-            if SCALES.contains(&-scale) {
-                SteeringFault::Reversed
-            } else {
-                SteeringFault::Unit
-            }
-        } else if of.is_unlike() && (index < 2 || of.has_bends()) {
-            SteeringFault::Unit
-        } else {
-            continue;
-        };
-        fault = fault.or(Some(found));
     }
-    if agrees {
-        (None, gyro_scale)
-    } else {
-        (fault, None)
+
+    pub(crate) fn take(&mut self, sample: &Sample) {
+        match sample.measurement {
+            Measurement::SteeringAngle { angle, .. } => {
+                self.are_wheels_steered = true;
+                self.count(angle.abs() > MAX_WHEEL_STEERING_RAD);
+            }
+            Measurement::Steering { angle } if self.is_ackermann => {
+                self.count(angle.abs() > MAX_STEERING_RAD);
+            }
+            _ => {}
+        }
+    }
+
+    fn count(&mut self, is_beyond: bool) {
+        *self.beyond.get_or_insert(0) += if is_beyond { READINGS_PER_OUTLIER } else { -1 };
+    }
+
+    /// Does the robot turn as its wheels are steered?
+    pub(crate) const fn is_steered(&self) -> bool {
+        self.beyond.is_some()
+    }
+
+    /// Are the angles in another unit than described?
+    pub(crate) fn have_other_unit(&self) -> bool {
+        self.beyond.is_some_and(|beyond| beyond > 0)
     }
 }

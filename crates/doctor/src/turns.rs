@@ -5,7 +5,7 @@ use grouser_real::Real;
 use grouser_slip::window::WindowBody;
 use grouser_slip::{Measured, Robot};
 
-use crate::exchange::parallel_arms;
+use crate::turning::parallel_arms;
 
 /// What wheels and gyro may differ by for other reasons than slip: tyres, ticks, clocks, as a speed between the outermost
 /// wheels, m/s.

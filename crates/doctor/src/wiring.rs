@@ -3,8 +3,8 @@
 use grouser_real::Real;
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
-use crate::exchange::parallel_arms;
 use crate::motion::wheel_travel;
+use crate::turning::parallel_arms;
 
 /// Wheels differ in bends, so the robot must turn by this while it drives, rad.
 const MIN_TURN_RAD: f64 = 0.5;

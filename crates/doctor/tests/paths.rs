@@ -32,7 +32,7 @@ fn scale(headings_deg: [f64; 3], multiple: f64, noise_m: f64) -> (Option<f64>, V
         });
     }
     let found = findings(&doctor);
-    (found.distance.map(|of| of.scales[1]), found.mistakes())
+    (found.distance.map(|of| of.scales[1]), found.mistakes)
 }
 
 #[test]
@@ -86,7 +86,10 @@ fn offset_deg(headings_deg: &[f64]) -> Option<f64> {
             });
         }
     }
-    findings(&doctor).pose.course.map(f64::to_degrees)
+    findings(&doctor).mistakes.iter().find_map(|of| match of {
+        Mistake::ReferenceTurned(angle) => Some(angle.to_degrees()),
+        _ => None,
+    })
 }
 
 /// On one heading a drift on a side slope looks the same: the angle is within five of its standard deviations.

@@ -6,6 +6,7 @@
     reason = "a test fails by panicking, and prints what it measured or why it is skipped"
 )]
 
+mod carts;
 #[path = "support/measured_data.rs"]
 mod measured_data;
 #[path = "support/processor_time.rs"]

@@ -6,35 +6,18 @@ use std::fs;
 
 use grouser_files::Document;
 use grouser_files::columns::{self, Meaning};
-use grouser_files::robot::{self, RobotFile};
+use grouser_files::robot;
 use grouser_log::message::{Value, build};
 use grouser_log::{Error, Log};
 use grouser_slip::{Measurement, Sample};
 
+use crate::carts::{Message, WHEELS, log, readings, robot};
 use crate::recordings::write;
 use crate::scratch::Folder;
 
-const WHEELS: &str =
-    "[[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n";
 const IMU: &str = "sensor_msgs/Imu";
 const FIX: &str = "sensor_msgs/NavSatFix";
 const SECOND_NS: i64 = 1_000_000_000;
-
-type Message = (&'static str, &'static str, i64, Value);
-
-fn robot(topics: &str) -> RobotFile {
-    let text = format!("format = 1\nname = \"cart\"\n{topics}\n{WHEELS}");
-    robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap()
-}
-
-fn log(folder: &Folder, topics: &str, messages: &[Message]) -> Log {
-    let path = write(&folder.0.join("log.mcap"), messages);
-    Log::find_any(&[path], None, &robot(topics).topics).unwrap()
-}
-
-fn readings(log: &Log) -> Vec<Sample> {
-    log.samples(&[]).unwrap().map(Result::unwrap).collect()
-}
 
 fn imu(time_ns: i64, rate: [f64; 3], acceleration: [f64; 3]) -> Message {
     let value = build::message([

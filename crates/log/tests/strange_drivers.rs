@@ -5,33 +5,15 @@ use std::fs;
 
 use grouser_files::Document;
 use grouser_files::columns::Meaning;
-use grouser_files::robot::{self, RobotFile};
 use grouser_log::message::{Value, build};
 use grouser_log::{Error, Log, Sheet, suggest_for_sheets};
-use grouser_slip::{Measurement, Sample};
+use grouser_slip::Measurement;
 
+use crate::carts::{Message, log, readings, robot};
 use crate::recordings::write;
 use crate::scratch::Folder;
 
-type Message = (&'static str, &'static str, i64, Value);
-
-const WHEEL: &str =
-    "[[wheel]]\nname = \"left\"\nx_m = 0.0\ny_m = 0.2\nradius_m = 0.1\ndrive = \"powered\"\n";
 const JOINTS: &str = "sensor_msgs/JointState";
-
-fn robot(topics: &str) -> RobotFile {
-    let text = format!("format = 1\nname = \"cart\"\n{topics}\n{WHEEL}");
-    robot::parse(&Document::from_text("robot.toml", text).unwrap()).unwrap()
-}
-
-fn log(folder: &Folder, topics: &str, messages: &[Message]) -> Log {
-    let path = write(&folder.0.join("log.mcap"), messages);
-    Log::find_any(&[path], None, &robot(topics).topics).unwrap()
-}
-
-fn readings(log: &Log) -> Vec<Sample> {
-    log.samples(&[]).unwrap().map(Result::unwrap).collect()
-}
 
 fn joints(stamp_ns: i64, time_ns: i64, parts: [f64; 2]) -> Message {
     let [angle, rate] = parts;

@@ -6,7 +6,7 @@ use grouser_log::Log;
 use grouser_slip::Reference;
 
 use crate::choice::{Inputs, robot_wheels};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::method::Method;
 use crate::mounting::Mounting;
 use crate::options::Options;
@@ -36,10 +36,13 @@ impl Clocks {
         if !log.unaligned_clocks().is_empty() {
             let wheels = robot_wheels(log, file)?;
             let sensor = Inputs::of(log, file, options)?.wheel_sensor;
-            let samples = log
-                .samples(&[])?
-                .map(|sample| Ok(of_robot(sample?, &wheels)));
-            clocks.gyro_offset_s = gyro_offset::<Error>(&file.robot, sensor, samples)?;
+            let mut tracks = Tracks::new(file, Reference::Grip, sensor);
+            for sample in log.samples(&[])? {
+                if tracks.take(&of_robot(sample?, &wheels)) {
+                    break;
+                }
+            }
+            clocks.gyro_offset_s = gyro_offset(&tracks);
         }
         let shifts = clocks.shifts(log);
         let tracks = tracks(log, file, options, &shifts, clocks.held.clone())?;

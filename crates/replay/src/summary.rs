@@ -196,7 +196,7 @@ impl Summary {
         let has_jump = self.longest_gap_s > MAX_GAP_S;
         let jump = has_jump.then_some(Doubt::ClockJump(self.longest_gap_s));
         // what the filter finds is often the consequence of a description
-        let causes = self.findings.mistakes().into_iter();
+        let causes = self.findings.mistakes.iter().copied();
         let all = causes.map(Doubt::Description).chain(of_filter);
         all.chain(apart).chain(jump).collect()
     }

@@ -163,7 +163,8 @@ fn four_steered_wheels_move_along_themselves() {
     let (rmse, held): (f64, f64) = ((sum / count).sqrt(), held / count);
     println!("rmse {rmse:.4}, 90 % intervals hold {held:.3}");
     assert!(rmse < 0.11 && held > 0.85, "{rmse} {held}");
-    assert_eq!(summary.findings.steering, None);
+    let is_steering = |of: &Mistake| matches!(of, Mistake::Steering(_));
+    assert!(!summary.findings.mistakes.iter().any(is_steering));
 }
 
 /// Beside places alone the course shows it: errors of slip were 0.2 to 0.7 before without a doubt.
@@ -180,7 +181,6 @@ fn wheels_that_are_steered_apart_and_described_wrongly_are_named() {
         let (log, file, _) = four_steered(scales);
         let summary = run(&log, &file, &Options::default(), |_| Ok(())).unwrap();
         println!("{scales:?}: {:?}", summary.doubts());
-        assert_eq!(summary.findings.steering, Some(fault), "{scales:?}");
         assert!(
             summary
                 .doubts()

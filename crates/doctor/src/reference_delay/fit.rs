@@ -49,17 +49,17 @@ const DERIVATIVE_STEP_S: f64 = 0.004;
 
 /// Delays that are looked for, beside what is stated, s.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Delays {
-    pub(super) min_s: f64,
-    pub(super) max_s: f64,
-    pub(super) step_s: f64,
+pub(crate) struct Delays {
+    pub(crate) min_s: f64,
+    pub(crate) max_s: f64,
+    pub(crate) step_s: f64,
     /// Of a log with more readings some blocks are used.
-    pub(super) max_readings: usize,
+    pub(crate) max_readings: usize,
 }
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// Ways of the rims.
     Way,
     /// Turns by the gyro.
@@ -68,7 +68,7 @@ pub(super) enum Kind {
 
 /// Readings of a few seconds.
 #[derive(Clone, Debug)]
-struct Block<'a> {
+pub(crate) struct Block<'a> {
     kind: Kind,
     track: &'a Track,
     passed: Vec<Passed>,
@@ -77,17 +77,22 @@ struct Block<'a> {
 
 /// Σ of products of f, y, and of the second regressor h: the gained ½ u |u|, or the time.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    ff: f64,
+pub(crate) struct Sums {
+    pub(crate) ff: f64,
     fh: f64,
     hh: f64,
-    fy: f64,
+    pub(crate) fy: f64,
     hy: f64,
-    yy: f64,
+    pub(crate) yy: f64,
 }
 
 impl Block<'_> {
-    fn sums(&self, delay_s: f64) -> Sums {
+    /// Readings.
+    pub(crate) fn count(&self) -> f64 {
+        self.passed.len() as f64
+    }
+
+    pub(crate) fn sums(&self, delay_s: f64) -> Sums {
         let mut sums = Sums::default();
         for one in &self.passed {
             let (from_s, to_s) = (one.from_s - delay_s, one.to_s - delay_s);
@@ -231,7 +236,7 @@ pub(super) fn fit<'a>(
 }
 
 /// From one number to another in steps.
-fn range(from: f64, to: f64, step: f64) -> Vec<f64> {
+pub(crate) fn range(from: f64, to: f64, step: f64) -> Vec<f64> {
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -242,7 +247,7 @@ fn range(from: f64, to: f64, step: f64) -> Vec<f64> {
 }
 
 /// The blocks of a track: of the readings that it covers at every delay.
-fn blocks_of<'a>(
+pub(crate) fn blocks_of<'a>(
     kind: Kind,
     track: &'a Track,
     passed: &[Passed],

@@ -6,15 +6,16 @@
 mod fit;
 mod rims;
 mod steps;
-pub(crate) mod track;
+mod track;
 mod tracks;
 
 use std::fmt;
 
 use grouser_files::robot::RobotFile;
 
-use fit::{Delays, Fitted, Kind, fit};
-pub(crate) use tracks::Passed;
+pub(crate) use fit::{Delays, Kind, blocks_of, range};
+use fit::{Fitted, fit};
+use tracks::Passed;
 pub use tracks::Tracks;
 
 /// Possible delays wider than this are no measurement, s.
@@ -123,21 +124,7 @@ impl ReferenceDelay {
     #[must_use]
     pub fn find(logs: &[Tracks], file: &RobotFile) -> Option<Self> {
         let stated_s = file.filter.reference_latency;
-        let within = |delays, kinds: &[Kind]| {
-            let pairs = logs.iter().flat_map(|tracks| {
-                [
-                    (Kind::Way, &tracks.rims.track, tracks.ways.as_slice()),
-                    (Kind::Turn, &tracks.gyro, tracks.turns.as_slice()),
-                ]
-            });
-            let is_measured = |fitted: &Fitted| {
-                let [low, high] = fitted.possible_s;
-                let is_clear = !fitted.is_contradicted && !fitted.is_ambiguous && !fitted.is_at_end;
-                high - low < MAX_POSSIBLE_S && is_clear
-            };
-            let of_kinds = pairs.filter(|(kind, ..)| kinds.contains(kind));
-            fit(of_kinds, stated_s, delays).filter(is_measured)
-        };
+        let within = |delays, kinds: &[Kind]| measured(logs, stated_s, delays, kinds);
         // wheels and gyro agree, or each has a delay of its own
         let both = |delays| {
             if let Some(joint) = within(delays, &[Kind::Way, Kind::Turn]) {
@@ -167,4 +154,29 @@ impl ReferenceDelay {
             gyro_delay_s,
         })
     }
+}
+
+/// How much later than the wheels' clock that of the gyro stamps the same moment, s, by the turns of both; `None` where the log does not
+/// turn enough. `tracks` are those of [`Reference::Grip`](grouser_slip::Reference::Grip).
+#[must_use]
+pub fn gyro_offset(tracks: &Tracks) -> Option<f64> {
+    let logs = std::slice::from_ref(tracks);
+    Some(-measured(logs, 0.0, CORRECTED, &[Kind::Turn])?.delay_s)
+}
+
+/// The delay by ways, turns, or both, where the logs show one.
+fn measured(logs: &[Tracks], stated_s: f64, delays: Delays, kinds: &[Kind]) -> Option<Fitted> {
+    let pairs = logs.iter().flat_map(|tracks| {
+        [
+            (Kind::Way, &tracks.rims.track, tracks.ways.as_slice()),
+            (Kind::Turn, &tracks.gyro, tracks.turns.as_slice()),
+        ]
+    });
+    let is_measured = |fitted: &Fitted| {
+        let [low, high] = fitted.possible_s;
+        let is_clear = !fitted.is_contradicted && !fitted.is_ambiguous && !fitted.is_at_end;
+        high - low < MAX_POSSIBLE_S && is_clear
+    };
+    let of_kinds = pairs.filter(|(kind, ..)| kinds.contains(kind));
+    fit(of_kinds, stated_s, delays).filter(is_measured)
 }

@@ -24,6 +24,16 @@ pub(crate) struct Passed {
     pub(crate) amount: f64,
 }
 
+impl Passed {
+    pub(super) const fn begins(time_s: f64) -> Self {
+        Self {
+            from_s: time_s,
+            to_s: time_s,
+            amount: 0.0,
+        }
+    }
+}
+
 /// How far wheels, gyro and reference moved over a log, for [`ReferenceDelay::find`](super::ReferenceDelay::find).
 #[derive(Clone, Debug)]
 pub struct Tracks {
@@ -35,9 +45,10 @@ pub struct Tracks {
     steps: Steps,
     start_ns: Option<i64>,
     last_rate: Option<(f64, f64)>,
-    /// What the reference measured.
+    /// What the reference measured; where there is none, turns by the wheels.
     pub(crate) ways: Vec<Passed>,
     pub(crate) turns: Vec<Passed>,
+    has_reference: bool,
 }
 
 impl Tracks {
@@ -53,6 +64,7 @@ impl Tracks {
             last_rate: None,
             ways: Vec::new(),
             turns: Vec::new(),
+            has_reference: !matches!(reference, Reference::FreeWheel | Reference::Grip),
         }
     }
 
@@ -83,7 +95,8 @@ impl Tracks {
                 None => self.gyro.interrupt(time_s),
             }
         }
-        self.rims.take(time_s, sample);
+        let turned = self.rims.take(time_s, sample);
+        self.turns.extend(turned.filter(|_| !self.has_reference));
         if let Some(step) = self.steps.take(time_s, &sample.measurement) {
             self.enter(step, self.rims.along);
         }

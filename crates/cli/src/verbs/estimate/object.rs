@@ -4,7 +4,7 @@ use super::reservations::reservations;
 use super::row_watch::WheelRows;
 use super::truth;
 use crate::soil_text;
-use grouser_doctor::{ReferenceDelay, StartOutcome, TurnCheck};
+use grouser_doctor::{Mistake, ReferenceDelay, StartOutcome, TurnCheck};
 use grouser_log::{Log, UsedTopic};
 use grouser_replay::{
     AlongSummary, EventAt, FusedSummary, Odometry, SoilReading, Spread, Summary, TruthError,
@@ -197,14 +197,14 @@ fn apart<'a>() -> Fields<'a, Part<'a, TurnCheck>> {
 
 /// The names of the wheels whose encoders are exchanged.
 pub(super) fn exchanged(summary: &Summary) -> Vec<String> {
-    let wheels = summary
-        .findings
-        .exchange
-        .iter()
-        .flat_map(|found| &found.wheels);
-    wheels
-        .filter_map(|wheel| Some(summary.wheels.get(*wheel)?.name.clone()))
-        .collect()
+    let exchanged = summary.findings.mistakes.iter().find_map(|of| match of {
+        Mistake::Exchanged { wheels, .. } => Some(*wheels),
+        _ => None,
+    });
+    let mask = exchanged.unwrap_or(0);
+    let wheels = summary.wheels.iter().enumerate();
+    let wheels = wheels.filter(|(index, _)| mask >> index & 1 == 1);
+    wheels.map(|(_, wheel)| wheel.name.clone()).collect()
 }
 
 /// The wheel that slips, or that none can be named.
