@@ -180,7 +180,6 @@ pub fn run() {
     derivatives(wheel);
     slip_demands(wheel);
     best_slips(wheel);
-    skids();
     soils(wheel);
 }
 
@@ -371,58 +370,6 @@ fn best_slips(wheel: RigidWheel) {
             "slip of the greatest {name}: {lanes:.1} us on lanes, {alone:.0} us one by one ({:.0} x); values differ by {worst:.1e}, \
              {differ} outcomes differ",
             alone / lanes
-        );
-    }
-}
-
-/// The skids of a free wheel under 4096 loads: with a table that all share, and one by one.
-fn skids() {
-    const COUNT: usize = 4096;
-    let soil = Soil::new(sand()).expect("a soil");
-    let kernel = BatchKernel::new(soil);
-    let wheel = RigidWheel::new(0.05, 0.03).expect("a wheel");
-    let on_soil = WheelOnSoil::new(wheel, soil, Settings::default()).expect("a wheel on its soil");
-    let load: Vec<f64> = (0..COUNT)
-        .map(|i| 2.0 + 8.0 * i as f64 / COUNT as f64)
-        .collect();
-    let (mut slip, mut status) = (vec![0.0; COUNT], vec![SolveStatus::default(); COUNT]);
-    for friction in [0.0, 0.01] {
-        // of the load's moment about the axle
-        let bearing: Vec<f64> = load.iter().map(|load| friction * load * 0.05).collect();
-        let mut time = |count: usize| {
-            let mut times: Vec<f64> = (0..15)
-                .map(|_| {
-                    let start = Instant::now();
-                    kernel
-                        .free_wheel_skid(
-                            &wheel,
-                            black_box(&load[..count]),
-                            &bearing[..count],
-                            &mut slip[..count],
-                            &mut status[..count],
-                        )
-                        .expect("columns of one length");
-                    start.elapsed().as_secs_f64() * 1e6
-                })
-                .collect();
-            times.sort_by(f64::total_cmp);
-            times[times.len() / 2]
-        };
-        let one = time(1);
-        let together = time(COUNT) / COUNT as f64;
-        let start = Instant::now();
-        let (mut worst, mut differ) = (0.0_f64, 0);
-        for i in (0..COUNT).step_by(16) {
-            match on_soil.free_slip(load[i], bearing[i]).expect("a search") {
-                Some(alone) => worst = worst.max((alone.value() - slip[i]).abs()),
-                None => differ += usize::from(status[i] != SolveStatus::NoSolution),
-            }
-        }
-        let alone = start.elapsed().as_secs_f64() * 1e6 / (COUNT / 16) as f64;
-        println!(
-            "skid of a free wheel, friction of its bearing {friction}: {together:.1} us together, {one:.0} us as the only one, \
-             {alone:.0} us one by one ({:.0} x); slips differ by {worst:.1e}, {differ} outcomes differ",
-            alone / together
         );
     }
 }

@@ -394,30 +394,13 @@ impl WheelOnSoil {
         threads: usize,
     ) -> PyResult<(Codes<'py>, Floats<'py>)> {
         let [load, bearing] = inputs(&columns, points)?;
-        let (status, slips) = if *self.contact.settings() == Settings::default() {
-            let kernel = BatchKernel::new(*self.contact.soil());
-            blocks(py, points, (threads, SLOPE_BLOCK), |from, codes, slips| {
-                let to = from + codes.len();
-                let mut status = vec![SolveStatus::BadInput; codes.len()];
-                // columns of one length, and a wheel that is on this soil already
-                let _ = kernel.free_wheel_skid(
-                    self.contact.wheel(),
-                    part(load, from, to),
-                    part(bearing, from, to),
-                    slips,
-                    &mut status,
-                );
-                write_codes(codes, &status);
-            })?
-        } else {
-            rows(py, points, threads, |i| {
-                match self.contact.free_slip(at(load, i), at(bearing, i)) {
-                    Err(_) => (BAD, f64::NAN),
-                    Ok(Some(slip)) => (SolveStatus::Solved.code(), slip.value()),
-                    Ok(None) => (SolveStatus::NoSolution.code(), f64::NAN),
-                }
-            })?
-        };
+        let (status, slips) = rows(py, points, threads, |i| {
+            match self.contact.free_slip(at(load, i), at(bearing, i)) {
+                Err(_) => (BAD, f64::NAN),
+                Ok(Some(slip)) => (SolveStatus::Solved.code(), slip.value()),
+                Ok(None) => (SolveStatus::NoSolution.code(), f64::NAN),
+            }
+        })?;
         Ok((status.into_pyarray(py), slips.into_pyarray(py)))
     }
 

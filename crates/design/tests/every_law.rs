@@ -260,11 +260,6 @@ impl Case {
             .unwrap();
         let best = alone.slip_of_maximum_efficiency(LOAD_N).unwrap().unwrap();
         near("efficiency", value[0], best.value);
-        kernel
-            .free_wheel_skid(&self.wheel, LOAD_N, 0.1, &mut slip, &mut status)
-            .unwrap();
-        let skid = alone.free_slip(LOAD_N, 0.1).unwrap();
-        near("skid", slip[0], skid.map_or(f64::NAN, Slip::value));
     }
 
     /// A pose of a slip map: its slip balances the pulls of the general contacts, and the table of the map has it.

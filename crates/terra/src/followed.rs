@@ -72,11 +72,6 @@ impl Followed {
         }
     }
 
-    /// The slope at the last sample but one.
-    pub(crate) fn slope_before_last(&self) -> f64 {
-        self.slope(self.len.saturating_sub(2))
-    }
-
     /// May the function turn behind a sample, before the next one, and pass zero there?
     fn may_pass_unseen(&self, at: usize, chord: f64) -> bool {
         let [(from, a), (to, b)] = [self.samples[at], self.samples[at + 1]];

@@ -11,7 +11,6 @@ mod plan;
 mod portable;
 mod searches;
 mod sheet;
-mod skid;
 mod slope;
 mod vector;
 
