@@ -27,8 +27,8 @@ pub const MIN_GAIN: f64 = 0.05;
 /// let mut scenario = read_scenario(file.as_ref())?;
 /// scenario.duration = 4.0;
 /// let drive = |scenario: &_, pilot| {
-///     let drive = Simulation::new(scenario, pilot, 0.3, 1)?;
-///     Ok::<_, grouser_rover::Error>(drive.run(|_| true))
+///     let mut simulation = Simulation::new(scenario, pilot, 0.3, 1)?;
+///     Ok::<_, grouser_rover::Error>(simulation.run(|_| true))
 /// };
 /// let controlled = drive(&scenario, Pilot::Controller)?;
 /// let share = equal_speed_share(&controlled, |share| drive(&scenario.at_pace(share), Pilot::OpenLoop))?;
