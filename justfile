@@ -30,9 +30,35 @@ coverage crate="slip":
 example:
     cargo run --release --package grouser-synthetic --example write -- examples/five-wheel
 
-# draw the README's figure anew from measured data
-measured data:
-    cargo run --release -- validate --data {{data}} --figure docs/pictures/measured.png
+# render RESULTS.md from results/, and measure again what is cheap (GROUSER_DATA has the measured data)
+results:
+    GROUSER_WRITE_RESULTS=1 cargo test --package grouser --test all results::
+
+# write the pictures of the documentation again; `data` has the measured data
+pictures data:
+    cargo build --release
+    target/release/grouser validate --data {{data}} --figure docs/pictures/measured.png
+    target/release/grouser wheel --soil lunar --radius-m 0.125 --width-m 0.15 --load-n 65 --slip 0.25 --figure docs/pictures/wheel.png
+    target/release/grouser wheel --soil dry-sand --radius-m 0.15 --width-m 0.08 --load-n 60 --slip 0:0.8 --points 81 -o docs/pictures/slip-curves.png
+    target/release/grouser identify examples/bevameter/tests.toml --figure docs/pictures/residuals.png
+    target/release/grouser optimize examples/problems/pull-against-torque.toml -o docs/pictures/front.png
+    target/release/grouser design examples/robots/rocker-bogie.toml --soil dry-sand=0.7,sandy-loam=0.3 --slope-deg 0=0.8,5=0.2 --points 5 -o docs/pictures/design.png
+    target/release/grouser estimate examples/five-wheel/log.csv --robot examples/five-wheel/robot.toml --soil dry-sand -o docs/pictures/five-wheel-slip.png
+    target/release/grouser drive examples/scenarios/sandbox.toml -o target/sandbox.csv
+    target/release/grouser estimate target/sandbox.csv --robot examples/robots/five-wheel.toml -o docs/pictures/drive-slip.png
+    target/release/grouser map examples/terrain/dunes.asc --robot examples/robots/skid-steer.toml --soil sandy-loam -o target/dunes.tif -o docs/pictures/slip-map.svg
+    target/release/grouser paper -o target/paper
+    cp target/paper/figure-9.png docs/pictures/paper-figure-9.png
+
+# each way to install in a bare Debian system without Rust (release/installs): time to a first right number; needs root.
+# What it tries is made before, by `release/make`
+installs *kinds:
+    release/installs {{kinds}}
+
+# the same of what tests built: packs target/debug first, without the programs that are not there
+installs-of-tests *kinds:
+    release/built
+    RELEASE=target/built-files release/installs {{kinds}}
 
 # one reader or promise under libFuzzer, a million executions (fuzz/README.md): just fuzz mcap_read
 fuzz target executions="1000000":
@@ -79,6 +105,14 @@ random-logs first="0" count="100" hz="0" trouble="":
     test -d bench/target/venv || python3 -m venv bench/target/venv
     bench/target/venv/bin/pip install --quiet numpy
     bench/target/venv/bin/python bench/random_logs.py {{first}} {{count}} {{hz}} {{trouble}}
+
+# 47 habits of drivers (angles that wrap, stamps of 0, frozen poses, two publishers on a topic …): are slips called Ok right, and is
+# the habit named? (bench/drivers.py)
+drivers cases="all" seeds="0:3":
+    cargo build --release -p grouser
+    test -d bench/target/venv || python3 -m venv bench/target/venv
+    bench/target/venv/bin/pip install --quiet numpy mcap-ros2-support
+    bench/target/venv/bin/python bench/drivers.py target/release/grouser {{cases}} {{seeds}}
 
 # slip estimators on measured logs, known steps, random logs and drives, with the stored figures of `main` next to them
 # (bench/estimators; `just estimators --help`). What it runs is built before: `cargo build --release -p grouser`.

@@ -50,7 +50,6 @@ with tempfile.TemporaryDirectory() as folder:
         ("by the whole log", []),
         ("slips written as a table", ["-o", folder / "out.csv"]),
         ("online", ["--online"]),
-        ("by windows", ["--method", "window"]),
     ]:
         median = statistics.median(processor_s(*log, *extra) for _ in range(runs))
         print(f"{what:<26}{rows / median:>10.0f} rows a processor second")

@@ -16,7 +16,7 @@ PAGES = {
     "README.md": "index.md",
     **{name: name for name in ("CHANGELOG.md", "DESIGN.md", "RESULTS.md", "SECURITY.md", "SYMBOLS.md", "bench/RESULTS.md")},
 }
-MODULES = ("drive", "environments", "figures", "identify", "logs", "optimize", "slip", "soils", "terrain", "wheel")
+MODULES = ("drive", "environments", "figures", "identify", "logs", "mujoco", "optimize", "slip", "soils", "terrain", "wheel")
 LINK = re.compile(r"(\]\()([^)\s#]*)(#[^)\s]*)?(\))")
 
 

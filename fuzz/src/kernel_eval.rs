@@ -29,6 +29,6 @@ pub fn run(bytes: &[u8]) {
             all.iter().all(|x| x.is_finite()),
             "{sinkage:e} of {radius:e}: {f:?}"
         );
-        assert!(solution.error_estimate.is_finite());
+        assert!(solution.error_estimate().is_finite());
     }
 }

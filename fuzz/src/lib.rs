@@ -6,7 +6,6 @@ mod bytes;
 mod container;
 mod controller_stream;
 mod csv;
-mod estimator_stream;
 mod filter_stream;
 mod heightmap;
 mod kernel_eval;
@@ -37,7 +36,9 @@ pub const TARGETS: &[Target] = &[
     }),
     target("controller_stream", controller_stream::run),
     target("csv", csv::run),
-    target("estimator_stream", estimator_stream::run),
+    target("database_read", |bytes| {
+        container::read(b"SQLite format 3\0", bytes)
+    }),
     target("filter_stream", filter_stream::run),
     target("heightmap", heightmap::run),
     target("kernel_eval", kernel_eval::run),

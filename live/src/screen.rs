@@ -257,8 +257,8 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
     use super::*;
-    use grouser_slip::window::{WindowEstimator, WindowSettings};
-    use grouser_slip::{Measurement, Reference, Robot, Sample, Wheel};
+    use grouser_slip::filter::{FilterSettings, SlipFilter};
+    use grouser_slip::{Measurement, Robot, Sample, Wheel};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
 
@@ -276,21 +276,17 @@ mod tests {
             Wheel::free("fifth").radius(0.1).ticks_per_turn(1000),
         ];
         let robot = Robot::new("cart".into(), wheels).unwrap();
-        let settings = WindowSettings {
-            reference: Reference::FreeWheel,
-            ..WindowSettings::default()
-        };
-        let mut estimator = WindowEstimator::new(&robot, settings).unwrap();
+        let mut filter = SlipFilter::new(&robot, FilterSettings::default()).unwrap();
         for step in 0..300_u64 {
             let time_ns = i64::try_from(step * 10_000_000).unwrap();
             for (wheel, raw) in [(0, 10 * step), (2, 8 * step)] {
-                let _ = estimator.update(Sample {
+                let _ = filter.update(Sample {
                     time_ns,
                     measurement: Measurement::WheelCount { wheel, raw },
                 });
             }
         }
-        estimator.latest().unwrap().wheels.to_vec()
+        filter.latest().wheels.to_vec()
     }
 
     fn screen(width: u16, height: u16, shown: &Snapshot) -> String {
@@ -329,7 +325,7 @@ mod tests {
             "/grouser on zenoh",
             " 0.200 ± ",
             "Driving",
-            "Degraded(YawAssumed)",
+            "Ok",
             "99.9 % 760 µs",
             "62 % passes",
             "`/imu` is silent",

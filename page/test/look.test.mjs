@@ -216,7 +216,7 @@ test('the robot is on its way from the start, and values follow the pointer in a
 test('states and decisions of the controller, their reasons, and other drivers are in words', async () => {
   await withPage({ hash: '#run' }, async (page) => {
     await driven(page, 'soft-patch open-loop', 'soft-patch controller');
-    assert.match(await page.locator('.place').textContent(), /grey: the way of open-loop/);
+    assert.match(await page.locator('.place').textContent(), /grey: the path of open-loop/);
     assert.match(await page.locator('.decisions li').first().textContent(), /: /);
     const states = page.locator('.states li');
     assert.ok(await states.count() > 0);

@@ -50,6 +50,43 @@ test('a log dropped with its robot file gives the rows of the command', async ()
   });
 });
 
+test('a log that comes alone is asked about: two numbers, its slips, and the file that gives the same by the command', async () => {
+  const saved = join(folder, 'robot.toml');
+  await withPage({ hash: '#run' }, async (page) => {
+    await page.setInputFiles('#run-files', `${EXAMPLE}/log.csv`);
+    await page.waitForSelector('.draft');
+    const go = page.getByRole('button', { name: 'Estimate slip' });
+    assert.ok((await page.textContent('.draft')).includes('front_left'));
+    assert.equal(await page.locator('.draft input').count(), 2);
+    assert.ok(await go.isDisabled(), 'a radius is open');
+    await page.fill('#draft-radius_m', '0.1');
+    assert.ok(await go.isDisabled(), 'ticks are open');
+    await page.fill('#draft-ticks_per_turn', '960');
+    assert.deepEqual(await seriousFindings(page), []);
+    const started = Date.now();
+    await go.click();
+    await shown(page);
+    await page.waitForFunction(() => document.querySelector('.run-status')?.textContent.includes('estimated in'));
+    assert.ok(Date.now() - started < 60000);
+    const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Save robot.toml' }).click()]);
+    await file.saveAs(saved);
+    const run = await runOf(page);
+    const table = join(folder, 'alone.csv');
+    try {
+      execFileSync(GROUSER, ['estimate', `${EXAMPLE}/log.csv`, '--robot', saved, '-o', table], { stdio: 'ignore' });
+    } catch ({ status }) {
+      // places are round numbers: a doubt is right
+      assert.equal(status, 3);
+    }
+    const rows = readFileSync(table, 'utf8').trimEnd().split('\n').slice(1).map((line) => line.split(','));
+    const places = new Map(run.time_s.map((time, i) => [time, i]));
+    for (const [time, name, slip] of rows) {
+      assertSame(run.wheels.find((one) => one.name === name).slip[places.get(Number(time))], slip === '' ? null : Number(slip), `slip of ${name} at ${time} s`);
+    }
+    assert.ok(rows.some(([, , slip]) => Number(slip) > 0.1));
+  });
+});
+
 /** An MCAP file as the files of a split recording, each whole: its chunks are dealt out in their order. */
 function splitRecording(bytes, count) {
   const magic = bytes.subarray(0, 8);
@@ -253,7 +290,7 @@ test('files that are no runs are refused in words', async () => {
     [[file('a.csv', 'time_s,wheel,slip,slip_sigma,motion,health,side_slip_angle_deg\n0,a,much,,,Ok,\n')], /line 2, column slip: “much” is not a number/],
     [[file('b.csv', 'time_s,wheel,slip,slip_sigma,motion,health,side_slip_angle_deg\n1,a,,,,Ok,\n0,a,,,,Ok,\n')], /before/],
     [[file('c.csv', 'time_s,wheel,slip,slip_sigma,motion,health,side_slip_angle_deg\n')], /no rows/],
-    [[file('d.mcap', 'no recording')], /robot file/],
+    [[file('d.mcap', 'no recording')], /d\.mcap: holds a header and no data/],
     [[file('log.csv', 'a,b\n1,2\n'), file('robot.toml', 'format = 1\n[[wheel]]\nradius_m = "x"\n')], /robot\.toml:1:1: the file has no key `name`/],
     [[...['scenarios/plan-and-learn', 'robots/five-wheel'].map((name) => file(`${name.split('/')[1]}.toml`, readFileSync(`${ROOT}examples/${name}.toml`, 'utf8')))], /plans its way, which the page does not/],
     [[file('<img src=x onerror=alert(1)>.csv', 'time_s,wheel,slip,\n')], /no column slip_sigma/],

@@ -185,7 +185,7 @@ fn track_row(frame: &Frame<'_>) -> [f64; TRACK.len()] {
 
 #[pymethods]
 impl Simulation {
-    /// `pilot` is `open-loop` or `controller`.
+    /// `pilot` is `open-loop`, `controller` or `fixed-chassis`.
     #[new]
     fn new(
         py: Python<'_>,

@@ -14,6 +14,7 @@ mod drive;
 mod error;
 mod figure;
 mod fleet;
+mod ground_contact;
 mod identify;
 mod logs;
 mod operating_point;
@@ -43,6 +44,7 @@ mod _core {
         drive::{Scenario, Simulation},
         figure::{chart, write_file},
         fleet::Fleet,
+        ground_contact::GroundContacts,
         identify::identify,
         logs::{Engine, estimate, read_samples},
         operating_point::OperatingPoint,

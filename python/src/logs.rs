@@ -8,9 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use grouser::files::columns;
 use grouser::files::robot::{RobotFile, WheelSensor};
 use grouser::log::Log as Recorded;
-use grouser::replay::{
-    Engine as Replay, Inputs, Method, Options, Row, Sink, Spread, Summary, run_into,
-};
+use grouser::replay::{Engine as Replay, Inputs, Options, Row, Sink, Spread, Summary, run_into};
 use grouser::slip::Reference;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
@@ -44,10 +42,8 @@ fn open(paths: &[PathBuf], robot: &RobotFile, columns: Option<PathBuf>) -> PyRes
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Choices {
-    method: Option<String>,
     reference: Option<String>,
     wheel_sensor: Option<String>,
-    window_s: Option<f64>,
     from_s: Option<f64>,
     to_s: Option<f64>,
     offline: bool,
@@ -60,7 +56,6 @@ fn references() -> [(&'static str, Reference); 5] {
 impl Choices {
     fn options(&self) -> PyResult<Options> {
         Ok(Options {
-            method: choice("method", self.method.as_deref(), &Method::NAMES)?,
             offline: self.offline,
             reference: choice("reference", self.reference.as_deref(), &references())?,
             wheel_sensor: choice(
@@ -68,7 +63,6 @@ impl Choices {
                 self.wheel_sensor.as_deref(),
                 &WheelSensor::NAMES,
             )?,
-            window_s: self.window_s,
             from_s: self.from_s,
             to_s: self.to_s,
             learn_soil: None,
@@ -138,10 +132,8 @@ fn spread_dict<'py>(py: Python<'py>, spread: &Spread) -> PyResult<Bound<'py, PyD
 fn summary_dict<'py>(py: Python<'py>, summary: &Summary) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("status", summary.status.name())?;
-    dict.set_item("method", summary.method.name())?;
     dict.set_item("reference", summary.reference.name())?;
     dict.set_item("wheel_sensor", summary.wheel_sensor)?;
-    dict.set_item("window_s", summary.window_s)?;
     dict.set_item("duration_s", summary.duration_s)?;
     let wheels = summary
         .wheels
@@ -151,11 +143,6 @@ fn summary_dict<'py>(py: Python<'py>, summary: &Summary) -> PyResult<Bound<'py, 
             own.set_item("name", &wheel.name)?;
             own.set_item("is_reference", wheel.is_reference)?;
             own.set_item("slip", spread_dict(py, &wheel.slip)?)?;
-            let window = wheel.window_slip.as_ref();
-            own.set_item(
-                "window_slip",
-                window.map(|slip| spread_dict(py, slip)).transpose()?,
-            )?;
             own.set_item("motions", wheel.states.clone())?;
             own.set_item("healths", wheel.healths.clone())?;
             Ok(own)
@@ -164,8 +151,10 @@ fn summary_dict<'py>(py: Python<'py>, summary: &Summary) -> PyResult<Bound<'py, 
     dict.set_item("wheels", wheels)?;
     dict.set_item("along_slip", spread_dict(py, &summary.along.slip)?)?;
     dict.set_item("overall_slip", summary.along.overall)?;
+    dict.set_item("overall_slip_90", summary.along.overall_90)?;
     dict.set_item("travel_wheels_m", summary.along.travel_wheels)?;
     dict.set_item("travel_reference_m", summary.along.travel_reference)?;
+    dict.set_item("travel_reference_m_90", summary.along.travel_reference_90)?;
     dict.set_item("clock_offset_s", summary.clock_offset_s)?;
     let delay = summary.reference_delay;
     dict.set_item("reference_delay_s", delay.map(|delay| delay.delay_s))?;
@@ -275,6 +264,7 @@ impl Engine {
         let inputs = Inputs {
             wheel_sensor: wheel_sensor.unwrap_or(WheelSensor::Count),
             reference: reference.unwrap_or(Reference::Grip),
+            speed_place: [0.0; 2],
             position_sigma: None,
             is_acceleration_forward_only: false,
         };

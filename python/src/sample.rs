@@ -87,6 +87,10 @@ impl Sample {
         format!("Sample({:?})", self.0)
     }
 
+    #[allow(
+        clippy::type_complexity,
+        reason = "the pair that the protocol of pickle wants"
+    )]
     fn __reduce__<'py>(
         slf: &Bound<'py, Self>,
     ) -> PyResult<(Bound<'py, PyAny>, (&'static str, Bound<'py, PyDict>))> {

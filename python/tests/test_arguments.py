@@ -77,7 +77,6 @@ WRONG_TYPES: list[tuple[str, Callable[[Any], object]]] = [
     ("bulldozing", lambda x: wheel.WheelOnSoil(RIM, SAND, bulldozing=x or 3)),
     ("reference", lambda x: logs.Engine(ROBOT, reference=x)),
     ("wheel_sensor", lambda x: logs.Engine(ROBOT, reference="grip", wheel_sensor=x)),
-    ("method", lambda x: logs.Engine(ROBOT, reference="grip", method=x or 3)),
     ("paths", lambda x: logs.estimate(x, ROBOT)),
     ("paths", lambda x: logs.read([x], ROBOT)),
     ("columns", lambda x: logs.read("log.csv", ROBOT, columns=x or 3)),

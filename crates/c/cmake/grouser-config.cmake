@@ -1,5 +1,7 @@
 # find_package(grouser) gives the target grouser::grouser.
-get_filename_component(_grouser_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
+# by the real folder: /lib may be a link to /usr/lib
+get_filename_component(_grouser_folder "${CMAKE_CURRENT_LIST_DIR}" REALPATH)
+get_filename_component(_grouser_prefix "${_grouser_folder}/../../.." ABSOLUTE)
 if(NOT TARGET grouser::grouser)
   find_package(Threads REQUIRED)
   add_library(grouser::grouser STATIC IMPORTED)
@@ -8,4 +10,5 @@ if(NOT TARGET grouser::grouser)
     INTERFACE_INCLUDE_DIRECTORIES "${_grouser_prefix}/include"
     INTERFACE_LINK_LIBRARIES "Threads::Threads;${CMAKE_DL_LIBS};m")
 endif()
+unset(_grouser_folder)
 unset(_grouser_prefix)

@@ -125,8 +125,6 @@ extern "C" {
 #define GROUSER_REASON_REFERENCE_LOST 3u
 /* Only differences between the wheels are known. */
 #define GROUSER_REASON_RELATIVE 5u
-/* No yaw rate is measured. */
-#define GROUSER_REASON_YAW_ASSUMED 6u
 /* The wheel's sensor may be wrong. */
 #define GROUSER_REASON_SUSPECT 7u
 /* The wheel's sensor has fallen silent. */

@@ -104,8 +104,6 @@ pub const GROUSER_REASON_QUANTISED: u32 = 2;
 pub const GROUSER_REASON_REFERENCE_LOST: u32 = 3;
 /// Only differences between the wheels are known.
 pub const GROUSER_REASON_RELATIVE: u32 = 5;
-/// No yaw rate is measured.
-pub const GROUSER_REASON_YAW_ASSUMED: u32 = 6;
 /// The wheel's sensor may be wrong.
 pub const GROUSER_REASON_SUSPECT: u32 = 7;
 /// The wheel's sensor has fallen silent.

@@ -14,7 +14,7 @@ use crate::abi::{
     GROUSER_REASON_INCONSISTENT, GROUSER_REASON_LOW_SPEED, GROUSER_REASON_NO_REFERENCE,
     GROUSER_REASON_NONE, GROUSER_REASON_OTHER, GROUSER_REASON_QUANTISED,
     GROUSER_REASON_REFERENCE_LOST, GROUSER_REASON_RELATIVE, GROUSER_REASON_SUSPECT,
-    GROUSER_REASON_YAW_ASSUMED, GrouserBodyEstimate, GrouserCommand, GrouserWheelEstimate,
+    GrouserBodyEstimate, GrouserCommand, GrouserWheelEstimate,
 };
 use crate::border::write;
 use crate::create::{GrouserOnBoard, with};
@@ -179,7 +179,6 @@ fn health(health: Health) -> (u32, u32) {
                 Degraded::Quantised => GROUSER_REASON_QUANTISED,
                 Degraded::ReferenceLost => GROUSER_REASON_REFERENCE_LOST,
                 Degraded::Relative => GROUSER_REASON_RELATIVE,
-                Degraded::YawAssumed => GROUSER_REASON_YAW_ASSUMED,
                 Degraded::Suspect => GROUSER_REASON_SUSPECT,
                 _ => GROUSER_REASON_OTHER,
             },

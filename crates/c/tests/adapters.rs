@@ -1,6 +1,6 @@
-//! The code of docs/adapters.md compiles against declarations of what it uses of each framework.
+//! The adapters in `examples/adapters` compile against declarations of what they use of each framework.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::compiler::{folder, needs_compiler, scratch};
 
@@ -11,32 +11,19 @@ const FRAMEWORKS: [(&str, &[&str]); 3] = [
     ("zephyr", &["-std=c++17", "-fno-rtti"]),
 ];
 
-fn page() -> PathBuf {
-    folder().join("../../docs/adapters.md")
-}
-
-/// The page's blocks of C++, in their order.
-fn blocks(text: &str) -> Vec<&str> {
-    let parts = text.split("```cpp\n").skip(1);
-    parts
-        .map(|part| part.split("```").next().unwrap())
-        .collect()
-}
-
 #[test]
 fn the_code_of_each_adapter_compiles_against_its_framework_s_interfaces() {
     let Some(compiler) = needs_compiler("c++") else {
         return;
     };
-    let text = std::fs::read_to_string(page()).unwrap();
-    let blocks = blocks(&text);
-    assert_eq!(blocks.len(), FRAMEWORKS.len());
-    for ((name, flags), block) in FRAMEWORKS.iter().zip(blocks) {
+    for (name, flags) in FRAMEWORKS {
+        let adapter = folder().join(format!("examples/adapters/{name}.cpp"));
+        let code = std::fs::read_to_string(adapter).unwrap();
         let source = scratch("adapters").join(format!("{name}.cpp"));
         let interfaces = folder().join(format!("tests/adapters/{name}.hpp"));
         std::fs::write(
             &source,
-            format!("#include \"{}\"\n{block}", interfaces.display()),
+            format!("#include \"{}\"\n{code}", interfaces.display()),
         )
         .unwrap();
         let strict = ["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only"];

@@ -23,6 +23,14 @@ pub(crate) struct Command {
     #[arg(long, global = true, display_order = 900)]
     pub(crate) json: bool,
 
+    /// Print details too
+    #[arg(short, long, global = true, display_order = 901)]
+    pub(crate) verbose: bool,
+
+    /// Print numbers with this many significant digits
+    #[arg(long, global = true, display_order = 902, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u8).range(1..=17))]
+    pub(crate) digits: u8,
+
     /// What to do
     #[command(subcommand)]
     pub(crate) verb: Verb,

@@ -37,7 +37,7 @@ pub(crate) enum Kind {
 pub(crate) struct Details {
     pub(crate) field: Option<String>,
     pub(crate) value: Value,
-    /// A number, or the least and the greatest value.
+    /// A number, or the minimum and the maximum.
     pub(crate) limit: Value,
     pub(crate) unit: Option<String>,
     pub(crate) file: Option<String>,
@@ -116,6 +116,11 @@ impl Error {
             (path == Path::new("-")).then(|| "standard input is read by `batch` alone".to_owned())
         };
         Self::new(Kind::File, message, hint.or_else(of_standard)).at(path)
+    }
+
+    /// Is it a file that cannot be read or written?
+    pub(crate) const fn is_of_file(&self) -> bool {
+        matches!(self.kind, Kind::File)
     }
 
     pub(crate) fn with(mut self, details: Details) -> Self {

@@ -38,6 +38,7 @@ mod interrupt;
 mod law_error;
 #[cfg(feature = "command")]
 mod library_error;
+mod model_error;
 #[cfg(feature = "command")]
 mod operation;
 #[cfg(feature = "command")]
@@ -70,8 +71,6 @@ mod verb_report;
 mod verbs;
 #[cfg(feature = "command")]
 mod wheel_choice;
-#[cfg(feature = "command")]
-mod wrap;
 
 #[cfg(feature = "command")]
 pub use run::run_command;

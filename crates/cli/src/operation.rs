@@ -1,4 +1,4 @@
-//! One operating point of a wheel, at a prescribed load or sinkage: what people see besides its declared fields.
+//! One operating point of a wheel, at a prescribed load or sinkage: its text fields in addition to the declared ones.
 
 use grouser_report::number::{in_message, shown};
 use grouser_report::{Fields, fields};
@@ -9,7 +9,7 @@ pub(crate) fn complaint(answer: &LoadSolution, prescribed: Prescribed) -> Option
     match (&answer.outcome, prescribed) {
         (LoadOutcome::Solved(_), _) => None,
         (LoadOutcome::NoSolution { max_load }, Prescribed::Load(load)) => Some(format!(
-            "no sinkage carries {} N; the most that was found to be carried is {} N",
+            "no sinkage carries {} N; the maximum load that was found is {} N",
             in_message(load),
             shown(*max_load)
         )),
@@ -24,10 +24,10 @@ pub(crate) fn fields<'a>() -> Fields<'a, &'a LoadSolution> {
     let shown = |angle: f64| shown(angle.to_degrees());
     fields! { |answer: &'a LoadSolution|
         declared(LoadSolution::FIELDS) = Some(answer);
-        remark "entry, greatest stress, exit" .shown("deg").as_number() = answer.point().map(|point| {
-            let [entry, greatest, exit] =
+        remark "entry, peak stress, exit" .shown("deg").as_number() = answer.point().map(|point| {
+            let [entry, peak, exit] =
                 [point.angles.theta_1, point.angles.theta_m, point.angles.theta_2].map(shown);
-            format!("{entry} / {greatest} / {exit}")
+            format!("{entry} / {peak} / {exit}")
         }).unwrap_or_default();
     }
 }

@@ -1,5 +1,7 @@
 //! How far a long job is, on standard error, and only where somebody looks at it.
 
+use std::time::Duration;
+
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// A line that shows how far the job is; it disappears when the job ends. Nothing is shown when standard
@@ -31,6 +33,13 @@ impl Progress {
         let template =
             format!("{{wide_bar}} {{percent:>3}} % of {jobs} {drives}  {{msg}}  {{eta}} left");
         Self::new(Some(whole(1e3 * seconds)), &template)
+    }
+
+    /// A job of unknown length: what it does, and for how long.
+    pub(crate) fn of_work(what: &str) -> Self {
+        let work = Self::new(None, &format!("{{spinner}} {what}  {{elapsed}}"));
+        work.0.enable_steady_tick(Duration::from_millis(200));
+        work
     }
 
     /// `seconds` more of a drive are done; the robot goes at `speed` (m/s) with this slip.

@@ -14,7 +14,7 @@ use crate::session::Session;
 /// The flag.
 #[derive(clap::Args, Debug)]
 pub(crate) struct ReportFlag {
-    /// Write a report that stands alone, a page for the browser (.html)
+    /// Write a report, a self-contained page for the browser (.html)
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
 }

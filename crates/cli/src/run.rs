@@ -19,9 +19,13 @@ pub fn run_command(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let command = match Command::try_parse_from(&arguments) {
         Ok(command) => command,
-        Err(error) => return usage::answer(&error, &arguments),
+        Err(error) => {
+            terminal::lay_out(3, false);
+            return usage::answer(&error, &arguments);
+        }
     };
     let command_json = command.json;
+    terminal::lay_out(command.digits.into(), command.verbose);
     let mut session = Session::new(command_json);
     let ended = verbs::run(command.verb, Command::command(), &mut session)
         .and_then(|report| session.print(report));

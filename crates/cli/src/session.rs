@@ -13,7 +13,7 @@ use crate::exit::Outcome;
 use crate::files_in_use;
 use crate::input::{self, Input};
 use crate::terminal;
-use crate::verb_report::Report;
+use crate::verb_report::{Medium, Report};
 
 /// The run: remembers what went into the result.
 #[derive(Debug)]
@@ -89,22 +89,27 @@ impl Session {
             outcome,
             mut object,
             text,
-            is_aside,
+            medium,
             failure,
             warnings,
         } = report;
         if self.json {
             object.insert("provenance".to_owned(), Value::Object(self.provenance()));
             terminal::print_json(&Value::Object(object))?;
-        } else if is_aside {
-            terminal::remark(&text);
         } else {
-            terminal::print(&text)?;
+            match medium {
+                Medium::Text => terminal::print(&text)?,
+                Medium::File => terminal::print_file(&text)?,
+                Medium::Aside => terminal::remark(&text),
+            }
         }
         if let Some(failure) = &failure {
             terminal::fail(failure);
         }
-        for warning in &warnings {
+        // one screen would show twice what the text has
+        let is_shown =
+            |warning: &String| !self.json && terminal::is_one() && text.contains(warning);
+        for warning in warnings.iter().filter(|of| !is_shown(of)) {
             terminal::warn(warning);
         }
         Ok(outcome)

@@ -22,7 +22,7 @@ pub(crate) struct Overrides {
     /// Shear deformation modulus K in m
     #[arg(long, help_heading = HEADING, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true)]
     pub(crate) k_shear_m: Option<f64>,
-    /// Place of the greatest stress without slip, θ_m = (c_1 + c_2 s) θ_1
+    /// Place of the peak stress without slip, θ_m = (c_1 + c_2 s) θ_1
     #[arg(long = "c-1",
         help_heading = HEADING, value_name = "X", value_parser = parse_finite, allow_hyphen_values = true)]
     pub(crate) c_1: Option<f64>,

@@ -46,8 +46,8 @@ pub(crate) fn words(soil: &SoilEstimate) -> String {
         ),
     };
     format!(
-        "soil learnt from {} readings{contacts}, {} changes of belief: strength {} and stiffness {} of the known soil, \
-         friction angle {:.1}° [{:.1}°, {:.1}°]; 90 % intervals if the soil is of this kind: on others half of them held",
+        "soil learnt from {} readings{contacts}, {} changes of belief: strength {} and stiffness {} times the known soil's, \
+         friction angle {:.1}° [{:.1}°, {:.1}°]\n90 % intervals for soils of the known kind; on other soils half of them held",
         soil.readings,
         soil.changes,
         interval(soil.strength, 2),

@@ -10,7 +10,6 @@ use crate::command::Command;
 use crate::error::{Details, Error};
 use crate::terminal;
 use crate::verbs::FORMER;
-use crate::wrap::wrapped;
 
 /// Help and version to standard output with exit 0; everything else as an error with exit 2.
 pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> u8 {
@@ -23,7 +22,7 @@ pub(crate) fn answer(error: &clap::Error, arguments: &[OsString]) -> u8 {
         ErrorKind::DisplayHelp
         | ErrorKind::DisplayVersion
         | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            match terminal::print(&wrapped(&error.render().to_string())) {
+            match terminal::print_help(&error.render().to_string()) {
                 Ok(()) => 0,
                 Err(error) => terminal::complain(&error, json),
             }
@@ -52,7 +51,7 @@ fn usage(error: &clap::Error, arguments: &[OsString]) -> Error {
     })
 }
 
-/// The least and the greatest value of a flag that takes whole numbers in a range.
+/// The minimum and the maximum of a flag that takes whole numbers in a range.
 fn limits(error: &clap::Error) -> Option<[i64; 2]> {
     let reason = std::error::Error::source(error)?.to_string();
     let (_, range) = reason.split_once(" is not in ")?;

@@ -4,6 +4,17 @@ use grouser_report::Object;
 
 use crate::exit::Outcome;
 
+/// How the text of a result is printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Medium {
+    /// Lines for people, their first one as a headline.
+    Text,
+    /// The content of a file: as it is.
+    File,
+    /// Standard output has the result itself: lines for people on standard error.
+    Aside,
+}
+
 /// The result of a verb.
 #[derive(Debug)]
 pub(crate) struct Report {
@@ -13,11 +24,10 @@ pub(crate) struct Report {
     pub(crate) object: Object,
     /// What a person reads.
     pub(crate) text: String,
-    /// Whether standard output holds the result itself, so that the text goes to standard error.
-    pub(crate) is_aside: bool,
-    /// Why there is no result: said as an error, although the report is printed.
+    pub(crate) medium: Medium,
+    /// Why there is no result: printed as an error, after the report.
     pub(crate) failure: Option<String>,
-    /// What is doubtful in it: said on standard error.
+    /// What is uncertain in it: printed on standard error.
     pub(crate) warnings: Vec<String>,
 }
 
@@ -28,9 +38,17 @@ impl Report {
             outcome: Outcome::Done,
             object,
             text,
-            is_aside: false,
+            medium: Medium::Text,
             failure: None,
             warnings: Vec::new(),
+        }
+    }
+
+    /// A text that is printed as it is.
+    pub(crate) fn file(object: Object, text: String) -> Self {
+        Self {
+            medium: Medium::File,
+            ..Self::done(object, text)
         }
     }
 

@@ -7,6 +7,7 @@ mod climb;
 mod design;
 mod drive;
 mod estimate;
+mod fmu;
 mod help;
 mod identify;
 mod init;
@@ -43,6 +44,7 @@ pub(crate) enum Verb {
     Wheel(wheel::Arguments),
     Batch(batch::Arguments),
     Climb(climb::Arguments),
+    Fmu(fmu::Arguments),
     Estimate(estimate::Arguments),
     Drive(drive::Arguments),
     Map(map::Arguments),
@@ -76,6 +78,7 @@ impl Verb {
             | Self::Validate(_) => true,
             Self::Soils(_)
             | Self::Batch(_)
+            | Self::Fmu(_)
             | Self::Design(_)
             | Self::Robot(_)
             | Self::Log(_)
@@ -97,6 +100,7 @@ pub(crate) fn run(verb: Verb, command: clap::Command, session: &mut Session) -> 
         Verb::Wheel(arguments) => wheel::run(&arguments, session),
         Verb::Batch(arguments) => batch::run(&arguments, session),
         Verb::Climb(arguments) => climb::run(&arguments, session),
+        Verb::Fmu(arguments) => fmu::run(&arguments, session),
         Verb::Estimate(arguments) => estimate::run(&arguments, session),
         Verb::Drive(arguments) => drive::run(&arguments, session),
         Verb::Map(arguments) => map::run(&arguments, session),
@@ -122,6 +126,7 @@ fn schemas() -> Vec<(&'static str, Value)> {
         ("wheel", wheel::schema()),
         ("batch", batch::schema()),
         ("climb", climb::schema()),
+        ("fmu", fmu::schema()),
         ("estimate", estimate::schema()),
         ("drive", drive::schema()),
         ("map", map::schema()),

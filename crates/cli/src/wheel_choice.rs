@@ -39,13 +39,13 @@ pub(crate) struct WheelArguments {
 #[derive(clap::Args, Clone, Copy, Debug)]
 #[allow(clippy::struct_field_names, reason = "the flags' names")]
 pub(crate) struct GrouserArguments {
-    /// Height of the lugs (grousers) on the rim in m; needs `--grouser-count`
+    /// Height of the lugs (grousers) in m; needs `--grouser-count`
     #[arg(long, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true, requires = "grouser_count")]
     pub(crate) grouser_height_m: Option<f64>,
-    /// How many lugs there are around the rim
+    /// Number of lugs on the circumference
     #[arg(long, value_name = "N", requires = "grouser_height_m")]
     pub(crate) grouser_count: Option<u32>,
-    /// Thickness of a lug along the rim in m [default: 0]
+    /// Thickness of a lug along the circumference in m [default: 0]
     #[arg(long, value_name = "M", value_parser = parse_finite, allow_hyphen_values = true, requires = "grouser_count")]
     pub(crate) grouser_thickness_m: Option<f64>,
 }
@@ -106,7 +106,7 @@ impl GravityArgument {
 /// `--max-slip`.
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub(crate) struct MaxSlip {
-    /// Greatest slip, driving or braking, at which a slope counts as held
+    /// Maximum slip, driving or braking, at which a slope counts as held
     #[arg(long, value_name = "S", value_parser = parse_max_slip, default_value_t = MAX_SLIP)]
     pub(crate) max_slip: f64,
 }

@@ -121,7 +121,7 @@ fn a_soil_says_what_the_slip_means() {
     let soil = &found["wheels"]["rear_left"]["soil"];
     let number = |key: &str| soil[key].as_f64().unwrap();
     // The same by `wheel`, the other door to the model.
-    let wheel = Command::new(env!("CARGO_BIN_EXE_grouser"))
+    let wheel = crate::repository::program()
         .args([
             "wheel",
             "--soil",
@@ -360,10 +360,9 @@ fn bad_usage_and_input_are_refused_with_2_and_leave_nothing() {
     refused(&[LOG], "--robot");
     refused(&["--robot", ROBOT], "LOG");
     for (flag, value, message) in [
-        ("--window-s", "nan", "finite"),
-        ("--window-s", "0", "window"),
-        ("--window-s", "-1", "window"),
-        ("--window-s", "1e300", "window"),
+        ("--window-s", "0.5", "the slip filter replaces"),
+        ("--window-s", "-1", "the slip filter replaces"),
+        ("--method", "window", "the slip filter replaces"),
         ("--from-s", "inf", "finite"),
         ("--reference", "pose", "columns of a pose"),
         ("--reference", "moon", "must be one of"),

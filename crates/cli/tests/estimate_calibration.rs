@@ -347,7 +347,7 @@ fn true_slips_that_do_not_fit_the_log_are_doubtful_or_refused() {
         let (code, text, object) = compare(&format!("{name}.truth"), text);
         assert_eq!(code, Some(3), "{name}: {text}");
         assert!(
-            text.contains("WARNING: left: ") && text.contains("have a true slip beside them"),
+            text.contains("WARNING: left: ") && text.contains("have a true slip at the same time"),
             "{name}: {text}"
         );
         assert!(

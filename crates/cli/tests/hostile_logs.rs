@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -16,7 +16,7 @@ const COLUMNS: &str = "examples/five-wheel/columns.toml";
 /// Runs the command; whatever it is given, it ends in time by one of its exit codes.
 fn grouser(arguments: &[&str]) -> Output {
     let begin = Instant::now();
-    let output = Command::new(env!("CARGO_BIN_EXE_grouser"))
+    let output = crate::repository::program()
         .current_dir(root())
         .args(arguments)
         .output()

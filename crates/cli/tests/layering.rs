@@ -90,6 +90,10 @@ const FLOORS: &[(&str, &[&str])] = &[
         &["grouser-terra", "grouser-slip", "grouser-log"],
     ),
     (
+        "grouser-fmu",
+        &["grouser-real", "grouser-terra", "grouser-files"],
+    ),
+    (
         "grouser-c",
         &["grouser-terra", "grouser-slip", "grouser-files"],
     ),
@@ -118,6 +122,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "grouser-opt",
             "grouser-slip",
             "grouser-files",
+            "grouser-fmu",
             "grouser-log",
             "grouser-doctor",
             "grouser-replay",
@@ -142,11 +147,12 @@ const THREADED: &[&str] = &[
 /// Crates that build without the standard library, on bare metal.
 const BARE: &[&str] = &["grouser-real", "grouser-terra", "grouser-slip", "grouser-c"];
 
-/// The only files that may allow `unsafe`: the lanes of the machine, and the C interface, which follows the caller's
+/// The only files that may allow `unsafe`: the lanes of the machine, and the C interfaces, which follow the caller's
 /// pointers.
 const UNSAFE_FILES: &[&str] = &[
     "crates/terra/src/lanes/machine/mod.rs",
     "crates/c/src/lib.rs",
+    "crates/fmu/src/interface.rs",
 ];
 
 /// Each crate of ours with the names of all its dependencies but dev-dependencies.
@@ -258,7 +264,7 @@ fn bare_crates_pull_in_no_standard_library() {
 }
 
 #[test]
-fn no_file_but_the_machines_lanes_and_the_c_interface_may_be_unsafe() {
+fn no_file_but_the_machines_lanes_and_the_c_interfaces_may_be_unsafe() {
     for (package, _) in dependencies() {
         let folder = if package == "grouser" {
             "cli"
@@ -267,7 +273,7 @@ fn no_file_but_the_machines_lanes_and_the_c_interface_may_be_unsafe() {
         };
         let source = root().join("crates").join(folder).join("src");
         let text = std::fs::read_to_string(source.join("lib.rs")).unwrap();
-        if !["terra", "c"].contains(&folder) {
+        if !["terra", "c", "fmu"].contains(&folder) {
             assert!(
                 text.contains("#![forbid(unsafe_code)]"),
                 "{package} does not forbid unsafe code"

@@ -461,13 +461,14 @@ fn what_makes_no_sense_is_refused() {
         "means both tables and bags",
     );
     assert!(folder.names().is_empty(), "{:?}", folder.names());
-    // What ROS 2 recorded before MCAP.
+    // a database that its recorder did not close
     let database = out("run_0.db3");
     fs::write(&database, b"SQLite format 3\0\x10\0\x01\x01").unwrap();
+    fs::write(out("run_0.db3-wal"), b"changes").unwrap();
     for verb in [&["log", "info"][..], &["estimate", "--robot", ROBOT]] {
         refused(
             &[verb, &[&database]].concat(),
-            "`rosbags-convert --src DIR --dst OUT --dst-storage mcap` makes an MCAP file",
+            "`sqlite3 FILE 'PRAGMA wal_checkpoint(TRUNCATE)'` writes them into the database",
         );
     }
 }

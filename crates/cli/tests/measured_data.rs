@@ -1,11 +1,11 @@
-//! Where `CI` is set, every folder of measured data that the README names is there: the tests that use one skip what they do
+//! Where `CI` is set, every folder of measured data that CONTRIBUTING.md names is there: the tests that use one skip what they do
 //! not find, each by itself.
 
 use std::path::{Path, PathBuf};
 
-/// The folders of the README's table of data.
-fn folders(readme: &str) -> Vec<String> {
-    let (_, section) = readme.split_once("\n## Data\n").unwrap();
+/// The folders of the page's table of data.
+fn folders(page: &str) -> Vec<String> {
+    let (_, section) = page.split_once("\n## Data\n").unwrap();
     let section = section.split("\n## ").next().unwrap();
     section
         .lines()
@@ -17,9 +17,9 @@ fn folders(readme: &str) -> Vec<String> {
 }
 
 #[test]
-fn every_folder_that_the_readme_names_is_there_in_ci() {
+fn every_folder_that_the_page_names_is_there_in_ci() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let named = folders(&std::fs::read_to_string(root.join("README.md")).unwrap());
+    let named = folders(&std::fs::read_to_string(root.join("CONTRIBUTING.md")).unwrap());
     assert!(named.len() >= 9, "{named:?}");
     let base = std::env::var_os("GROUSER_DATA").map_or_else(|| root.join("data"), PathBuf::from);
     let base = root.join(base);

@@ -97,7 +97,7 @@ fn odometry(run: &mut Run, is_filter: bool) {
     }
 }
 
-const MISTAKES: [Mistake; 16] = [
+const MISTAKES: [Mistake; 18] = [
     Mistake {
         name: "gear forgotten",
         words: &["gear"],
@@ -159,6 +159,29 @@ const MISTAKES: [Mistake; 16] = [
             let held = run.rows[third..].iter().find_map(|row| row.pose);
             for row in &mut run.rows[third..2 * third] {
                 row.pose = row.pose.and(held);
+            }
+        },
+    },
+    Mistake {
+        name: "commands published beside measurements",
+        words: &["two programs publish on one topic"],
+        make: |run| {
+            let commanded = |row: &Row| Row {
+                time: row.time + 0.01,
+                angles: row.angles.iter().map(|angle| 1.1 * angle).collect(),
+                ..Row::default()
+            };
+            let rows = run.rows.iter();
+            run.rows = rows.flat_map(|row| [row.clone(), commanded(row)]).collect();
+        },
+    },
+    Mistake {
+        name: "the poses of another robot between those of this one",
+        words: &["two programs publish on one topic"],
+        make: |run| {
+            let poses = run.rows.iter_mut().filter_map(|row| row.pose.as_mut());
+            for [x, y, yaw] in poses.skip(1).step_by(2) {
+                (*x, *y, *yaw) = (5.0 - 0.3 * *x, 3.0 + 0.5 * *x, *yaw + 1.0);
             }
         },
     },
@@ -625,6 +648,65 @@ fn mistakes_of_owners_are_named_and_right_files_are_not() {
             mistake.name
         );
     }
+}
+
+/// The camera of [`made`] shows one place from 26 s to 34 s, with its noise: no slip of that time may be `Ok` and wrong.
+#[test]
+fn readings_of_a_frozen_reference_are_left_out() {
+    let (mut run, mut noise, mut held) = (made(), Noise(7), None);
+    for row in run
+        .rows
+        .iter_mut()
+        .filter(|row| (26.0..34.0).contains(&row.time))
+    {
+        if let Some(pose) = &mut row.pose {
+            let at = *held.get_or_insert(*pose);
+            *pose = at.map(|value| value + noise.next(0.002));
+        }
+    }
+    let folder = Folder::new("frozen-reference");
+    let [log, robot] = run.write(&folder);
+    let out = folder.path("out.csv");
+    let output = grouser(&["estimate", &log, "--robot", &robot, "-o", &out]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("was frozen or lost"));
+    let text = fs::read_to_string(out).unwrap();
+    let slips = text.lines().skip(1).filter_map(|line| {
+        let fields: Vec<&str> = line.split(',').collect();
+        let time: f64 = fields[0].parse().unwrap();
+        let is_used = (26.5..33.5).contains(&time) && fields[5] == "Ok";
+        is_used.then(|| fields[2].parse::<f64>().unwrap())
+    });
+    let wrong: Vec<f64> = slips.filter(|slip| slip.abs() > 0.1).collect();
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+/// Habits of drivers by `bench/drivers.py`, which has more of them and other seeds.
+#[test]
+fn habits_of_drivers_leave_slips_right_or_are_named() {
+    let Some(python) = std::env::var_os("GROUSER_PYTHON") else {
+        eprintln!("skipped: GROUSER_PYTHON names no Python with numpy and mcap-ros2-support");
+        return;
+    };
+    let cases = "pose without noise,three turns at 10 Hz,pose never changes,another robot's pose,wheels of 5 Hz in rows of 20";
+    let output = std::process::Command::new(python)
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+        .args([
+            "bench/drivers.py",
+            env!("CARGO_BIN_EXE_grouser"),
+            cases,
+            "0:1",
+        ])
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let found = text.lines().last().unwrap_or_default();
+    assert_eq!(
+        found,
+        "10 of 10 with at most 0.01 of the Ok slips wrong, 10 named where they must be",
+        "{text}{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
 }
 
 fn print(lines: &[String]) {

@@ -16,7 +16,7 @@ const MCAP: &str = "examples/five-wheel/log.mcap";
 const ROBOT: &str = "examples/five-wheel/robot.toml";
 
 fn grouser(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_grouser"));
+    let mut command = crate::repository::program();
     command.current_dir(root()).args(arguments);
     command
 }

@@ -36,10 +36,30 @@ pub(crate) fn cargo(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
+/// The program, with lines of any length, so that sentences are found whole.
+pub(crate) fn program() -> Command {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_grouser"));
+    program.env("COLUMNS", "10000");
+    program
+}
+
 /// Runs the program.
 pub(crate) fn grouser(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_grouser"))
+    program()
         .current_dir(root())
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// Runs the program in a folder of its own, with the examples at hand.
+pub(crate) fn grouser_in(folder: &Folder, arguments: &[&str]) -> Output {
+    let link = folder.0.join("examples");
+    if !link.exists() {
+        std::os::unix::fs::symlink(root().join("examples"), link).unwrap();
+    }
+    program()
+        .current_dir(&folder.0)
         .args(arguments)
         .output()
         .unwrap()

@@ -8,7 +8,7 @@ use grouser_opt::{
     check_derivatives, robust,
 };
 use grouser_real::Scalar;
-use grouser_terra::Cautions;
+use grouser_terra::{Cautions, ModelError};
 
 use crate::error::{Error, Result};
 use crate::formula::Formula;
@@ -352,6 +352,21 @@ impl Design {
             all.insert_all(self.program.scope.inputs(x, &world.fixed).cautions());
         }
         all
+    }
+
+    /// What the laws of its soils miss of measured wheels like the one at `x`, in the world where they miss most; `Some(None)` where a
+    /// soil's laws were not compared, `None` for a problem without a wheel on a soil.
+    #[must_use]
+    pub fn model_error(&self, x: &[f64]) -> Option<Option<ModelError>> {
+        let worlds = self.worlds.iter();
+        let errors = worlds.map(|world| self.program.scope.inputs(x, &world.fixed).model_error());
+        errors.reduce(|one, other| match (one?, other?) {
+            (Some(one), Some(other)) if one.pull_per_load < other.pull_per_load => {
+                Some(Some(other))
+            }
+            (Some(one), Some(_)) => Some(Some(one)),
+            _ => Some(None),
+        })?
     }
 
     /// Compares the exact derivatives of everything the solver sees with finite differences at `x` (the

@@ -4,11 +4,11 @@
 
 use std::io::Write as _;
 
-use grouser_doctor::{Doctor, Uses, Window};
+use grouser_doctor::{Doctor, KnownStep, Uses};
 use grouser_files::Document;
 use grouser_files::robot::{self, WheelSensor};
-use grouser_slip::window::{WindowMeans, WindowSettings};
-use grouser_slip::{Measurement, Reference, Sample};
+use grouser_slip::filter::SlipFilter;
+use grouser_slip::{Measurement, Reference, Sample, SensorSettings};
 
 const CART: &str = r#"
 format = 1
@@ -29,11 +29,11 @@ drive = "powered"
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = robot::parse(&Document::from_text("cart.toml", CART.into())?)?;
-    let settings = WindowSettings {
+    let settings = SensorSettings {
         reference: Reference::Pose,
         ..file.settings
     };
-    let mut means = WindowMeans::new(&file.robot, settings)?;
+    let mut filter = SlipFilter::new(&file.robot, file.filter)?;
     let mut doctor = Doctor::new(&file, &settings, WheelSensor::Rate);
     let (mut x, mut y, mut yaw) = (0.0, 0.0, 0.0_f64);
     for step in 0..1200_i32 {
@@ -57,15 +57,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 measurement,
             };
             doctor.take(&sample);
-            let _refused = means.update(sample);
-        }
-        let wheel_speeds = [0, 1].map(|wheel| means.rim_speed(wheel).map(|speed| speed.value));
-        if let Some(body) = means.latest() {
-            doctor.step(&Window {
-                now_ns,
-                time_s,
-                body,
-                wheel_speeds: &wheel_speeds,
+            let _refused = filter.update_recorded(sample, &mut |end_ns, step, filter| {
+                let known = KnownStep::online(step, filter);
+                doctor.step((end_ns, 1e-9 * end_ns as f64), &known, 0);
             });
         }
     }

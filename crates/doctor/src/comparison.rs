@@ -1,6 +1,6 @@
-//! The one comparison of two signals: y = a x + b₁ n₁ + b₂ n₂.
+//! The one comparison of two signals: y = a x + b₁ n₁ + b₂ n₂ + b₃ n₃.
 //!
-//! n₁ and n₂ are what else moves y: the bias of a gyro, the slip of a wheel, the drift on a slope. The interval of a follows from parts
+//! n are what else moves y: the bias of a gyro, the slip of a wheel, the drift on a slope, the turn. The interval of a follows from parts
 //! of the log (jackknife): a wrong description is the same in all of them, slip and outliers come and go.
 
 use grouser_real::{Real, Squares};
@@ -20,11 +20,18 @@ const MIN_FREE_SHARE: f64 = 0.05;
 /// Turns of a block are known to 0.02 rad, and a gyro's bias is of the order of 0.02 rad/s: s². Prior.
 const BIAS_PRIOR_S2: f64 = 1.0;
 
-/// Sums of products of n₁, n₂, x, y, and how long they were compared, s.
+/// The maximum number of n.
+const OTHERS: usize = 3;
+/// The places of x and y behind them.
+const X: usize = OTHERS;
+const Y: usize = OTHERS + 1;
+const ALL: usize = OTHERS + 2;
+
+/// Sums of products of n, x, y, and how long they were compared, s.
 #[derive(Clone, Copy, Debug, Default)]
 struct Part {
     seconds: f64,
-    sums: [[f64; 4]; 4],
+    sums: [[f64; ALL]; ALL],
 }
 
 /// Two signals over a log.
@@ -70,7 +77,7 @@ impl Comparison {
             min_free_share: MIN_FREE_SHARE,
             parts: [Part {
                 seconds: 0.0,
-                sums: [[0.0; 4]; 4],
+                sums: [[0.0; ALL]; ALL],
             }; PARTS],
             used: 0,
             part_s: PART_S,
@@ -87,8 +94,11 @@ impl Comparison {
     }
 
     /// Adds one reading of both, which lasts for `seconds`.
-    pub(crate) fn add(&mut self, seconds: f64, x: f64, n: [f64; 2], y: f64) {
-        if !(x + y + n[0] + n[1]).is_finite() {
+    pub(crate) fn add<const N: usize>(&mut self, seconds: f64, x: f64, n: [f64; N], y: f64) {
+        let mut row = [0.0; ALL];
+        row[..N].copy_from_slice(&n);
+        (row[X], row[Y]) = (x, y);
+        if !row.iter().sum::<f64>().is_finite() {
             return;
         }
         let is_full = self.used == 0 || self.parts[self.used - 1].seconds >= self.part_s;
@@ -105,7 +115,6 @@ impl Comparison {
         }
         let part = &mut self.parts[self.used - 1];
         part.seconds += seconds;
-        let row = [n[0], n[1], x, y];
         for (line, a) in part.sums.iter_mut().zip(row) {
             for (sum, b) in line.iter_mut().zip(row) {
                 *sum += a * b;
@@ -126,7 +135,7 @@ impl Comparison {
         let all = (parts.iter()).fold(Part::default(), |sum, part| sum.with(part, 1.0));
         let squares = all.squares(self.prior);
         let Squares { xx, yy, .. } = squares;
-        let is_hidden = xx < self.min_free_share * all.sums[2][2];
+        let is_hidden = xx < self.min_free_share * all.sums[X][X];
         if parts.len() < MIN_PARTS || is_hidden || !(xx + yy).is_finite() {
             return None;
         }
@@ -144,7 +153,7 @@ impl Comparison {
             half_width: SIGMAS * (1.0 + SIGMAS_BY_FREEDOM / freedom) * variance.sqrt(),
             correlation: squares.line().map_or(0.0, |line| line.correlation),
             squares,
-            whole: [all.sums[2][2], all.sums[3][3]],
+            whole: [all.sums[X][X], all.sums[Y][Y]],
             parts: parts.len() as f64,
         })
     }
@@ -165,7 +174,7 @@ impl Part {
     /// Of x and y, less what n explains of them.
     fn squares(&self, prior: f64) -> Squares {
         let mut sums = self.sums;
-        for n in 0..2 {
+        for n in 0..OTHERS {
             let line = sums[n];
             let pivot = line[n] + prior;
             // what is left of n by rounding explains nothing
@@ -178,9 +187,9 @@ impl Part {
             }
         }
         Squares {
-            xx: sums[2][2],
-            xy: sums[2][3],
-            yy: sums[3][3].max(0.0),
+            xx: sums[X][X],
+            xy: sums[X][Y],
+            yy: sums[Y][Y].max(0.0),
         }
     }
 }
@@ -214,22 +223,21 @@ impl Direction {
         Self([Comparison::with_prior(prior); 2])
     }
 
-    pub(crate) fn add(&mut self, seconds: f64, x: f64, n: [f64; 2], y: [f64; 2]) {
+    pub(crate) fn add<const N: usize>(&mut self, seconds: f64, x: f64, n: [f64; N], y: [f64; 2]) {
         for (comparison, y) in self.0.iter_mut().zip(y) {
             comparison.add(seconds, x, n, y);
         }
     }
 
-    /// Do the parts suffice?
-    pub(crate) fn is_known(&self) -> bool {
-        self.0.iter().all(|of| of.line().is_some())
+    /// Both lines, where the parts suffice.
+    pub(crate) fn lines(&self) -> Option<[Line; 2]> {
+        let [x, y] = self.0.each_ref().map(Comparison::line);
+        Some([x?, y?])
     }
 
     /// The direction against a unit vector; `None` where none is certain.
     pub(crate) fn angle(&self, [cos, sin]: [f64; 2]) -> Option<Angle> {
-        let [Some(x), Some(y)] = self.0.map(|of| of.line()) else {
-            return None;
-        };
+        let [x, y] = self.lines()?;
         let length = Real::hypot(x.slope, y.slope);
         let half_width = Real::hypot(x.half_width, y.half_width) / length;
         let (along, aside) = (cos * x.slope + sin * y.slope, cos * y.slope - sin * x.slope);
@@ -259,7 +267,7 @@ mod tests {
             let time = f64::from(step);
             let own = error * (f64::from(step / 8) * 2.4).sin();
             let (x, n) = (time.sin(), (0.3 * time).cos());
-            comparison.add(1.0, x, [n, 0.0], (2.0 + own) * x + 3.0 * n);
+            comparison.add(1.0, x, [n], (2.0 + own) * x + 3.0 * n);
         }
         comparison.line().unwrap()
     }
@@ -287,7 +295,7 @@ mod tests {
         let mut comparison = Comparison::default();
         for step in 0..100 {
             let x = f64::from(step).sin();
-            comparison.add(1.0, x, [x + 0.01, 0.0], x);
+            comparison.add(1.0, x, [x + 0.01], x);
         }
         assert!(comparison.line().is_none());
     }

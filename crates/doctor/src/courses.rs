@@ -1,7 +1,7 @@
 //! Directions of chords between places, beside those of the same paths by the wheels and by the yaw.
 
 use grouser_real::{Real, wrap_angle};
-use grouser_slip::{Measurement, Sample};
+use grouser_slip::{Measurement, Reference, Sample};
 
 use crate::comparison::{Comparison, Direction};
 
@@ -12,11 +12,11 @@ const CHORD_SIGMAS: f64 = 20.0;
 const MAX_CHORD_TIME_S: f64 = 20.0;
 /// Chords by the wheels are up to this number of times as long, or as short: beyond, the reference jumped. Limit.
 const MAX_CHORD_SCALE: f64 = 5.0;
-/// A chord is straight where the robot turns by less, rad: a sensor far from the robot's origin moves aside in bends. Limit.
-const MAX_BEND_RAD: f64 = 0.05;
+/// A longer turn within a chord is no bend, rad. Limit.
+const MAX_BEND_RAD: f64 = 1.0;
 /// Nothing is known of a path between two readings of the wheels that are further apart, s. Limit.
 const MAX_GAP_S: f64 = 1.0;
-/// Straight chords that a drift on a side slope (0.3 rad) is known by beforehand. Prior.
+/// Chords that a drift on a side slope (0.3 rad), and the arm of a sensor (0.3 m), are known by beforehand. Prior.
 const DRIFT_PRIOR: f64 = 0.03;
 
 /// Where a chord begins: the places by reference, wheels, and wheels along the yaw; the yaw.
@@ -33,6 +33,12 @@ pub(crate) struct Courses {
     min_chord: f64,
     speed: f64,
     stepped_ns: Option<i64>,
+    /// Is the place by the reference the sum of its displacements or speeds, with the gyro where they have no turn?
+    is_summed: bool,
+    /// The turn by the gyro since the last of them, rad, and its last reading.
+    gyro_turn: f64,
+    gyro: Option<(i64, f64)>,
+    moved_ns: Option<i64>,
     /// Place by the reference, and by the wheels, each with its heading.
     reference: [f64; 3],
     wheels: [f64; 3],
@@ -47,13 +53,14 @@ pub(crate) struct Courses {
     pub(crate) wheels_course: Comparison,
     pub(crate) yaw_course: Comparison,
     pub(crate) next_course: Comparison,
-    /// The direction of the places beside that of the yaw on straight chords.
+    /// The direction of the places compared with that of the yaw.
     pub(crate) from_yaw: Direction,
 }
 
 impl Courses {
-    pub(crate) fn new(sigma: f64) -> Self {
+    pub(crate) fn new(reference: Reference, sigma: f64) -> Self {
         Self {
+            is_summed: matches!(reference, Reference::Displacement | Reference::Speed),
             min_chord: MIN_CHORD_M.max(CHORD_SIGMAS * sigma),
             from_yaw: Direction::with_prior(DRIFT_PRIOR),
             ..Self::default()
@@ -61,16 +68,48 @@ impl Courses {
     }
 
     pub(crate) fn take(&mut self, sample: &Sample) {
+        let now_ns = sample.time_ns;
+        let seconds = |last_ns: i64| now_ns.saturating_sub(last_ns) as f64 * 1e-9;
         match sample.measurement {
-            Measurement::Pose { x, y, yaw } if (x + y + yaw).is_finite() => {
+            Measurement::Pose { x, y, yaw } if !self.is_summed && (x + y + yaw).is_finite() => {
                 self.reference = [x, y, yaw];
             }
             Measurement::Position { x, y } if (x + y).is_finite() => {
+                self.is_summed = false;
                 self.reference = [x, y, self.reference[2]];
+            }
+            Measurement::YawRate { rate } if rate.is_finite() => {
+                let (last_ns, last) = self.gyro.replace((now_ns, rate)).unwrap_or((now_ns, rate));
+                self.gyro_turn += 0.5 * (last + rate) * seconds(last_ns);
+                return;
+            }
+            Measurement::Displacement {
+                forward,
+                left,
+                turn,
+            } if self.is_summed && (forward + left).is_finite() => {
+                self.sum([forward, left], turn);
+            }
+            Measurement::Speed {
+                forward,
+                left: Some(left),
+            } if self.is_summed && (forward + left).is_finite() => {
+                let passed = seconds(self.moved_ns.replace(now_ns).unwrap_or(now_ns));
+                self.sum([forward, left].map(|part| part * passed), None);
             }
             _ => return,
         }
-        self.compare(sample.time_ns);
+        self.compare(now_ns);
+    }
+
+    /// Adds a motion along the axes of the reference halfway.
+    fn sum(&mut self, [forward, left]: [f64; 2], turn: Option<f64>) {
+        let by_gyro = std::mem::take(&mut self.gyro_turn);
+        let turn = turn.unwrap_or(by_gyro);
+        let [x, y, yaw] = self.reference;
+        let (sin, cos) = Real::sin_cos(yaw + 0.5 * turn);
+        let moved = [cos * forward - sin * left, sin * forward + cos * left];
+        self.reference = [x + moved[0], y + moved[1], yaw + turn];
     }
 
     /// Takes the mean speed of the powered wheels, m/s, and the motion by the wheels.
@@ -128,20 +167,27 @@ impl Courses {
             (self.last, self.last_turn) = (None, None);
             return;
         }
-        if wrap_angle(yaw - begun.yaw).abs() < MAX_BEND_RAD {
+        let bend = wrap_angle(yaw - begun.yaw);
+        if bend.abs() < MAX_BEND_RAD {
             let (sin, cos) = Real::sin_cos(directions[2]);
             let (aside, along) = Real::sin_cos(directions[0] - directions[2]);
-            self.from_yaw.add(seconds, 1.0, [cos, sin], [along, aside]);
+            // a sensor away from the robot's origin moves sideways by the turn
+            let n = [cos, sin, bend / lengths[0]];
+            self.from_yaw.add(seconds, 1.0, n, [along, aside]);
+        }
+        // a sum has no course but that by its own turns
+        if self.is_summed {
+            return;
         }
         let Some(last) = self.last.replace(directions) else {
             return;
         };
         let [course, wheels, by_yaw] = [0, 1, 2].map(|i| wrap_angle(directions[i] - last[i]));
-        let bias = [1.0, 0.0];
+        let bias = [1.0];
         self.wheels_course.add(seconds, wheels, bias, course);
         self.yaw_course.add(seconds, by_yaw, bias, course);
         if let Some(before) = self.last_turn.replace(course) {
-            self.next_course.add(seconds, before, [0.0; 2], course);
+            self.next_course.add(seconds, before, [], course);
         }
     }
 }

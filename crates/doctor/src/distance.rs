@@ -36,6 +36,8 @@ pub struct DistanceCheck {
 /// the last two, made on these logs. Limits.
 const DERIVED_SCALES: std::ops::RangeInclusive<f64> = 0.97..=1.03;
 const DERIVED_SPREAD: f64 = 0.0008;
+/// One block in ten with a smaller multiple shows slip, which no odometry of the wheels does. Limit: filters lag by some hundredths.
+const MIN_DERIVED_SCALE: f64 = 0.9;
 /// And its residual is below this, m: that of motion capture is 0.3 to 0.7 mm, that of a filter over wheels up to 0.2 mm. Sensor noise.
 const DERIVED_NOISE_M: f64 = 2.5e-4;
 
@@ -47,7 +49,8 @@ impl DistanceCheck {
     pub(crate) fn is_derived(&self) -> bool {
         let [low, high] = self.quartiles;
         let is_even = high - low < DERIVED_SPREAD && DERIVED_SCALES.contains(&self.scales[1]);
-        is_even && self.noise_m < DERIVED_NOISE_M
+        let shows_slip = self.scales[0] < MIN_DERIVED_SCALE;
+        is_even && !shows_slip && self.noise_m < DERIVED_NOISE_M
     }
 
     /// What tracks show; `None` of a robot that hardly moves, or whose wheels point in several directions.

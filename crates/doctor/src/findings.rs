@@ -45,6 +45,8 @@ pub struct Findings {
     pub(crate) wheels_turn: Option<f64>,
     /// Does the yaw of the reference turn as the gyro does?
     pub(crate) gyro_agrees: bool,
+    /// Where the reference is mounted by its motion in bends, and half of its interval, where it is to the side, m.
+    pub(crate) place: Option<[[f64; 2]; 2]>,
     /// Whether the accelerations of the whole log show another scale or sign.
     pub(crate) has_other_acceleration: Option<bool>,
 }
@@ -73,14 +75,25 @@ impl Findings {
         let is_suspicious = low > 0.0 && (high < less || low > more);
         let scale = if high < less { high } else { low };
         // an error of the wheels' scale, and slip, change distances and turns alike
-        let is_other =
-            |turn: &f64| turn * low > *TRACK_SCALES.end() || turn * high < *TRACK_SCALES.start();
-        let track = self
-            .wheels_turn
-            .filter(is_other)
-            .filter(|_| self.mistakes.is_empty());
+        let is_other = |turn: &f64| {
+            low > 0.0 && (turn * low > *TRACK_SCALES.end() || turn * high < *TRACK_SCALES.start())
+        };
+        let turn = self.wheels_turn.filter(|_| self.mistakes.is_empty());
+        let track = turn.filter(is_other).map(|turn| {
+            if turn > 0.0 {
+                Mistake::Track(turn * middle)
+            } else {
+                // or the inner wheels slip by more than the bend
+                Mistake::Exchanged {
+                    wheels: u64::MAX,
+                    is_certain: true,
+                    is_whole: true,
+                }
+            }
+        });
         let scale = is_suspicious.then_some(Mistake::Scale(scale));
-        let track = track.map(|turn| Mistake::Track(turn * middle));
-        scale.into_iter().chain(track).collect()
+        let place = self.place.filter(|_| self.mistakes.is_empty());
+        let place = place.map(Mistake::ReferencePlace);
+        (scale.into_iter().chain(track)).chain(place).collect()
     }
 }

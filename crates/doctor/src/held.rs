@@ -54,7 +54,8 @@ impl fmt::Display for HeldReference {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sensor {
     Reference,
-    /// The rate of a wheel; counts and angles that repeat add nothing.
+    WheelRate(usize),
+    /// Its angle or count.
     Wheel(usize),
     Gyro,
     Accelerometer,
@@ -64,7 +65,9 @@ enum Sensor {
 fn bits(measurement: &Measurement, reference: Reference) -> Option<(Sensor, [u64; 2])> {
     let of = |sensor, a: f64, b: f64| Some((sensor, [a.to_bits(), b.to_bits()]));
     match (*measurement, reference) {
-        (Measurement::WheelRate { wheel, rate }, _) => of(Sensor::Wheel(wheel), rate, 0.0),
+        (Measurement::WheelRate { wheel, rate }, _) => of(Sensor::WheelRate(wheel), rate, 0.0),
+        (Measurement::WheelAngle { wheel, angle }, _) => of(Sensor::Wheel(wheel), angle, 0.0),
+        (Measurement::WheelCount { wheel, raw }, _) => of(Sensor::Wheel(wheel), raw as f64, 0.0),
         (Measurement::YawRate { rate }, _) => of(Sensor::Gyro, rate, 0.0),
         (Measurement::Acceleration { forward, left }, _) => {
             of(Sensor::Accelerometer, forward, left)
@@ -80,7 +83,7 @@ fn bits(measurement: &Measurement, reference: Reference) -> Option<(Sensor, [u64
     }
 }
 
-/// Leaves out the rows that repeat a sensor's last update: of the reference, of the wheels' rates, of gyro and accelerometer.
+/// Leaves out the rows that repeat a sensor's last update: of the reference, the wheels, gyro and accelerometer.
 ///
 /// ```
 /// use grouser_doctor::Held;
@@ -135,7 +138,12 @@ impl Held {
                 all.len() - 1
             });
             all[at].1.take(sample.time_ns, bits);
-            if all[at].1.is_done && all.iter().all(|(_, updates)| updates.is_done) {
+            // counts of a robot that rests repeat without end, and a log that is still written is not waited for
+            let is_done = |(sensor, updates): &(Sensor, Updates)| {
+                let has_rows = updates.periods_s.len() >= UPDATES;
+                updates.is_done || matches!(sensor, Sensor::Wheel(_)) && has_rows
+            };
+            if is_done(&all[at]) && all.iter().all(is_done) {
                 break;
             }
         }

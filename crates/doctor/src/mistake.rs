@@ -52,8 +52,17 @@ pub enum Mistake {
     },
     /// The log goes on elsewhere after a silence that ended at this time, s.
     SecondDrive(f64),
-    /// Between these times, s, the reference is constant while the wheels turn, and then it jumps.
-    Frozen([f64; 2]),
+    /// The reference is constant while the wheels turn.
+    Frozen {
+        /// The first span, s from the start of the log.
+        span_s: [f64; 2],
+        /// Further spans.
+        more: usize,
+        /// Were its readings left out?
+        is_left_out: bool,
+    },
+    /// Readings of a wheel, by its place in the robot's order, or of the reference alternate between two series.
+    TwoSources(Option<usize>),
     /// Wheels of both sides show equal readings, bit by bit in the robot's order.
     SameSensor(u64),
     /// The reference follows the wheels without noise and slip.
@@ -73,8 +82,11 @@ pub enum Mistake {
     /// These wheels turn against the motion by the reference, bit by bit in the robot's order, and others with it.
     Reversed(u64),
     /// The reference's motion is turned by this angle against the direction in which the wheels drive, rad, positive to the
-    /// left: its axes, its yaw or the wheels' headings are described wrongly.
-    ReferenceTurned(f64),
+    /// left, with half of its interval: its axes, its yaw or the wheels' headings are described wrongly.
+    ReferenceTurned([f64; 2]),
+    /// In bends the reference moves as a sensor at this place does, forwards and to the left of the origin, m, with half of its
+    /// interval.
+    ReferencePlace([[f64; 2]; 2]),
     /// The same of the accelerations that go with speeding up.
     AccelerationTurned(f64),
 }
@@ -116,11 +128,36 @@ impl fmt::Display for Mistake {
                 "at {time_s:.1} s, after a silence of all sensors, the robot is elsewhere or its counters begin again: the log \
                  holds more than one drive (`--from-s` and `--to-s` select one)"
             ),
-            Self::Frozen([from_s, to_s]) => write!(
-                f,
-                "from {from_s:.1} s to {to_s:.1} s the reference is constant while the wheels turn, and then it jumps: it was frozen or \
-                 lost, and slips of that span do not hold"
-            ),
+            Self::Frozen {
+                span_s: [from_s, to_s],
+                more,
+                is_left_out,
+            } => {
+                write!(f, "from {from_s:.1} s to {to_s:.1} s")?;
+                if *more > 0 {
+                    write!(f, " (and {more} times later)")?;
+                }
+                write!(
+                    f,
+                    " the reference is constant while the wheels turn: it was frozen or lost, and {}",
+                    if *is_left_out {
+                        "its readings of that time are left out"
+                    } else {
+                        "slips of that time do not hold"
+                    }
+                )
+            }
+            Self::TwoSources(wheel) => {
+                let of_wheel =
+                    |wheel: &usize| format!("readings of wheel {} of the robot file", wheel + 1);
+                let places = || "places of the reference".to_owned();
+                write!(
+                    f,
+                    "the {} alternate between two series: two programs publish on one topic (commands beside measurements, a second \
+                     robot), or two sensors share a column",
+                    wheel.as_ref().map_or_else(places, of_wheel)
+                )
+            }
             Self::SameSensor(wheels) => write!(
                 f,
                 "{} {} of the robot file always shows the speed of the other side, in bends too: it shows another wheel's \
@@ -189,13 +226,19 @@ impl fmt::Display for Mistake {
                     places(*wheels)
                 )
             }
-            Self::ReferenceTurned(angle) => write!(
+            Self::ReferenceTurned([angle, half_width]) => write!(
                 f,
-                "the reference moves {:.0}° to the left of the direction in which the wheels drive: its axes or its yaw \
-                 are described wrongly (`pose_yaw_offset_deg` in the robot file corrects a pose: {:.0} more than there; of fixes and \
-                 places without a heading the robot's first way counts as forwards)",
+                "the reference moves {:.0}° (± {:.0}°) to the left of the direction in which the wheels drive: its axes or its yaw \
+                 are described wrongly (`pose_yaw_offset_deg` in the robot file corrects it: {:.0} more than there)",
                 angle.to_degrees(),
+                half_width.to_degrees(),
                 -angle.to_degrees()
+            ),
+            Self::ReferencePlace([[x, y], [of_x, of_y]]) => write!(
+                f,
+                "in bends the reference moves as a sensor {y:.2} m (± {of_y:.2} m) to the left of the robot's origin and {x:.2} m \
+                 (± {of_x:.2} m) ahead of it: `reference_x_m` and `reference_y_m` in `[estimator]` (of positions without a heading, \
+                 `antenna_y_m` in `[topics]`) state that; or do the wheels slip more on one side, or skid?"
             ),
             Self::AccelerationTurned(angle) => write!(
                 f,

@@ -1,11 +1,12 @@
 //! Speeds and their changes: by the wheels, by the reference, and by the accelerometer.
 
 use grouser_real::Real;
-use grouser_slip::window::WindowBody;
-use grouser_slip::{Measurement, Robot, Sample, Wheel, WheelRole};
+use grouser_slip::{Measurement, Reference, Robot, Sample, SensorSettings, Wheel, WheelRole};
 
 use crate::comparison::{Comparison, Direction, PART_S};
 use crate::motion::{common_heading, displacement};
+use crate::passed::Passed;
+use crate::window::Window;
 
 /// Changes of speed are compared over this time, s, and not over a break: long against a sample, short against a manoeuvre. Prior.
 const CHANGE_S: f64 = 0.5;
@@ -27,8 +28,11 @@ pub(crate) struct Speeds {
     /// The same of wheels that point there exactly and are not steered.
     pub(crate) heading: Option<[f64; 2]>,
     low_speed: f64,
+    reference: Option<Reference>,
     speed: f64,
     pose: Option<[f64; 3]>,
+    /// By the gyro, rad/s.
+    yaw_rate: f64,
     reference_ns: Option<i64>,
     /// Begin of the open change, ns, and the wheels' speed then, m/s; the sum of accelerations since, and their number; the distance
     /// along the robot by the reference, m, and its time, s.
@@ -43,7 +47,10 @@ pub(crate) struct Speeds {
     pub(crate) force_by_reference: Direction,
     /// The motion by the reference beside its length with the sign of the wheels.
     pub(crate) reference_by_wheels: Direction,
-    until_ns: Option<i64>,
+    /// The motion by the reference compared with its turn: a sensor away from the origin moves by the turn.
+    pub(crate) by_turn: Direction,
+    /// Displacement (m) and turn (rad) of the reference along its own axes since they were compared with those of the wheels.
+    moved: [f64; 3],
     /// A block: its time, s, and the distances by reference and wheels, m.
     block: [f64; 3],
     /// Speed by the wheels beside that by the reference; of each powered wheel that is not steered the speed beside that by the
@@ -56,7 +63,7 @@ pub(crate) struct Speeds {
 }
 
 impl Speeds {
-    pub(crate) fn new(robot: &Robot, low_speed: f64, is_fixed_robot: bool) -> Self {
+    pub(crate) fn new(robot: &Robot, settings: &SensorSettings, is_fixed_robot: bool) -> Self {
         let is_fixed =
             |wheel: &&Wheel| wheel.role == WheelRole::Powered && wheel.steers_about.is_none();
         let wheels = robot.wheels().iter();
@@ -66,7 +73,8 @@ impl Speeds {
         Self {
             along: common_heading(robot, PARALLEL_COSINE),
             heading: common_heading(robot, EQUAL_COSINE).filter(|_| are_fixed),
-            low_speed,
+            low_speed: settings.low_speed,
+            reference: Some(settings.reference),
             by_wheel: (wheels.map(|wheel| Some(wheel).filter(is_fixed).map(of))).collect(),
             ..Self::default()
         }
@@ -74,13 +82,25 @@ impl Speeds {
 
     /// Takes a sample of an accelerometer or of a measured motion; others have no effect.
     pub(crate) fn take(&mut self, sample: &Sample) {
+        let now_ns = sample.time_ns;
+        let last_ns = self.reference_ns.unwrap_or(now_ns);
+        let seconds = now_ns.saturating_sub(last_ns) as f64 * 1e-9;
+        let is_speed = self.reference == Some(Reference::Speed);
         let (passed, turn) = match sample.measurement {
             Measurement::Acceleration { forward, left } if (forward + left).is_finite() => {
                 let [x, y, count] = self.force;
                 self.force = [x + forward, y + left, count + 1.0];
                 return;
             }
-            Measurement::Pose { x, y, yaw } => {
+            Measurement::YawRate { rate } => {
+                self.yaw_rate = rate;
+                return;
+            }
+            Measurement::Speed { forward, left } if is_speed => {
+                let passed = [forward, left.unwrap_or(0.0)].map(|speed| speed * seconds);
+                (passed, self.yaw_rate * seconds)
+            }
+            Measurement::Pose { x, y, yaw } if !is_speed => {
                 let last = self.pose.replace([x, y, yaw]).unwrap_or([x, y, yaw]);
                 displacement(last, [x, y, yaw])
             }
@@ -88,20 +108,21 @@ impl Speeds {
                 forward,
                 left,
                 turn,
-            } => ([forward, left], turn.unwrap_or(0.0)),
+            } if !is_speed => ([forward, left], turn.unwrap_or(0.0)),
             _ => return,
         };
-        let now_ns = sample.time_ns;
-        let last_ns = self.reference_ns.replace(now_ns).unwrap_or(now_ns);
-        let seconds = now_ns.saturating_sub(last_ns) as f64 * 1e-9;
+        self.reference_ns = Some(now_ns);
         let Some([cos, sin]) = self.along.filter(|_| seconds > 0.0) else {
             return;
         };
         self.passed[0] += cos * passed[0] + sin * passed[1];
         self.passed[1] += seconds;
+        for (sum, part) in self.moved.iter_mut().zip([passed[0], passed[1], turn]) {
+            *sum += part;
+        }
         if turn.abs() < MAX_TURN_RAD && self.speed.abs() > self.low_speed {
             let length = Real::hypot(passed[0], passed[1]).copysign(self.speed);
-            (self.reference_by_wheels).add(seconds, length, [0.0; 2], passed);
+            (self.reference_by_wheels).add(seconds, length, [], passed);
         }
     }
 
@@ -123,7 +144,7 @@ impl Speeds {
             let gained = [0, 1].map(|i| 0.5 * (older[i] + newer[i]) * seconds);
             let mut add = |of: fn(&mut Self) -> &mut Direction, change: f64| {
                 if change.abs() < MAX_CHANGE_M_PER_S {
-                    of(self).add(seconds, change, [1.0, 0.0], gained);
+                    of(self).add(seconds, change, [1.0], gained);
                 }
             };
             add(|own| &mut own.force_by_wheels, speed - speed_then);
@@ -134,38 +155,47 @@ impl Speeds {
         self.force_before = force;
     }
 
-    /// Takes the window that ended at `body.until_ns`, once, with the speeds of the wheels over it, m/s.
-    pub(crate) fn compare_signs(&mut self, body: &WindowBody, wheels: &[Option<f64>]) {
+    /// Notes whether any wheel runs backwards in a window.
+    pub(crate) fn see_signs(&mut self, window: &Window) {
         let low_speed = self.low_speed;
-        self.have_wheels_sign |= wheels.iter().flatten().any(|speed| *speed < -low_speed);
-        let last_ns = std::mem::replace(&mut self.until_ns, body.until_ns);
-        let (Some(last_ns), Some(until_ns), Some(motion)) = (last_ns, body.until_ns, &body.motion)
-        else {
-            return;
-        };
-        let seconds = (until_ns.saturating_sub(last_ns) as f64 * 1e-9).min(1.0);
+        self.have_wheels_sign |= window.speeds().any(|speed| speed < -low_speed);
+    }
+
+    /// Compares the motion by the reference with the speeds of the wheels in the same time.
+    pub(crate) fn compare_signs(&mut self, passed: &Passed, window: &Window) {
+        let low_speed = self.low_speed;
+        let seconds = passed.seconds;
         let moves = |x: f64, y: f64| x.abs() > low_speed && y.abs() > low_speed;
-        for (own, wheel) in self.by_wheel.iter_mut().zip(wheels) {
-            if let (Some((row, comparison)), Some(wheel)) = (own, wheel) {
-                let speed = motion.along(*row).value;
-                if moves(speed, *wheel) {
-                    comparison.add(seconds, speed, [0.0; 2], *wheel);
+        let [x, y] = passed.reference;
+        let motion = [x, y, passed.turn].map(|part| part / seconds);
+        for (own, wheel) in self.by_wheel.iter_mut().zip(window.speeds()) {
+            if let Some((row, comparison)) = own {
+                let speed: f64 = row.iter().zip(motion).map(|(row, part)| row * part).sum();
+                if moves(speed, wheel) {
+                    comparison.add(seconds, speed, [], wheel);
                 }
             }
         }
-        if let Some(by_wheels) = &body.wheels_motion {
-            let own = [motion, by_wheels].map(|motion| seconds * motion.velocity[0]);
-            let [lasts, speed, wheels] = self.block;
-            self.block = [lasts + seconds, speed + own[0], wheels + own[1]];
-            let [speed, wheels] = own.map(|way| way / seconds);
-            if moves(speed, wheels) {
-                (self.wheels_speed).add(seconds, speed, [0.0; 2], wheels);
-            }
+        let own = [passed.reference[0], passed.wheels[0]];
+        let moved = std::mem::take(&mut self.moved);
+        // of places without a heading none is known
+        let is_known = moved != [0.0; 3];
+        let [x, y, turn] = if is_known {
+            moved.map(|part| part / seconds)
+        } else {
+            motion
+        };
+        (self.by_turn).add(seconds, turn, [passed.wheels[0] / seconds], [x, y]);
+        let [lasts, speed, wheels] = self.block;
+        self.block = [lasts + seconds, speed + own[0], wheels + own[1]];
+        let [speed, wheels] = own.map(|way| way / seconds);
+        if moves(speed, wheels) {
+            (self.wheels_speed).add(seconds, speed, [], wheels);
         }
         if self.block[0] >= PART_S {
             let [lasts, speed, wheels] = std::mem::take(&mut self.block);
             if moves(speed / lasts, wheels / lasts) {
-                (self.block_speed).add(lasts, speed / lasts, [0.0; 2], wheels / lasts);
+                (self.block_speed).add(lasts, speed / lasts, [], wheels / lasts);
             }
         }
     }

@@ -51,7 +51,7 @@ fn is_refuted(fault: &Fault, findings: &Findings) -> bool {
         return false;
     };
     // what shows at rest needs no speed to compare with
-    let is_at_rest = looks_like.ends_with("at rest") || looks_like.ends_with("stand");
+    let is_at_rest = looks_like.ends_with("at rest") || looks_like.ends_with("stationary");
     let is_refuted = match *field {
         "yaw rate" => {
             let wheel = findings.turns.as_ref().and_then(|turns| turns.wheel);

@@ -183,7 +183,7 @@ impl Turning {
             self.bends[1][usize::from(yaw < 0.0)] += yaw.abs();
         }
         let is_whole = seconds < MAX_BLOCK_PARTS * PART_S;
-        let bias = [seconds, 0.0];
+        let bias = [seconds];
         if is_whole && self.last_rate.is_some() {
             if self.yaw.is_some() {
                 self.yaw_gyro.add(seconds, yaw, bias, gyro);

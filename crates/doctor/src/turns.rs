@@ -2,10 +2,10 @@
 //! the turns show it.
 
 use grouser_real::Real;
-use grouser_slip::window::WindowBody;
 use grouser_slip::{Measured, Robot};
 
 use crate::turning::parallel_arms;
+use crate::window::Window;
 
 /// What wheels and gyro may differ by for other reasons than slip: tyres, ticks, clocks, as a speed between the outermost
 /// wheels, m/s.
@@ -52,8 +52,6 @@ pub(crate) struct TurnWatch {
     /// From the outermost wheel on one side to that on the other, m.
     track: f64,
     least: f64,
-    window: f64,
-    until_ns: Option<i64>,
     sums: [f64; 2],
     sums_beyond: [f64; 2],
     /// Σ e², and of each explanation Σ e x and Σ x²: a slip of each wheel alone, at last of all alike.
@@ -66,7 +64,7 @@ pub(crate) struct TurnWatch {
 
 impl TurnWatch {
     /// `None` for a robot that turns otherwise than by its wheels' sides.
-    pub(crate) fn new(robot: &Robot, low_speed: f64, window: f64) -> Option<Self> {
+    pub(crate) fn new(robot: &Robot, low_speed: f64) -> Option<Self> {
         let arms = parallel_arms(robot)?;
         let square: f64 = arms.iter().map(|(_, arm)| arm * arm).sum();
         if !(square > 1e-6) {
@@ -83,23 +81,19 @@ impl TurnWatch {
             shares,
             track: most - least_arm,
             least: low_speed,
-            window,
             ..Self::default()
         })
     }
 
-    /// What is known over the window that ended at `body.until_ns`, `time_s` from the log's start; `rim` gives each
-    /// wheel's rim speed over it, m/s.
-    pub(crate) fn take(&mut self, time_s: f64, body: &WindowBody, rim: impl Fn(usize) -> f64) {
-        let (Some(until_ns), Some(gyro)) = (body.until_ns, body.yaw_rate) else {
-            return;
-        };
-        let last_ns = self.until_ns.replace(until_ns).unwrap_or(until_ns);
-        let seconds = (until_ns.saturating_sub(last_ns) as f64 * 1e-9).min(self.window);
-        if !(seconds > 0.0) {
+    /// What is known over a window that ended `time_s` from the log's start.
+    pub(crate) fn take(&mut self, time_s: f64, window: &Window) {
+        let (seconds, yaw_rate) = (window.seconds, window.yaw_rate());
+        if yaw_rate.is_nan() {
             return;
         }
-        let rims = (0..self.shares.len()).map(&rim).zip(&self.shares);
+        // a wheel that is not measured is one at rest
+        let rim = |speed: f64| if speed.is_nan() { 0.0 } else { speed };
+        let rims = window.speeds().map(rim).zip(&self.shares);
         let turns = rims.clone().map(|(rim, share)| rim * share);
         let powered = self.shares.iter().filter(|share| **share != 0.0).count();
         let of_powered = rims.filter(|(_, share)| **share != 0.0);
@@ -110,9 +104,9 @@ impl TurnWatch {
         }
         self.found.first_motion_s.get_or_insert(time_s);
         let turn: f64 = turns.clone().sum();
-        let all = turn - gyro.value;
+        let all = turn - yaw_rate;
         // Errors of track and radii are constant shares of turn and speed; slip is the difference beyond them.
-        let noise = SLACK_M_PER_S / self.track * (self.window / seconds).sqrt();
+        let noise = SLACK_M_PER_S / self.track;
         let row = [turn, speed / self.track];
         let (apart, doubt) = self.geometry.update(row, all, noise);
         let slack = SLACK_M_PER_S + GEOMETRY_BAND_SIGMA * doubt * self.track;
@@ -124,12 +118,11 @@ impl TurnWatch {
             self.found.alarms_beyond_geometry += 1;
         }
         // the turn that is not there: Σ s_i of each wheel's share
-        let weight = seconds / self.window;
-        self.windows += weight;
-        self.squares += weight * apart * apart;
+        self.windows += 1.0;
+        self.squares += apart * apart;
         for (fit, x) in self.fits.iter_mut().zip(turns.chain([turn])) {
-            fit[0] += weight * apart * x;
-            fit[1] += weight * x * x;
+            fit[0] += apart * x;
+            fit[1] += x * x;
         }
     }
 

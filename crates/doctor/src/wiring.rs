@@ -1,8 +1,9 @@
-//! Wheels of both sides that show one sensor, and a log that goes on elsewhere after a silence.
+//! Wheels of both sides that show one sensor, two sources of one reading, and a log that goes on elsewhere after a silence.
 
 use grouser_real::Real;
 use grouser_slip::{Measurement, Robot, Sample, WheelRole};
 
+use crate::mistake::Mistake;
 use crate::motion::wheel_travel;
 use crate::turning::parallel_arms;
 
@@ -74,6 +75,67 @@ impl SameSensor {
             any
         };
         (mask != 0 && self.turned > MIN_TURN_RAD).then_some(mask)
+    }
+}
+
+/// Readings that alternate: each is closer to the last but one than to the last by this factor, in this share of all and so often.
+/// Limits: a sensor that follows a motion is closer to its last, and one with nothing but noise is so in a fifth.
+const ALTERNATING: f64 = 0.3;
+const ALTERNATING_SHARE: f64 = 0.3;
+const MIN_ALTERNATING: u32 = 50;
+
+/// Watches for readings of one sensor that alternate between two series, as two programs write them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TwoSources {
+    /// Of the wheels, and of the reference's place last.
+    tracks: Vec<Alternation>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Alternation {
+    last: [Option<[f64; 2]>; 2],
+    all: u32,
+    alternating: u32,
+}
+
+impl TwoSources {
+    pub(crate) fn new(robot: &Robot) -> Self {
+        Self {
+            tracks: vec![Alternation::default(); robot.wheels().len() + 1],
+        }
+    }
+
+    pub(crate) fn take(&mut self, sample: &Sample) {
+        let (index, reading) = match sample.measurement {
+            // a rate alternates where a coarse encoder counts in every other row
+            Measurement::WheelAngle { wheel, angle } => (wheel, [angle, 0.0]),
+            Measurement::WheelCount { wheel, raw } => (wheel, [raw as f64, 0.0]),
+            Measurement::Pose { x, y, .. } | Measurement::Position { x, y } => {
+                (self.tracks.len() - 1, [x, y])
+            }
+            _ => return,
+        };
+        let Some(track) = self.tracks.get_mut(index) else {
+            return;
+        };
+        if let [Some(before), Some(last)] = track.last {
+            let distance = |from: [f64; 2]| Real::hypot(reading[0] - from[0], reading[1] - from[1]);
+            track.all = track.all.saturating_add(1);
+            if distance(before) < ALTERNATING * distance(last) {
+                track.alternating = track.alternating.saturating_add(1);
+            }
+        }
+        track.last = [track.last[1], Some(reading)];
+    }
+
+    pub(crate) fn found(&self) -> Option<Mistake> {
+        let alternates = |of: &Alternation| {
+            of.alternating >= MIN_ALTERNATING
+                && f64::from(of.alternating) > ALTERNATING_SHARE * f64::from(of.all)
+        };
+        let index = self.tracks.iter().position(alternates)?;
+        let wheel = Some(index).filter(|index| index + 1 < self.tracks.len());
+        Some(Mistake::TwoSources(wheel))
     }
 }
 

@@ -1,21 +1,20 @@
 //! Directions of accelerometer and reference.
 
-use grouser_doctor::{AxisCheck, Window};
-use grouser_slip::window::WindowBody;
+use grouser_doctor::AxisCheck;
 use grouser_slip::{Measurement, Sample};
 
-use crate::carts::{doctor, findings};
+use crate::carts::{doctor, findings, step};
 
 /// A cart that speeds up and brakes in turn, on a slope, with sensors turned by `turned` rad.
 fn check(turned: f64) -> AxisCheck {
     let mut doctor = doctor(&[[0.0, 0.2, 0.0], [0.0, -0.2, 0.0]], 0.01);
     let (sin, cos) = turned.sin_cos();
     let (mut speed, mut x) = (0.0, 0.0);
-    for step in 0..2000 {
-        let force = if (step / 200) % 2 == 0 { 0.2 } else { -0.2 };
+    for index in 0..2000 {
+        let force = if (index / 200) % 2 == 0 { 0.2 } else { -0.2 };
         speed += 0.02 * force;
         x += 0.02 * speed;
-        let now_ns = i64::from(step) * 20_000_000;
+        let now_ns = i64::from(index) * 20_000_000;
         let along = force + 0.3;
         for measurement in [
             Measurement::Acceleration {
@@ -33,14 +32,11 @@ fn check(turned: f64) -> AxisCheck {
                 measurement,
             });
         }
-        doctor.step(&Window {
-            now_ns,
-            time_s: 0.02 * f64::from(step),
-            body: &WindowBody::default(),
-            wheel_speeds: &[Some(speed / 0.8); 2],
-        });
+        let rims = speed / 0.8;
+        let wheels = [[0.2, rims], [-0.2, rims]];
+        step(&mut doctor, (now_ns, 0.02), &wheels, None);
     }
-    findings(&doctor).axes
+    findings(&mut doctor).axes
 }
 
 #[test]

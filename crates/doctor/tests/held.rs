@@ -26,3 +26,27 @@ fn a_rest_remains_observable_at_the_pace_of_the_updates() {
     // one update may be missing
     assert_eq!(resting, [1055, 1080, 1105, 1130, 1155, 1180]);
 }
+
+/// Angles of a wheel and its rate in rows of 50 ms, whose angle is updated in every fourth one.
+#[test]
+fn an_angle_that_rows_repeat_is_no_reading() {
+    let rows = || {
+        (0..400).flat_map(|row: i64| {
+            let angle = (row / 4) as f64 * 0.8;
+            let rate = 4.0 + 0.01 * (row as f64).sin();
+            [
+                Measurement::WheelAngle { wheel: 0, angle },
+                Measurement::WheelRate { wheel: 0, rate },
+            ]
+            .map(|measurement| Sample {
+                time_ns: 50_000_000 * row,
+                measurement,
+            })
+        })
+    };
+    let Ok(mut held) = Held::find(Reference::Pose, rows().map(Ok::<_, Infallible>));
+    let kept: Vec<Sample> = rows().filter(|of| held.keeps(of)).collect();
+    let is_angle = |of: &&Sample| matches!(of.measurement, Measurement::WheelAngle { .. });
+    assert_eq!(kept.iter().filter(is_angle).count(), 100);
+    assert_eq!(kept.len(), 500);
+}

@@ -1,10 +1,9 @@
 //! Distances by the reference beside those of the wheels.
 
-use grouser_doctor::{Mistake, PoseFault, Window};
-use grouser_slip::window::WindowBody;
+use grouser_doctor::{Mistake, PoseFault};
 use grouser_slip::{Measurement, Sample};
 
-use crate::carts::{doctor, findings};
+use crate::carts::{doctor, findings, step};
 
 /// Straight ahead at a multiple of the wheels' speed, as a robot with omni wheels may drive; the median of the multiples.
 fn scale(headings_deg: [f64; 3], multiple: f64, noise_m: f64) -> (Option<f64>, Vec<Mistake>) {
@@ -31,7 +30,7 @@ fn scale(headings_deg: [f64; 3], multiple: f64, noise_m: f64) -> (Option<f64>, V
             yaw: 0.0,
         });
     }
-    let found = findings(&doctor);
+    let found = findings(&mut doctor);
     (found.distance.map(|of| of.scales[1]), found.mistakes)
 }
 
@@ -62,22 +61,18 @@ fn a_reference_without_noise_is_derived_from_the_wheels() {
 /// A robot drives straight ahead on each of these headings (degrees) in turn, while its pose moves 10° to the left of its yaw.
 fn offset_deg(headings_deg: &[f64]) -> Option<f64> {
     let mut doctor = doctor(&[[0.0, 0.25, 0.0], [0.0, -0.25, 0.0]], 0.01);
-    let (mut place, mut step) = ([0.0, 0.0], 0);
+    let (mut place, mut index) = ([0.0, 0.0], 0);
     for heading in headings_deg
         .iter()
         .map(|heading: &f64| heading.to_radians())
     {
         for _ in 0..200 {
-            let now_ns = i64::from(step) * 100_000_000;
-            doctor.step(&Window {
-                now_ns,
-                time_s: 0.1 * f64::from(step),
-                body: &WindowBody::default(),
-                wheel_speeds: &[Some(0.3); 2],
-            });
+            let now_ns = i64::from(index) * 100_000_000;
+            let wheels = [[0.25, 0.3], [-0.25, 0.3]];
+            step(&mut doctor, (now_ns, 0.1), &wheels, None);
             let (sin, cos) = (heading + 10.0_f64.to_radians()).sin_cos();
             place = [place[0] + 0.03 * cos, place[1] + 0.03 * sin];
-            step += 1;
+            index += 1;
             let [x, y] = place;
             let measurement = Measurement::Pose { x, y, yaw: heading };
             doctor.take(&Sample {
@@ -86,10 +81,13 @@ fn offset_deg(headings_deg: &[f64]) -> Option<f64> {
             });
         }
     }
-    findings(&doctor).mistakes.iter().find_map(|of| match of {
-        Mistake::ReferenceTurned(angle) => Some(angle.to_degrees()),
-        _ => None,
-    })
+    findings(&mut doctor)
+        .mistakes
+        .iter()
+        .find_map(|of| match of {
+            Mistake::ReferenceTurned([angle, _]) => Some(angle.to_degrees()),
+            _ => None,
+        })
 }
 
 /// On one heading a drift on a side slope looks the same: the angle is within five of its standard deviations.

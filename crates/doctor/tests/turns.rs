@@ -1,39 +1,25 @@
 //! Turns by the wheels beside turns by the gyro.
 
-use grouser_doctor::{TurnCheck, Window};
-use grouser_slip::Measured;
-use grouser_slip::window::WindowBody;
+use grouser_doctor::TurnCheck;
 
-use crate::carts::{doctor, findings};
+use crate::carts::{doctor, findings, step};
 
 /// Drives `seconds` in arcs; the track is described `track` too small, the right radius `radius` too large, and the
 /// left wheel slips by `slip` from the `from`th second on.
 fn drive(seconds: u32, [track, radius]: [f64; 2], (slip, from): (f64, f64)) -> TurnCheck {
     let mut doctor = doctor(&[[0.0, 0.25, 0.0], [0.0, -0.25, 0.0]], 0.02);
-    for step in 0..10 * seconds {
-        let time_s = f64::from(step) / 10.0;
-        let now_ns = i64::from(step) * 100_000_000;
+    for index in 0..10 * seconds {
+        let time_s = f64::from(index) / 10.0;
+        let now_ns = i64::from(index) * 100_000_000;
         let turn = 0.2 * (time_s / 7.0).sin();
         let left = 0.3 - 0.25 * turn * (1.0 + track);
         let right = (0.3 + 0.25 * turn * (1.0 + track)) * (1.0 + radius);
         let slips = time_s >= from;
         let left = if slips { left / (1.0 - slip) } else { left };
-        let body = WindowBody {
-            until_ns: Some(now_ns),
-            yaw_rate: Some(Measured {
-                value: turn,
-                variance: 1e-6,
-            }),
-            ..WindowBody::default()
-        };
-        doctor.step(&Window {
-            now_ns,
-            time_s,
-            body: &body,
-            wheel_speeds: &[Some(left), Some(right)],
-        });
+        let wheels = [[0.25, left], [-0.25, right]];
+        step(&mut doctor, (now_ns, 0.1), &wheels, Some(turn));
     }
-    findings(&doctor).turns.unwrap()
+    findings(&mut doctor).turns.unwrap()
 }
 
 #[test]

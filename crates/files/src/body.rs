@@ -46,6 +46,7 @@
 use grouser_slip::onboard::{CarrierLink, MAX_CARRIER_LINKS, WheelCarrier};
 use grouser_slip::{Robot, Wheel};
 
+use crate::actuator::{ActuatorFile, read_actuator};
 use crate::error::{Error, Result};
 use crate::section::Section;
 use crate::suspension::SuspensionJoint;
@@ -60,6 +61,8 @@ pub struct BodyFile {
     pub links: Vec<LinkFile>,
     /// Motors in the order of the file.
     pub motors: Vec<MotorFile>,
+    /// Actuators of the chassis in the order of the file.
+    pub actuators: Vec<ActuatorFile>,
     /// One for each wheel of the robot, in its order.
     pub wheels: Vec<WheelBody>,
 }
@@ -224,10 +227,12 @@ pub(crate) fn read(root: &Section<'_>, wheels: Vec<WheelBody>) -> Result<Option<
     })?;
     let links = root.sections("link", read_link)?;
     let motors = root.sections("motor", read_motor)?;
+    let actuators = root.sections("actuator", read_actuator)?;
     Ok(chassis.map(|chassis| BodyFile {
         chassis,
         links,
         motors,
+        actuators,
         wheels,
     }))
 }

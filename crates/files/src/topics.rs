@@ -346,7 +346,7 @@ pub(crate) fn put_wheels(
     {
         if wheel.heading.rad() != 0.0 || wheel.y == 0.0 {
             return Err(format!(
-                "`wheel_odometry` is for robots whose wheels stand left and right and drive forwards, \
+                "`wheel_odometry` is for robots whose wheels are at the left and the right and drive forwards, \
                  but wheel \"{}\" has heading {} deg and y {} m",
                 wheel.name,
                 wheel.heading.deg(),

@@ -342,6 +342,19 @@ fn a_key_that_the_filter_no_longer_has_is_refused_with_what_replaced_it() {
         let revised = robot::revised(&document, &Revision::default());
         assert!(matches!(revised, Err(Error::RemovedKey { .. })));
     }
+    for key in [
+        "window_s",
+        "max_slip_sigma",
+        "yaw_rate_sigma_deg_per_s",
+        "lateral_sigma_m_per_s",
+    ] {
+        let error = robot(&format!(
+            "format = 1\nname = \"r\"\n{WHEEL}[estimator]\n{key} = 0.5\n"
+        ));
+        let error = error.unwrap_err().to_string();
+        let says = format!("[estimator] no longer has the key `{key}`: ");
+        assert!(error.contains(&says), "{error}");
+    }
     let error = robot(&of("radius_sigma = 0.01")).unwrap_err();
     assert_eq!(
         error.to_string(),

@@ -88,11 +88,7 @@ fn mistakes_are_reported_with_their_place_and_what_was_meant() {
     assert!(mistake(field).0.contains("`wheel_count` needs a `wheel`"));
     let field =
         "[[topics.field]]\ntopic = \"/t\"\nfield = \"x\"\nmeaning = \"pose_x\"\nunit = \"m\"\n";
-    assert!(
-        mistake(field)
-            .0
-            .contains("`pose_x` needs `pose_y` beside it")
-    );
+    assert!(mistake(field).0.contains("`pose_x` needs `pose_y` too"));
 }
 
 #[test]

@@ -490,7 +490,7 @@ fn boxes_around_a_rim_are_its_lugs() {
     for (angles, note) in [
         (vec![], "wheels with lugs need"),
         (vec![0.0, 3.0], "wheels with lugs need"),
-        (even(20).skip(1).collect(), "19 boxes on the rim"),
+        (even(20).skip(1).collect(), "19 boxes on the circumference"),
     ] {
         let (converted, file) = made(&lugged(&bars(angles, "collision")));
         assert!(

@@ -66,11 +66,11 @@ fn robot_text() -> impl Strategy<Value = String> {
         (0.1..50.0_f64, -0.5..0.5_f64, 0.1..2.0_f64, any::<bool>()),
     );
     (head, proptest::collection::vec(wheel, 1..5)).prop_map(|(head, wheels)| {
-        let (name, (window, low, yaw), (mean, sigma, walk), (mass, x, inertia, has_body)) = head;
+        let (name, (fast, low, yaw), (mean, sigma, walk), (mass, x, inertia, has_body)) = head;
         // names that the topics have not
         let ignored = ["a", "b"].map(|end| format!("{name}{end}"));
         let mut text = format!(
-            "format = 1\nname = {name:?}\n[estimator]\nwindow_s = {window:?}\nlow_speed_m_per_s = {low:?}\n\
+            "format = 1\nname = {name:?}\n[estimator]\nmax_speed_m_per_s = {fast:?}\nlow_speed_m_per_s = {low:?}\n\
              yaw_sigma_deg = {yaw:?}\nposition_sigma_m = {:?}\nwheel_sensor = \"angle\"\n[filter]\nslip_mean = {mean:?}\n\
              slip_sigma = {sigma:?}\naccelerometer_drift_m_per_s2_sqrt_s = {walk:?}\nreference_latency_s = {:?}\n\
              [topics]\npose = {name:?}\n\

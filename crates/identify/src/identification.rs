@@ -115,6 +115,8 @@ pub struct WheelStage {
     pub numbers: Vec<WheelNumber>,
     /// Quantities whose readings lie further from the law than their stated scatter explains.
     pub misfits: Vec<Misfit>,
+    /// How far the zero of the measured sinkages is off, m, where the readings show it and no datum is fitted.
+    pub sinkage_shift: Option<f64>,
     /// Correlation of each pair of them.
     pub correlation: Vec<Vec<f64>>,
     /// Greatest over least singular value of the scaled Jacobian.
@@ -281,7 +283,12 @@ fn wheel_stage(
     let said = predict(&fixed, tests, &job.parameters, &best.x)?;
     let freedom = uncertainty.freedom as f64 / best.residuals.len() as f64;
     let squares: f64 = best.residuals.iter().map(|r| r * r).sum();
+    let variance = redundancy * f64::max(squares / uncertainty.freedom as f64, 1.0);
+    let has_datum = job.parameters.contains(&Parameter::SinkageDatum);
     out.wheel = Some(WheelStage {
+        sinkage_shift: (!has_datum)
+            .then(|| wheel::sinkage_shift(tests, job.scatter.sinkage, &best, variance))
+            .flatten(),
         misfits: wheel::misfits(tests, &said, &job.scatter, job.loss, freedom),
         said,
         tests: tests.to_vec(),

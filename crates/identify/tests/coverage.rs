@@ -105,8 +105,13 @@ fn laboratory_on_spots(seed: u64, plate_noise: f64, spots: f64, wheel: &[[f64; 5
 
 /// Slip, load, pull, torque and sinkage without noise.
 pub(crate) fn wheel_tests() -> Vec<[f64; 5]> {
+    tests_on(&open_soil())
+}
+
+/// The same on another soil.
+pub(crate) fn tests_on(soil: &OpenSoil) -> Vec<[f64; 5]> {
     let wheel = RigidWheel::new(0.13, 0.09).unwrap();
-    let wheel = WheelOnSoil::new(wheel, open_soil().soil().unwrap(), Settings::default()).unwrap();
+    let wheel = WheelOnSoil::new(wheel, soil.soil().unwrap(), Settings::default()).unwrap();
     let mut rows = Vec::new();
     for load in [70.0, 120.0] {
         for slip in [0.03, 0.08, 0.15, 0.25, 0.35, 0.5, 0.65] {

@@ -7,9 +7,9 @@ use grouser_identify::least_squares::{Loss, Verdict};
 use grouser_identify::plate::{Plate, PlateSettings, PlateTest, fit_plates};
 use grouser_identify::shear::{ShearReading, fit_shear};
 use grouser_identify::{Doubt, Identification, Job, Parameter, WheelNumber, identify};
-use grouser_terra::OpenSoil;
+use grouser_terra::{OpenSoil, RigidWheel};
 
-use crate::coverage::{found, open_soil, wheel_tests};
+use crate::coverage::{found, laboratory, open_soil, tests_on, wheel_tests};
 
 /// Only wheel tests, on a soil that is known.
 fn wheel_alone(job: &mut Job, known: &OpenSoil) {
@@ -72,6 +72,108 @@ fn loads_that_the_soil_does_not_bear_are_doubtful() {
         doubts.contains(&Doubt::HubBuried { buried, tests }),
         "{doubts:?}"
     );
+}
+
+/// Wheel tests alone, with the first `columns` of slip, load, pull, torque and sinkage.
+fn of_columns(wheel: &[[f64; 5]], columns: usize, fit: &[&str]) -> Vec<Doubt> {
+    let folder = laboratory(3, 0.03, wheel);
+    let table = std::fs::read_to_string(folder.join("wheel.csv")).unwrap();
+    let cut = |line: &str| line.split(',').take(columns).collect::<Vec<_>>().join(",");
+    let lines: Vec<String> = table.lines().map(cut).collect();
+    std::fs::write(folder.join("wheel.csv"), lines.join("\n")).unwrap();
+    let mut job = Job::read(&Document::read(&folder.join("tests.toml")).unwrap()).unwrap();
+    wheel_alone(&mut job, &open_soil());
+    let parameters = fit.iter().map(|key| Parameter::named(key).unwrap());
+    job.wheel.as_mut().unwrap().parameters = parameters.collect();
+    let doubts = identify(&job).unwrap().doubts();
+    std::fs::remove_dir_all(folder).unwrap();
+    doubts
+}
+
+/// Tests of a soil whose stress peaks far in front of the axle: with torque or sinkage c_1 is what it is.
+#[test]
+fn a_peak_far_in_front_by_pull_alone_is_doubtful() {
+    let is_pull_alone = |doubt: &Doubt| matches!(doubt, Doubt::PullAlone { c_1 } if *c_1 > 0.43);
+    let tests = tests_on(&open_soil().stress_position(0.6, 0.2));
+    for (columns, is_doubtful) in [(3, true), (4, false), (5, false)] {
+        let doubts = of_columns(&tests, columns, &["c_1"]);
+        assert_eq!(
+            doubts.iter().any(is_pull_alone),
+            is_doubtful,
+            "{columns} {doubts:?}"
+        );
+    }
+    let doubts = of_columns(&wheel_tests(), 3, &["c_1"]);
+    assert!(!doubts.iter().any(is_pull_alone), "{doubts:?}");
+}
+
+/// Readings lie 1.5 mm above the sinkage.
+#[test]
+fn a_zero_that_is_off_is_doubtful_without_a_datum() {
+    let fit = ["n_1", "c_1", "c_2"];
+    let zero = |tests: &[[f64; 5]], fit: &[&str]| {
+        let doubts = of_columns(tests, 5, fit);
+        doubts.iter().find_map(|doubt| match doubt {
+            Doubt::SinkageZero { shift } => Some(*shift),
+            _ => None,
+        })
+    };
+    let tests = wheel_tests();
+    let shift = zero(&tests, &fit).unwrap();
+    assert!((1.0e-3..2.0e-3).contains(&shift), "{shift}");
+    assert_eq!(
+        zero(&tests, &["n_1", "c_1", "c_2", "sinkage_datum_m"]),
+        None
+    );
+    let right: Vec<[f64; 5]> = tests
+        .iter()
+        .map(|[slip, load, pull, torque, z]| [*slip, *load, *pull, *torque, z - 1.5e-3])
+        .collect();
+    assert_eq!(zero(&right, &fit), None);
+}
+
+#[test]
+fn a_negative_datum_above_the_sinkage_is_doubtful() {
+    let fit = ["n_1", "c_1", "c_2", "sinkage_datum_m"];
+    let datum = |lowered: f64| {
+        let tests: Vec<[f64; 5]> = wheel_tests()
+            .iter()
+            .map(|[slip, load, pull, torque, z]| [*slip, *load, *pull, *torque, z - lowered])
+            .collect();
+        let doubts = of_columns(&tests, 5, &fit);
+        doubts.iter().find_map(|doubt| match doubt {
+            Doubt::DatumAboveSinkage { datum, read } => Some((*datum, *read)),
+            _ => None,
+        })
+    };
+    assert_eq!([datum(0.0), datum(3e-3)], [None; 2]);
+    let (datum, read) = datum(16e-3).unwrap();
+    assert!(
+        (datum + 14.5e-3).abs() < 1e-3 && read < 14e-3,
+        "{datum} {read}"
+    );
+}
+
+/// Plates of 80 to 180 mm, a wheel of 30 to 400 mm.
+#[test]
+fn a_wheel_of_another_size_than_the_plates_is_doubtful() {
+    let wheel = wheel_tests();
+    let size = |width: f64, more: Option<&str>| {
+        let doubts = found(1, 0.03, &wheel, |job| {
+            let job = job.wheel.as_mut().unwrap();
+            job.wheel = RigidWheel::new(0.13, width).unwrap();
+            job.parameters.extend(more.and_then(Parameter::named));
+        })
+        .doubts();
+        doubts.into_iter().find_map(|doubt| match doubt {
+            Doubt::PlateSize { plates, wheel } => Some((plates, wheel)),
+            _ => None,
+        })
+    };
+    assert_eq!([size(0.041, None), size(0.09, None)], [None; 2]);
+    assert_eq!(size(0.039, None), Some(((0.08, 0.18), 0.039)));
+    assert_eq!(size(0.37, None), Some(((0.08, 0.18), 0.37)));
+    assert_eq!(size(0.039, Some("k_phi_kn_per_m_n2")), None);
 }
 
 /// One load leaves nine numbers open: some end on a bound, and what depends on them is not known better than they are.

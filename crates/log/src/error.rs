@@ -347,7 +347,7 @@ impl Error {
                 Some("`offset_s` in `time` of the column map is added to a table's times".into())
             }
             Self::OutOfOrder { .. } => Some(
-                "sort the log by time, or split it; a column of the nanoseconds within a second is named beside that of the seconds: \
+                "sort the log by time, or split it; a column of the nanoseconds within a second is named with that of the seconds: \
                  `time = { column = \"sec\", unit = \"s\", nanoseconds = \"nanosec\" }`"
                     .into(),
             ),

@@ -12,13 +12,6 @@ const TO_CSV: &str = "export it as CSV";
 const KINDS: &[Kind] = &[
     (
         0,
-        b"SQLite format 3\0",
-        "a SQLite database, as rosbag2 wrote them",
-        "`pip install rosbags`, then `rosbags-convert --src DIR --dst OUT --dst-storage mcap` makes an MCAP file of \
-         the folder that holds it",
-    ),
-    (
-        0,
         b"ULog\x01\x12\x35",
         "a PX4 ULog file",
         "`pip install pyulog`, then `ulog2csv FILE` makes CSV tables",
@@ -64,12 +57,6 @@ const KINDS: &[Kind] = &[
         b"\x93NUMPY",
         "a NumPy array",
         "`python -c \"import numpy; numpy.savetxt('OUT.csv', numpy.load('FILE'), delimiter=',')\"` makes a CSV table",
-    ),
-    (
-        0,
-        b"$G",
-        "a log of NMEA sentences",
-        "`gpsbabel -t -i nmea -f FILE -o unicsv -F OUT.csv` makes a CSV table",
     ),
     (
         0,

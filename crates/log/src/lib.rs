@@ -51,5 +51,5 @@ pub use messages::{Clock, LOOK_AHEAD, LeftOut, Messages, Stamped};
 pub use recording::{Intake, Preview, UsedTopic};
 pub use series::{Series, series};
 pub use sheet::{Guess, Sheet, SheetColumn, SheetTime};
-pub use suggest::{suggest_for_sheets, suggest_for_survey};
+pub use suggest::{suggest_for_sheets, suggest_for_survey, suggest_robot};
 pub use survey::{Survey, Topic, Use};

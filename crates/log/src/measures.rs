@@ -30,4 +30,10 @@ pub trait Measures {
 
     /// The standard deviation of a place by the reference, m, where the messages state it.
     fn position_sigma(&self) -> Option<f64>;
+
+    /// The position of the sensor of the speed by the log's transforms, forwards and to the left of the robot's origin, m; the
+    /// speed is along the robot's axes.
+    fn speed_place(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
 }

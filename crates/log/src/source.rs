@@ -1,6 +1,7 @@
 //! What a log is read from: a file, or anything that can be read from any place.
 
-mod zstd_file;
+mod nmea;
+pub(crate) mod zstd_file;
 
 use std::fs;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
@@ -13,6 +14,7 @@ use grouser_files::regular;
 
 use crate::error::{Cell, Error, Result};
 use crate::foreign;
+use nmea::NmeaTable;
 use zstd_file::ZstdFile;
 
 /// How many bytes compressed data may unfold to in all for each of its own bytes, beyond the first 64 MiB: a file of many small bombs
@@ -297,15 +299,7 @@ impl Source {
             count: Arc::clone(count),
         };
         let mut file = BufReader::with_capacity(BUFFER_BYTES, counted);
-        let start = first_bytes(&mut file).map_err(|source| Error::Unreadable {
-            at: Cell {
-                file: self.name(),
-                line: 1,
-                column: None,
-                name: None,
-            },
-            source,
-        })?;
+        let start = first_bytes(&mut file).map_err(|source| unreadable(self.name(), source))?;
         if start == GZIP_MAGIC {
             let decoder = MultiGzDecoder::new(file);
             let mut text = BufReader::with_capacity(BUFFER_BYTES, decoder);
@@ -314,10 +308,23 @@ impl Source {
                 foreign::refuse_packed(&self.name(), start)?;
             }
             Ok(Box::new(text))
+        } else if nmea::begins(&start) {
+            let table = NmeaTable::new(file).map_err(|source| unreadable(self.name(), source))?;
+            Ok(Box::new(BufReader::new(table)))
         } else {
             Ok(Box::new(file))
         }
     }
+}
+
+fn unreadable(file: String, source: io::Error) -> Error {
+    let at = Cell {
+        file,
+        line: 1,
+        column: None,
+        name: None,
+    };
+    Error::Unreadable { at, source }
 }
 
 /// A source from its beginning, whose bytes are counted as they are read.

@@ -4,19 +4,54 @@
 //! every slip, are placeholders, with which the file is refused.
 
 use std::fmt::Write as _; // writing to a string cannot fail
+use std::io::{Read, Seek};
+use std::path::PathBuf;
 
 use grouser_files::columns::Meaning;
 use grouser_files::{PLACEHOLDER, TomlText};
 
+use crate::container::Container;
+use crate::error::Result;
 use crate::message::short;
 use crate::recording::speed_of_number;
 use crate::sheet::{
     Guess, Sheet, SheetColumn, guess, is_beyond_radians, is_second_clock, open_question, perhaps,
 };
+use crate::source::Source;
 use crate::survey::{Survey, Topic, Use};
 
 /// More wheels than a robot has.
 const WHEELS: usize = 16;
+
+/// A robot file for the files of one run, each with its name: recordings, or tables.
+///
+/// ```
+/// let bytes = std::fs::read("../../examples/five-wheel/log.csv")?;
+/// let robot = grouser_log::suggest_robot([("log.csv".into(), std::io::Cursor::new(bytes))])?;
+/// assert!(robot.contains("radius_m = \"measure\"") && robot.contains("meaning = \"yaw_rate\""));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Of a file that is no log, or cannot be read.
+pub fn suggest_robot(
+    files: impl IntoIterator<Item = (PathBuf, impl Read + Seek + Send + 'static)>,
+) -> Result<String> {
+    let (mut recordings, mut tables) = (Vec::new(), Vec::new());
+    for (name, source) in files {
+        let source = Source::over(&name, source);
+        if Container::kind_of(&source)?.is_some() {
+            recordings.push(source);
+        } else {
+            tables.push((Sheet::from_source(&source, |_| ())?, source.name()));
+        }
+    }
+    if recordings.is_empty() {
+        let tables = tables.iter().map(|(sheet, name)| (sheet, name.as_str()));
+        return Ok(suggest_for_sheets(tables));
+    }
+    Survey::from_sources(&recordings, |_| ()).map(|survey| suggest_for_survey(&survey))
+}
 
 /// A robot file for a bag or an MCAP file.
 #[must_use]
@@ -385,15 +420,15 @@ fn robot(
 ) -> String {
     let mut out = String::from(
         "# Proposed by `grouser log info --suggest-robot`: replace \"measure\" by numbers and check the others.\n\
-         format = 1\nname = \"robot\"\n\n[estimator]\nwindow_s = 0.5\n",
+         format = 1\nname = \"robot\"\n",
     );
     let both = [("left".to_owned(), None), ("right".to_owned(), None)];
     let wheels = if wheels.is_empty() { &both } else { wheels };
     let free = wheels.iter().any(|(name, _)| is_free(name));
     if !free && needs_reference {
         out.push_str(
-            "# reference = \"speed\"  # or pose, displacement, free-wheel: nothing that surely measures the ground \
-             was found, so slip counts from the wheel that grips best\n",
+            "\n[estimator]\n# reference = \"speed\"  # or pose, displacement, free-wheel: nothing that surely measures the \
+             ground was found, so only the wheels' differences of slip are observable\n",
         );
     }
     if !topics.is_empty() {

@@ -13,6 +13,7 @@ use crate::messages::stamp_of;
 use crate::recording::{
     FirstTransforms, is_command, is_over_ground, is_static, is_unmeasured, poses,
 };
+use crate::source::Source;
 
 /// Intervals are counted in bins, this many to a doubling.
 const BINS_PER_DOUBLING: f64 = 8.0;
@@ -150,12 +151,17 @@ impl Survey {
     ///
     /// # Errors
     /// As [`Survey::read`]; [`Error::Empty`](crate::Error::Empty) without a file.
-    pub fn read_run(paths: &[PathBuf], mut progress: impl FnMut(u64)) -> Result<Self> {
+    pub fn read_run(paths: &[PathBuf], progress: impl FnMut(u64)) -> Result<Self> {
+        let sources: Vec<Source> = paths.iter().cloned().map(Source::file).collect();
+        Self::from_sources(&sources, progress)
+    }
+
+    pub(crate) fn from_sources(sources: &[Source], mut progress: impl FnMut(u64)) -> Result<Self> {
         let (mut tallies, mut transforms) = (Vec::new(), FirstTransforms::default());
         let mut survey = None;
         let mut bytes_before = 0;
-        for path in paths {
-            let mut container = Container::open(path)?;
+        for source in sources {
+            let mut container = Container::from_source(source)?;
             let survey = survey.get_or_insert_with(|| Self {
                 format: container.format(),
                 topics: Vec::new(),

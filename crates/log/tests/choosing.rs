@@ -131,7 +131,7 @@ fn way(name: &'static str) -> Message {
     )
 }
 
-fn fix(name: &'static str, variance: f64) -> Message {
+pub(crate) fn fix(name: &'static str, variance: f64) -> Message {
     let mut covariance = [0.0; 9];
     (covariance[0], covariance[4]) = (variance, variance);
     let status = build::message([("status", Value::Int(2)), ("service", Value::UInt(1))]);
@@ -207,7 +207,7 @@ fn what_the_robot_file_names_must_fit() {
         ("speed = \"/odom\"", Some("/odom: speed over ground")),
         ("speed = \"/t\"", Some("/t: speed over ground")),
         ("speed = \"/p\"", None),
-        ("fix = \"/f\"", Some("/f: way between fixes")),
+        ("fix = \"/f\"", Some("/f: displacement between fixes")),
         ("fix = \"/p\"", None),
         ("command = \"/t\"", Some("/t: commanded speed")),
         ("command = \"/p\"", None),
@@ -249,19 +249,16 @@ fn names_and_types_decide_the_rest() {
             vec![pose("/goal_pose"), pose("/pose"), pose("/other")],
             vec!["/pose: pose"],
         ),
-        (
-            vec![way("/way"), way("/other")],
-            vec!["/way: way since the last message"],
-        ),
+        (vec![way("/way"), way("/other")], vec!["/way: displacement"]),
         // fixes where nothing else measures the place
         (
             vec![fix("/fix", 1e-4), fix("/other", 1e-4)],
-            vec!["/fix: way between fixes"],
+            vec!["/fix: displacement between fixes"],
         ),
         (vec![fix("/fix", 1e-4), pose("/pose")], vec!["/pose: pose"]),
         (
             vec![fix("/fix", 1e-4), way("/way")],
-            vec!["/way: way since the last message"],
+            vec!["/way: displacement"],
         ),
         (
             vec![twist("/vicon/twist")],
@@ -748,7 +745,10 @@ fn stamps_ten_seconds_apart_are_of_one_clock() {
         shifted.3 = build::joint_state(build::header(ahead + 5, ""), &["left"], [&[], &[0.5], &[]]);
         let found = log(&[shifted, imu("/imu", FLAT, [0.0; 3])], "");
         assert_eq!(
-            found.notes().iter().any(|note| note.contains("10 s apart")),
+            found
+                .notes()
+                .iter()
+                .any(|note| note.contains("differ by 10 s")),
             is_noted,
             "{:?}",
             found.notes()
@@ -1335,7 +1335,10 @@ fn places_without_a_heading_are_ways_along_the_course() {
         .collect();
     for (wanted, sigma) in [("", 0.05), ("pose = \"/leica/point\"", 0.05)] {
         let found = log(&places, wanted);
-        assert_eq!(used(&found), ["/leica/point: way between places"]);
+        assert_eq!(
+            used(&found),
+            ["/leica/point: displacement between positions"]
+        );
         assert_eq!(found.position_sigma(), Some(sigma));
         assert_eq!(
             found.notes(),
@@ -1380,8 +1383,14 @@ fn places_without_a_heading_are_ways_along_the_course() {
     all.push(pose("/pose"));
     assert_eq!(chosen(&all, ""), ["/pose: pose"]);
     all[5] = fix("/fix", 1e-4);
-    assert_eq!(chosen(&all, ""), ["/leica/point: way between places"]);
-    assert_eq!(chosen(&all, "fix = \"/fix\""), ["/fix: way between fixes"]);
+    assert_eq!(
+        chosen(&all, ""),
+        ["/leica/point: displacement between positions"]
+    );
+    assert_eq!(
+        chosen(&all, "fix = \"/fix\""),
+        ["/fix: displacement between fixes"]
+    );
 }
 
 /// The position of a joint that turns by 1 rad a message, wrapped between -π and π.

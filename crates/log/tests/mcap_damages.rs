@@ -341,7 +341,7 @@ fn behind_the_end_of_the_data_there_are_no_messages() {
         message(&mut file, 1, 1, b"one");
         channel(&mut file, 2, 0, b"/u", b"json");
         finish(&mut file);
-        let damage = lost(place, 0, "a message stands behind the end of the data");
+        let damage = lost(place, 0, "a message follows the end of the data");
         let expected = if is_end {
             (vec![], vec![damage])
         } else {

@@ -10,6 +10,7 @@ use grouser_log::{Error, Log, Sheet, suggest_for_sheets};
 use grouser_slip::Measurement;
 
 use crate::carts::{Message, log, readings, robot};
+use crate::choosing::fix;
 use crate::recordings::write;
 use crate::scratch::Folder;
 
@@ -95,24 +96,84 @@ fn a_field_leaves_the_other_contents_of_its_topic_free() {
     assert!(log.measures(Meaning::WheelSteering) && log.measures(Meaning::WheelRate));
 }
 
+/// A sensor 0.4 m to the left of the origin that looks to the left.
+fn beside(frame: &str) -> Message {
+    let transform = build::message([
+        ("header", build::header(5, "base_link")),
+        ("child_frame_id", Value::Text(frame.into())),
+        (
+            "transform",
+            build::message([
+                ("translation", build::vector([0.0, 0.4, 0.2])),
+                ("rotation", build::turn(std::f64::consts::FRAC_PI_2)),
+            ]),
+        ),
+    ]);
+    let transforms = build::message([("transforms", Value::Array(vec![transform]))]);
+    ("/tf_static", "tf2_msgs/TFMessage", 5, transforms)
+}
+
+#[test]
+fn the_speed_of_a_mounted_sensor_is_along_the_robots_axes() {
+    for (keys, place, along) in [
+        ("", [0.0, 0.4], [0.5, 0.1]),
+        // the robot file outranks the transforms
+        (
+            "[estimator]\nreference_x_m = 0.1\n",
+            [0.0, 0.0],
+            [0.1, -0.5],
+        ),
+    ] {
+        let folder = Folder::new("mounted-speed");
+        let speed = |k: i64| {
+            let value = build::twist_stamped(build::header(k, "radar"), [0.1, -0.5, 0.0], [0.0; 3]);
+            ("/radar/speed", "geometry_msgs/TwistStamped", k, value)
+        };
+        let mut messages = vec![beside("radar")];
+        for k in 1..=5 {
+            messages.extend([speed(1000 * k), joints(1000 * k, 1000 * k, [0.1, 1.0])]);
+        }
+        let log = log(
+            &folder,
+            &format!("{keys}[topics]\nspeed = \"/radar/speed\""),
+            &messages,
+        );
+        assert_eq!(grouser_log::Measures::speed_place(&log), place);
+        let mut count = 0;
+        for sample in readings(&log) {
+            if let Measurement::Speed { forward, left } = sample.measurement {
+                count += 1;
+                let error = (forward - along[0]).abs() + (left.unwrap() - along[1]).abs();
+                assert!(error < 1e-12, "{sample:?}");
+            }
+        }
+        assert_eq!(count, 5);
+    }
+}
+
+/// An antenna beside the origin needs a gyro: that it is known shows in the note.
+#[test]
+fn the_place_of_an_antenna_is_that_of_the_transforms() {
+    for (frame, is_beside) in [("gps", true), ("other", false)] {
+        let folder = Folder::new("mounted-antenna");
+        let messages = [beside(frame), fix("/fix", 1e-4)];
+        let log = log(&folder, "", &messages);
+        let has_note = |note: &String| note.contains("the antenna is not above");
+        assert_eq!(
+            log.notes().iter().any(has_note),
+            is_beside,
+            "{:?}",
+            log.notes()
+        );
+    }
+}
+
 /// A camera 0.4 m to the left of the origin that looks to the left: its odometry becomes that of the robot.
 #[test]
 fn the_pose_of_a_mounted_sensor_is_that_of_the_robot() {
     let folder = Folder::new("mounted");
     let quarter = std::f64::consts::FRAC_PI_2;
-    let transform = build::message([
-        ("header", build::header(5, "base_link")),
-        ("child_frame_id", Value::Text("camera".into())),
-        (
-            "transform",
-            build::message([
-                ("translation", build::vector([0.0, 0.4, 0.2])),
-                ("rotation", build::turn(quarter)),
-            ]),
-        ),
-    ]);
-    let transforms = build::message([("transforms", Value::Array(vec![transform]))]);
-    let mut messages: Vec<Message> = vec![("/tf_static", "tf2_msgs/TFMessage", 5, transforms)];
+    let mut messages = vec![beside("camera")];
     // the robot turns on the spot at (2, 1)
     for k in 1..=20_i64 {
         let yaw = 0.1 * k as f64;
@@ -158,14 +219,12 @@ fn files_of_other_programs_are_named_with_what_converts_them() {
         (b"PAR1\x15\x04", "Parquet", "read_parquet"),
         (b"ARROW1\0\0\x10", "Arrow", "read_feather"),
         (b"\x93NUMPY\x01\0", "NumPy", "savetxt"),
-        (b"$GPGGA,123519,4807.038,N", "NMEA", "gpsbabel"),
         (b"\xb5\x62\x01\x07", "UBX", "CSV"),
         (b"PK\x03\x04\x14\0", "ZIP", "unzip"),
         (b"7z\xbc\xaf\x27\x1c\0\x04", "7z", "7z x"),
         (b"\xfd7zXZ\0\0\x04", "xz", "unxz"),
         (b"BZh91AY&SY\0\0", "bzip2", "bunzip2"),
         (b"\x04\x22\x4d\x18\x40", "LZ4", "lz4 -d"),
-        (b"SQLite format 3\0\x10\0", "SQLite", "rosbags-convert"),
         (
             b"version https://git-lfs.github.com/spec/v1\n",
             "Git LFS",

@@ -135,9 +135,9 @@ fn values<'a>(text: &'a str, key: &str) -> Vec<&'a str> {
 }
 
 const HEAD: &str = "# Proposed by `grouser log info --suggest-robot`: replace \"measure\" by numbers and check the others.\n\
-    format = 1\nname = \"robot\"\n\n[estimator]\nwindow_s = 0.5\n";
-const REFERENCE: &str = "# reference = \"speed\"  # or pose, displacement, free-wheel: nothing that surely measures the ground was \
-    found, so slip counts from the wheel that grips best\n";
+    format = 1\nname = \"robot\"\n";
+const REFERENCE: &str = "\n[estimator]\n# reference = \"speed\"  # or pose, displacement, free-wheel: nothing that surely measures the \
+    ground was found, so only the wheels' differences of slip are observable\n";
 
 /// The lines of a wheel; `joint` and `counter` are further ones.
 fn wheel([name, joint, x, y, drive, counter]: [&str; 6]) -> String {
@@ -565,10 +565,10 @@ fn names_that_leave_it_open_are_asked_about() {
 fn ways_poses_and_rates_as_they_are_logged() {
     let ground =
         "# if it measures the ground (camera, GNSS, lidar); not if it was made of the wheels";
-    let way = "# if it is the way of the wheels since some start: `wheel` names one";
+    let way = "# if it is the distance driven by the wheels since some start: `wheel` names one";
     let yaw = "# if it is the heading of the pose and counts to the left; `scale = -1.0` if it counts to the right";
     let too_fast = "# its numbers are more than a robot turns in rad/s";
-    let rim = "# `wheel_distance`, if it is the way of a rim since some start, and its unit?";
+    let rim = "# `wheel_distance`, if it is the distance driven by a wheel since some start, and its unit?";
     for (header, numbers, line) in [
         (
             "WENC.Dist0",

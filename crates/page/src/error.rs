@@ -16,7 +16,7 @@ pub enum Error {
         line: String,
     },
     /// Two scripts import each other.
-    #[error("{file} imports itself by way of others")]
+    #[error("{file} imports itself through others")]
     Circle {
         /// One of the scripts.
         file: String,

@@ -35,6 +35,7 @@ pub const ALL: &[(&str, &str)] = &[
     file!("player.js"),
     file!("report.js"),
     file!("requests.js"),
+    file!("robot_draft.js"),
     file!("robot_view.js"),
     file!("run.js"),
     file!("run_charts.js"),

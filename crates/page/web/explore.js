@@ -464,7 +464,7 @@ export class Explore {
     for (const { chart, quantity } of this.#charts.values()) {
       const best = quantity.best ? this.#best[quantity.best] : null;
       chart.show({
-        marks: best ? [{ x: best.slip, y: best[quantity.key] * quantity.scale, colour: 'var(--curve-1)', name: `greatest: ${shown(best[quantity.key] * quantity.scale)} ${quantity.unit} at slip ${shown(best.slip)}` }] : [],
+        marks: best ? [{ x: best.slip, y: best[quantity.key] * quantity.scale, colour: 'var(--curve-1)', name: `maximum: ${shown(best[quantity.key] * quantity.scale)} ${quantity.unit} at slip ${shown(best.slip)}` }] : [],
       });
     }
     this.#showReadouts(this.#state, this.point);

@@ -13,13 +13,14 @@ export function factsOf(run, others, seconds) {
   if (run.kind === 'drive') {
     items.push(
       item('Outcome', run.outcome, '', `driver ${run.controller}, slip setpoint ${shown(run.optimum_slip)}`),
-      item('Way', shown(run.distance_m), 'm', 'along the legs'),
+      item('Distance', shown(run.distance_m), 'm', 'along the legs'),
       item('Energy', shown(run.energy_j), 'J', run.energy_j_per_m === null ? '' : `${shown(run.energy_j_per_m)} J/m; ${shown((100 * run.energy_in_soil_j) / run.energy_j, 2)} % into the soil`),
-      item('Slip error', shown(run.slip_rmse, 2), '', `root mean square; greatest slip ${shown(run.worst_slip, 2)}`));
-    if (run.planned) items.push(item('Plans anew', String(run.planned.replans), '', `held ${run.planned.held} times; risk of a place at most ${shown(run.planned.risk, 2)}; squares: soil that was learnt`));
+      item('Slip error', shown(run.slip_rmse, 2), '', `root mean square; maximum slip ${shown(run.worst_slip, 2)}`));
+    if (run.planned) items.push(item('Replanned', String(run.planned.replans), 'times', `backed out ${run.planned.held} times; probability of immobilisation at most ${shown(run.planned.risk, 2)}; squares: soil that was learnt`));
     for (const other of others.slice(0, 4)) items.push(item('Compared', other.controller, '', `${other.outcome}, ${shown(other.distance_m)} m, ${shown(other.energy_j)} J: grey on the map`));
   } else {
-    if (run.distance_m !== null && run.distance_m !== undefined) items.push(item('Way', shown(run.distance_m), 'm', 'by the estimator’s odometry'));
+    if (run.distance_m !== null && run.distance_m !== undefined) items.push(item('Distance', shown(run.distance_m), 'm', 'by the estimator’s odometry'));
+    if (run.slip_overall !== null && run.slip_overall !== undefined) items.push(item('Slip', shown(run.slip_overall), '', 'over the total distance'));
     for (const wheel of run.wheels) if (wheel.median_slip !== null && wheel.median_slip !== undefined) items.push(item(wheel.name, shown(wheel.median_slip), '', 'median slip'));
   }
   return items;
@@ -48,12 +49,12 @@ export function soilTable({ soil, known_soil: known }) {
   const contacts = soil.contact_readings ? `, ${soil.contact_readings} of them with sinkages or entry angles` : '';
   return h('section', { class: 'learnt', 'aria-label': 'Soil that was learnt' }, h('h2', {}, 'Soil that was learnt'),
     h('table', {}, h('thead', {}, h('tr', {}, ['', 'mean', '90 % interval', ''].map((name) => h('th', { scope: 'col' }, name || h('span', { class: 'sr-only' }, 'number or picture'))))), h('tbody', {}, rows.map(interval))),
-    h('p', { class: 'muted' }, `From ${soil.readings} readings${contacts}; ${soil.changes} changes of belief. The intervals hold if the soil is of this kind: on others half of them held. The upright line is the known soil.`));
+    h('p', { class: 'muted' }, `From ${soil.readings} readings${contacts}; ${soil.changes} changes of belief. The intervals hold for soils of the known kind; on other soils half of them held. The upright line is the known soil.`));
 }
 
-/** What is doubtful of a run, or left out. */
+/** Why a run is uncertain, what restricts it, and what is left out. */
 export function notesOf(run) {
-  const notes = [...(run.doubts ?? []).map((text) => h('li', { class: 'is-error' }, `Doubtful: ${text}`))];
+  const notes = [...(run.doubts ?? []).map((text) => h('li', { class: 'is-error' }, `WARNING: ${text}`)), ...(run.reservations ?? []).map((text) => h('li', {}, text))];
   if (run.every > 1) notes.push(h('li', {}, `The log is long: every ${run.every}th moment is shown; motion and health are complete.`));
   return notes;
 }

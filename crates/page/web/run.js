@@ -64,15 +64,16 @@ export class Run {
     this.decisions = h('section', { class: 'card decisions', 'aria-label': 'Decisions and states' });
     this.empty = h('section', { class: 'card drop' },
       h('h2', {}, 'A run under one cursor of time'),
-      h('p', {}, 'Drop files here: a robot’s log (CSV, MCAP, ROS 1 bag; all files of a split one, or its folder) with its robot file and column map, the table of ', h('code', {}, 'grouser estimate -o'), ', or a scenario with its robot file. They stay on this machine.'));
+      h('p', {}, 'Drop files here: a robot’s log (CSV, MCAP, ROS bag; all files of a split one, or its folder), alone or with its robot file and column map, the table of ', h('code', {}, 'grouser estimate -o'), ', or a scenario with its robot file. They stay on this machine.'));
     this.body = h('div', { class: 'run-body', hidden: true }, this.player.element,
       h('div', { class: 'run-grid' },
         h('div', { class: 'run-side' }, this.#mapCard(), h('div', { class: 'run-pair' }, this.#factsCard(), this.robotView.element)),
         h('div', { class: 'run-side' }, this.charts.slip.element, this.decisions)),
       h('div', { class: 'run-more' }, this.charts.element, h('div', { class: 'run-tools' }, this.charts.multiplesButton, figureButton(() => ({ charts: this.charts.visible, description: this.#run.title, name: 'run' }))), this.charts.multiples));
+    this.draft = h('div', { hidden: true });
     this.drives = h('div', { hidden: true });
     this.provenance = h('div', {});
-    const view = h('div', { class: 'run' }, this.#source.tools, this.#source.names, this.empty, this.drives, this.body, this.provenance);
+    const view = h('div', { class: 'run' }, this.#source.tools, this.#source.names, this.empty, this.draft, this.drives, this.body, this.provenance);
     this.#source.acceptDrops(view);
     return view;
   }
@@ -84,9 +85,9 @@ export class Run {
     });
     const names = ['0', ...SLIP_CLASSES.slice(0, -1).map(String)];
     const key = SLIP_CLASSES.map((limit, i) => h('span', { class: `slip-key slip-key-${i}` }, i === SLIP_CLASSES.length - 1 ? `over ${names[i]}` : `to ${limit}`));
-    this.mapCard = h('section', { class: 'card map', 'aria-label': 'Way of the robot' },
-      h('header', {}, h('h2', {}, 'Way, coloured by slip'), this.modeBadge = h('span', { class: 'badge' })), this.track.element,
-      h('p', { class: 'key' }, h('span', { class: 'plain' }, 'greatest slip of the wheels:'), key), this.place);
+    this.mapCard = h('section', { class: 'card map', 'aria-label': 'Path of the robot' },
+      h('header', {}, h('h2', {}, 'Path, coloured by slip'), this.modeBadge = h('span', { class: 'badge' })), this.track.element,
+      h('p', { class: 'key' }, h('span', { class: 'plain' }, 'maximum slip of the wheels:'), key), this.place);
     return this.mapCard;
   }
 
@@ -95,7 +96,7 @@ export class Run {
     const soils = this.#run?.ground?.soils ?? [];
     const ground = soils.length > 1 ? `ground: ${soils[0]}; tinted: ${soils.slice(1).join(', ')}` : soils.length ? `ground: ${soils[0]}` : '';
     const drivers = this.#others.map(({ controller }) => controller).filter(Boolean);
-    return [ground, drivers.length ? `grey: the way of ${drivers.join(', ')}` : ''].filter(Boolean).join('; ');
+    return [ground, drivers.length ? `grey: the path of ${drivers.join(', ')}` : ''].filter(Boolean).join('; ');
   }
 
   #factsCard() {
@@ -107,7 +108,7 @@ export class Run {
 
   // ---- what the source hands over -----------------------------------------------------------
 
-  /** Shows a report: its runs, the controller's first, and what stands beside them. */
+  /** Shows a report: its runs, the controller's first, and what belongs to them. */
   report(report) {
     const { runs, drives, provenance, sources: more, note } = report;
     const shownRun = (i) => this.show(runs[i], runs.filter((_, k) => k !== i));
@@ -121,7 +122,23 @@ export class Run {
   show(run, others = this.#isRival(run) ? [this.#run] : []) {
     this.#others = others.map(inColumns);
     this.#begin(inColumns(run));
-    this.player.seek(this.#start());
+    this.player.seek(this.#firstMotion());
+  }
+
+  /** What is asked before a log can be estimated; it stays, to be changed. */
+  propose(element) {
+    this.draft.replaceChildren(element);
+    this.draft.hidden = false;
+    this.empty.hidden = true;
+    this.body.hidden = true;
+  }
+
+  /** When a wheel of a log first moves: before that there is nothing to see. */
+  #firstMotion() {
+    if (this.#run.kind === 'drive') return this.#start();
+    const begins = this.#run.wheels.map(({ motion }) => motion?.find(([, name]) => name === 'Driving')?.[0] ?? Infinity);
+    const first = Math.min(...begins);
+    return Number.isFinite(first) ? first : this.#start();
   }
 
   /** Is `run` a drive of the scenario that is shown, by another driver? */
@@ -155,6 +172,7 @@ export class Run {
     if (this.#run !== run) this.begin(run);
     this.player.end();
     this.#refresh();
+    if (!run.is_live && this.player.time === this.#start()) this.player.seek(this.#firstMotion());
   }
 
   /** Nothing grows any more. */

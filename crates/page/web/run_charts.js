@@ -1,4 +1,4 @@
-// The charts of a run over time: slip with sigma, rim speeds, speed, torque, energy, and one chart for each wheel.
+// The charts of a run over time: slip with sigma, rim speeds, speed, torque, energy, tip-over margin, and one chart for each wheel.
 
 import { Chart, plotWidth } from './chart.js';
 import { h } from './dom.js';
@@ -69,18 +69,19 @@ export class RunCharts {
     this.rims = chart('Rim speed of each wheel, as logged', { name: 'Speed', unit: 'm/s' });
     this.torque = chart('Torque of each motor', { name: 'Torque', unit: 'N m' });
     this.energy = chart('Electrical energy used', { name: 'Energy', unit: 'J' }, { zero: true });
+    this.margin = chart('Tip-over margin', { name: 'Margin', unit: 'deg' }, { zero: true });
     this.todoKey = h('span', { class: 'key-todo' }, 'not estimated yet');
     this.peaksKey = h('span', { class: 'plain', hidden: true });
     this.slip.element.append(
       h('p', { class: 'key' }, h('span', { class: 'key-band' }, 'band: one sigma'), h('span', { class: 'key-rest' }, 'at rest: no slip'), h('span', { class: 'key-lost' }, 'nothing measures the speed'), this.todoKey, this.peaksKey),
       table);
-    this.element = h('div', { class: 'charts' }, this.rims.element, this.speed.element, this.torque.element, this.energy.element);
+    this.element = h('div', { class: 'charts' }, this.rims.element, this.speed.element, this.torque.element, this.margin.element, this.energy.element);
     this.multiplesButton = h('button', { type: 'button', class: 'quiet multiples-button', 'aria-expanded': 'false', on: { click: () => this.#toggleMultiples() } }, 'One chart for each wheel');
     this.multiples = h('div', { class: 'charts' });
   }
 
   #all() {
-    return [this.slip, this.rims, this.speed, this.torque, this.energy, ...this.#many];
+    return [this.slip, this.rims, this.speed, this.torque, this.margin, this.energy, ...this.#many];
   }
 
   /** The charts that are shown. */
@@ -104,11 +105,12 @@ export class RunCharts {
     const peaks = scaleWithoutPeaks(run, visible, range);
     this.peaksKey.hidden = !peaks;
     if (peaks) this.peaksKey.textContent = `peaks from ${shown(peaks.low, 2)} to ${shown(peaks.high, 2)} are cut off`;
-    this.slip.show({ range, spans, cursor, scale: peaks?.scale ?? null, series: visible.flatMap((wheel) => this.#slipSeries(wheel, pixels)) });
     const line = (times, values, look) => {
       const places = thinned(times, values, range, pixels);
       return { x: valuesAt(times, places), y: valuesAt(values, places), width: 1.6, ...look };
     };
+    const setpoint = run.slip_setpoint ? [line(run.time_s, run.slip_setpoint, { name: 'setpoint', colour: 'var(--muted)', dash: '6 4' })] : [];
+    this.slip.show({ range, spans, cursor, scale: peaks?.scale ?? null, series: [...visible.flatMap((wheel) => this.#slipSeries(wheel, pixels)), ...setpoint] });
     const columns = (list) => list.filter(([, column]) => column).map(([name, column, look]) => line(run.time_s, column, { name, ...look }));
     const draw = (chart, is, series, spansShown = []) => {
       chart.element.hidden = !is;
@@ -122,10 +124,13 @@ export class RunCharts {
     ]), spans);
     const turned = visible.filter(({ torque_nm: torque }) => torque?.some((value) => value));
     draw(this.torque, turned.length, () => columns(turned.map(({ name, torque_nm: torque, look }) => [name, torque, { colour: look.colour }])));
-    draw(this.energy, run.used_energy_j, () => {
-      const ghosts = others.map((other) => line(other.time_s, other.used_energy_j, { name: other.controller, colour: 'var(--muted)', dash: '3 3', width: 1.3, ghost: true }));
-      return [...columns([[run.controller ?? 'used', run.used_energy_j, { colour: CURVES[2].colour }]]), ...ghosts];
+    // what is compared with other drives of the same ground
+    const compared = (chart, key, look) => draw(chart, run[key], () => {
+      const ghosts = others.filter((other) => other[key]).map((other) => line(other.time_s, other[key], { name: other.controller, colour: 'var(--muted)', dash: '3 3', width: 1.3, ghost: true }));
+      return [...columns([[run.controller ?? 'used', run[key], look]]), ...ghosts];
     });
+    compared(this.margin, 'tip_over_margin_deg', CURVES[0]);
+    compared(this.energy, 'used_energy_j', { colour: CURVES[2].colour });
     this.#shown.spans = spans;
     if (isOther && this.#many.length) this.#makeMultiples();
     this.#drawMultiples();

@@ -119,7 +119,7 @@ export function column(values) {
   return out;
 }
 
-const BODY = ['time_s', 'x_m', 'y_m', 'heading_deg', 'progress_m', 'speed_m_per_s', 'estimated_speed_m_per_s', 'requested_speed_m_per_s', 'used_energy_j'];
+const BODY = ['time_s', 'x_m', 'y_m', 'heading_deg', 'progress_m', 'speed_m_per_s', 'estimated_speed_m_per_s', 'requested_speed_m_per_s', 'used_energy_j', 'tip_over_margin_deg', 'slip_setpoint'];
 const OF_WHEEL = ['slip', 'slip_sigma', 'true_slip', 'torque_nm', 'sinkage_m', 'drawbar_pull_n', 'side_force_n', 'load_n', 'wheel_x_m', 'wheel_y_m', 'wheel_heading_deg'];
 
 /** A run in typed columns. */

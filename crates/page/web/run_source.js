@@ -6,6 +6,7 @@ import { GrowingRun, follow, readPart } from './growth.js';
 import { droppedFiles, withFiles } from './opening.js';
 import { Refusal, blockBytes, hasModule } from './physics.js';
 import { readReport } from './report.js';
+import { RobotDraft } from './robot_draft.js';
 import { BadFile, runOfEstimates } from './run_data.js';
 
 /** The value of a key in the text of a table, as it is written. */
@@ -36,7 +37,7 @@ function withGround(scenario, robot, soil) {
   return withValue(on, 'title', `"Wheels of ${millimetres('radius_m')} × ${millimetres('width_m')} mm on ${valueOf(on, 'soil').replaceAll('"', '')}"`);
 }
 
-/** What opens runs; each is handed to `view`: `show(run)`, `begin(run)`, `grown(run, words)`, `ended(run)`, `report(it)`. */
+/** What opens runs; each is handed to `view`: `show(run)`, `propose(element)`, `begin(run)`, `grown(run, words)`, `ended(run)`, `report(it)`. */
 export class RunSource {
   #drive;
   #log;
@@ -131,11 +132,14 @@ export class RunSource {
     } else if (log && robot) {
       await this.#estimate(log, robot, columns);
       delete this.#files.log;
+    } else if (log) {
+      await this.#propose(log);
+      return;
     } else if (scenario && robot) {
       await this.#simulate(`driving ${scenario.name}`, { name: scenario.name.replace(/\.toml$/, ''), scenario: scenario.text, robot: robot.text, pilot: 'controller' });
       delete this.#files.scenario;
     } else {
-      const wants = log ? `${log.name}: the robot file (TOML) that describes its wheels and sensors is needed too` : scenario ? `${scenario.name}: the robot file that it names is needed too` : 'a log or a scenario is needed too';
+      const wants = scenario ? `${scenario.name}: the robot file that it names is needed too` : 'a log or a scenario is needed too';
       this.#say(wants);
       return;
     }
@@ -186,6 +190,25 @@ export class RunSource {
     }
   }
 
+  /** Asks about a log, whose files go one behind the other. */
+  async #askOf({ name, files }, request, take) {
+    const logs = files.map((file) => ({ name: file.name, bytes: file.size }));
+    return this.#log.ask({ ...request, log_name: name, logs }, { file: await new Blob(files).arrayBuffer(), take });
+  }
+
+  /** A log without a robot file: what it holds, and what must be asked. */
+  async #propose(log) {
+    this.#say(`reading ${log.name} …`);
+    delete this.#files.log;
+    const { robot } = await this.#askOf(log, { call: 'suggest' });
+    const estimate = (text) => this.#saying(async () => {
+      this.#files = { ...this.#files, log, robot: { name: 'robot.toml', text } };
+      await this.#go();
+    });
+    this.#view.propose(new RobotDraft(robot, estimate).element);
+    this.#say(`${log.name}: two numbers are needed at most`);
+  }
+
   /** A log through the estimator beside the page: its rim speeds at once, its slips as they are found. */
   async #estimate({ name, files }, robot, columns) {
     this.#say(`reading ${name} …`);
@@ -201,11 +224,8 @@ export class RunSource {
       }
       this.#grown(run, () => `estimated to ${clock(run.time_s.at(-1) ?? 0)} of ${clock(run.end_s)}; what is there can be looked at`);
     };
-    const request = { call: 'estimate', log_name: name, logs: files.map((file) => ({ name: file.name, bytes: file.size })), robot: robot.text, columns: columns?.text ?? null };
     try {
-      // one behind the other
-      const file = await new Blob(files).arrayBuffer();
-      growing.end(await this.#log.ask(request, { file, take }));
+      growing.end(await this.#askOf({ name, files }, { call: 'estimate', robot: robot.text, columns: columns?.text ?? null }, take));
       this.#view.ended(growing.run);
       this.timings.compute = (performance.now() - started) / 1e3;
       this.#say(`${clock(growing.run.time_s.at(-1) - growing.run.time_s[0])} estimated in ${shown(this.timings.compute, 2)} s`);

@@ -8,7 +8,7 @@ export const SOIL_FIELDS = [
   { key: 'cohesion_kpa', name: 'Cohesion', symbol: 'c', unit: 'kPa', low: 0, high: 20, step: 0.01 },
   { key: 'phi_deg', name: 'Friction angle', symbol: 'φ', unit: '°', low: 0, high: 50, step: 0.1 },
   { key: 'k_shear_m', name: 'Shear modulus', symbol: 'K', unit: 'mm', power: -3, low: 0.001, high: 0.1, log: true },
-  { key: 'c_1', name: 'Place of greatest stress', symbol: 'c_1', unit: '', low: 0, high: 1, step: 0.01 },
+  { key: 'c_1', name: 'Place of peak stress', symbol: 'c_1', unit: '', low: 0, high: 1, step: 0.01 },
   { key: 'c_2', name: 'its growth with slip', symbol: 'c_2', unit: '', low: -0.5, high: 1, step: 0.01 },
   { key: 'n_1', name: 'Growth of n with slip', symbol: 'n_1', unit: '', low: 0, high: 1.5, step: 0.01 },
   { key: 'rebound', name: 'Rebound behind the wheel', symbol: 'λ', unit: '', low: 0, high: 1, step: 0.01 },

@@ -234,7 +234,7 @@ export class Track {
     const start = svg('g', { class: 'start' }, svg('circle', { cx: sx, cy: sy, r: 3.5 }), svg('text', { x: sx, y: sy - 12, 'text-anchor': 'middle' }, 'start'));
     this.#root.setAttribute('viewBox', `0 0 ${width} ${height.toFixed(0)}`);
     this.#root.setAttribute('height', height.toFixed(0));
-    this.#root.setAttribute('aria-label', `Way of the robot from above, ${shown(right - left - 2 * room)} m by ${shown(high - low - 2 * room)} m, coloured by slip`);
+    this.#root.setAttribute('aria-label', `Path of the robot from above, ${shown(right - left - 2 * room)} m by ${shown(high - low - 2 * room)} m, coloured by slip`);
     this.#root.replaceChildren(ground, svg('svg', { ...frame, viewBox: Object.values(frame).join(' ') }, this.#ground({ right: MARGIN + frame.width, bottom: 8 + frame.height })), grid, text, sunk, ways, this.#chevrons(), ...marks, start);
     this.#layer.setAttribute('viewBox', `0 0 ${width} ${height.toFixed(0)}`);
     this.#layer.setAttribute('height', height.toFixed(0));

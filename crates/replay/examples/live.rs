@@ -55,6 +55,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let inputs = Inputs {
         wheel_sensor: WheelSensor::Count,
         reference: Reference::FreeWheel,
+        speed_place: [0.0; 2],
         position_sigma: None,
         is_acceleration_forward_only: false,
     };

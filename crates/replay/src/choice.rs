@@ -2,8 +2,9 @@
 
 use grouser_files::columns::Meaning;
 use grouser_files::nearest;
-use grouser_files::robot::{RobotFile, WheelSensor};
+use grouser_files::robot::{Corrections, RobotFile, WheelSensor};
 use grouser_log::{Log, Measures};
+use grouser_real::Real;
 use grouser_slip::{Reference, WheelRole};
 
 use crate::error::{Error, Result};
@@ -16,6 +17,8 @@ pub struct Inputs {
     pub wheel_sensor: WheelSensor,
     /// What measures how fast the robot travels.
     pub reference: Reference,
+    /// The position of a speed's sensor by the log's transforms, forwards and to the left, m; the robot file's own outranks it.
+    pub speed_place: [f64; 2],
     /// The standard deviation of a place by the reference, m, where the log states it.
     pub position_sigma: Option<f64>,
     /// Is the acceleration measured forwards alone? That to the left is then the one of the turn.
@@ -45,24 +48,60 @@ impl Inputs {
         let wheel_sensor = wheel_sensor(log, file, options.wheel_sensor)?;
         let reference = reference(log, file, wheel_sensor, options.reference)?;
         let position_sigma = log.position_sigma();
-        let has_place = match reference {
-            Reference::Pose | Reference::Speed => true,
-            Reference::Displacement => position_sigma.is_none(),
-            _ => false,
-        };
-        if !has_place && file.corrections.reference_place != [0.0; 2] {
-            return Err(Error::NoEffect {
-                key: "reference_x_m",
-                reference: reference.name(),
-            });
-        }
+        mounting_has_effect(log, file, reference)?;
+        let is_speed = reference == Reference::Speed;
         Ok(Self {
             wheel_sensor,
             reference,
+            speed_place: if is_speed {
+                log.speed_place()
+            } else {
+                [0.0; 2]
+            },
             position_sigma,
             is_acceleration_forward_only: log.measures(Meaning::AccelerationForward)
                 && !log.measures(Meaning::AccelerationLeft),
         })
+    }
+}
+
+/// A speed along one axis that is turned further from forwards (cosine, 80°) measures a drift, and no slip. Limit.
+const MIN_FORWARD_COS: f64 = 0.17;
+
+/// The keys of the mounting have an effect on this reference.
+fn mounting_has_effect(log: &impl Measures, file: &RobotFile, reference: Reference) -> Result<()> {
+    let Corrections {
+        pose_yaw_offset: yaw,
+        reference_place: place,
+        ..
+    } = file.corrections;
+    let has_gyro = log.measures(Meaning::YawRate);
+    let is_vector = log.measures(Meaning::SpeedLeft);
+    let (places, yaws) = match reference {
+        Reference::Pose => (true, true),
+        Reference::Speed => (
+            has_gyro && (is_vector || place[1] != 0.0 || yaw != 0.0),
+            log.measures(Meaning::SpeedForward)
+                && (is_vector || Real::cos(yaw).abs() > MIN_FORWARD_COS),
+        ),
+        // of places without a heading it is the antenna's
+        Reference::Displacement if log.position_sigma().is_some() => (false, false),
+        Reference::Displacement => (has_gyro || log.measures(Meaning::DisplacementTurn), true),
+        _ => (false, false),
+    };
+    let without_effect = [
+        ("reference_x_m", !places && place != [0.0; 2]),
+        ("pose_yaw_offset_deg", !yaws && yaw != 0.0),
+    ];
+    match without_effect
+        .into_iter()
+        .find(|(_, is_in_vain)| *is_in_vain)
+    {
+        Some((key, _)) => Err(Error::NoEffect {
+            key,
+            reference: reference.name(),
+        }),
+        None => Ok(()),
     }
 }
 

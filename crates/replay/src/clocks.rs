@@ -1,13 +1,12 @@
 //! How the clocks of a log's sensors differ and which rows are readings, found in passes before the run.
 
-use grouser_doctor::{Held, ReferenceDelay, Tracks, gyro_offset};
+use grouser_doctor::{Frozen, Held, ReferenceDelay, Tracks, gyro_offset};
 use grouser_files::robot::RobotFile;
 use grouser_log::Log;
 use grouser_slip::Reference;
 
 use crate::choice::{Inputs, robot_wheels};
 use crate::error::Result;
-use crate::method::Method;
 use crate::mounting::Mounting;
 use crate::options::Options;
 use crate::postponed::Postponed;
@@ -23,6 +22,8 @@ pub(crate) struct Clocks {
     pub(crate) late_gyro_s: f64,
     pub(crate) reference_delay: Option<ReferenceDelay>,
     pub(crate) held: Held,
+    /// Where the reference is constant while the wheels turn, if it is one of places.
+    pub(crate) frozen: Option<Frozen>,
 }
 
 impl Clocks {
@@ -32,6 +33,7 @@ impl Clocks {
             late_gyro_s: 0.0,
             reference_delay: None,
             held: held(log, file, options, &[])?,
+            frozen: None,
         };
         if !log.unaligned_clocks().is_empty() {
             let wheels = robot_wheels(log, file)?;
@@ -45,8 +47,11 @@ impl Clocks {
             clocks.gyro_offset_s = gyro_offset(&tracks);
         }
         let shifts = clocks.shifts(log);
-        let tracks = tracks(log, file, options, &shifts, clocks.held.clone())?;
-        clocks.reference_delay = tracks.and_then(|tracks| ReferenceDelay::find(&[tracks], file));
+        let passed = tracks(log, file, options, &shifts, clocks.held.clone())?;
+        if let Some((tracks, frozen)) = passed {
+            clocks.reference_delay = ReferenceDelay::find(&[tracks], file);
+            clocks.frozen = Some(frozen);
+        }
         if let Some(delay) = clocks.reference_delay {
             clocks.late_gyro_s = delay.gyro_delay_s.unwrap_or(0.0);
             clocks.gyro_offset_s = clocks.gyro_offset_s.or(delay.gyro_delay_s);
@@ -70,7 +75,7 @@ impl Clocks {
 
     /// Uses the delay of the reference where it is clear and the file states none: as the filter's latency, or, of a reference
     /// that is early, by postponing it; a gyro that is not on the wheels' time is corrected as well.
-    pub(crate) fn apply_delay(&mut self, file: &mut RobotFile, method: Method) -> Postponed {
+    pub(crate) fn apply_delay(&mut self, file: &mut RobotFile) -> Postponed {
         let late_gyro_s = self.late_gyro_s;
         let postponed = |reference_s| Postponed::by(reference_s, late_gyro_s);
         let is_used = |delay: &&mut ReferenceDelay| {
@@ -79,33 +84,32 @@ impl Clocks {
         let Some(delay) = self.reference_delay.as_mut().filter(is_used) else {
             return postponed(0.0);
         };
+        delay.is_applied = true;
         if delay.delay_s < 0.0 {
-            delay.is_applied = true;
             return postponed(-delay.delay_s);
         }
-        delay.is_applied = method == Method::Filter;
-        if delay.is_applied {
-            file.filter.reference_latency = delay.delay_s;
-        }
+        file.filter.reference_latency = delay.delay_s;
         postponed(0.0)
     }
 }
 
-/// How far wheels, gyro and reference moved over a log; `None` without an absolute reference.
+/// How far wheels, gyro and reference moved over a log, and where the reference did not; `None` without an absolute reference.
 fn tracks(
     log: &Log,
     file: &RobotFile,
     options: &Options,
     shifts: &[i64],
     mut held: Held,
-) -> Result<Option<Tracks>> {
+) -> Result<Option<(Tracks, Frozen)>> {
     let mut samples = RobotSamples::new(log, file)?;
     let inputs = Inputs::of(log, file, options)?;
     if matches!(inputs.reference, Reference::FreeWheel | Reference::Grip) {
         return Ok(None);
     }
-    let mut mounting = Mounting::new(file.corrections);
+    let mut mounting = Mounting::new(&file.corrections, &inputs);
     let mut tracks = Tracks::new(file, inputs.reference, inputs.wheel_sensor);
+    let mut frozen = Frozen::new(&file.robot, inputs.wheel_sensor);
+    let mut is_long = false;
     let steering = (file.steering.as_ref()).map(|of| WheelSteering::new(of, &file.robot));
     for sample in log.samples(shifts)? {
         let sample = sample?;
@@ -113,16 +117,18 @@ fn tracks(
             continue;
         }
         let mut sample = samples.convert(sample);
-        mounting.correct(&mut sample.measurement);
-        let steered = steering.iter().flat_map(|of| of.angles(&sample));
-        for steered in steered {
-            tracks.take(&steered);
-        }
-        if tracks.take(&sample) {
-            break;
+        mounting.correct(&mut sample);
+        frozen.take(&sample);
+        if !is_long {
+            let steered = steering.iter().flat_map(|of| of.angles(&sample));
+            for steered in steered {
+                tracks.take(&steered);
+            }
+            is_long = tracks.take(&sample);
         }
     }
-    Ok(Some(tracks))
+    frozen.finish();
+    Ok(Some((tracks, frozen)))
 }
 
 /// The delay of the reference in several logs, each a run. `None` where they do not show it: too short, no absolute reference, or
@@ -152,7 +158,7 @@ pub fn calibrate_reference_delay(
     let mut all = Vec::new();
     for log in logs {
         let held = held(log, file, options, &[])?;
-        all.extend(tracks(log, file, options, &[], held)?);
+        all.extend(tracks(log, file, options, &[], held)?.map(|of| of.0));
     }
     Ok(ReferenceDelay::find(&all, file))
 }

@@ -1,22 +1,22 @@
 //! Samples in, rows and a summary out.
 
-use grouser_doctor::{Doctor, Uses, Window};
+use grouser_doctor::{Doctor, KnownStep, Uses};
 use grouser_files::robot::RobotFile;
 use grouser_slip::filter::Learnt;
-use grouser_slip::window::{WindowMeans, WindowSettings};
-use grouser_slip::{Measurement, Reference, Robot, Sample, WheelRole};
+use grouser_slip::modes::ModeFilter;
+use grouser_slip::motion::Step;
+use grouser_slip::{Health, Invalid, Measurement, Robot, Sample, WheelEstimate, WheelRole};
 
 use crate::choice::Inputs;
 use crate::error::Result;
-use crate::method::{Method, rotating_wheel};
-use crate::moment::{Moment, Travel};
+use crate::filter_input::rotating_wheel;
+use crate::fusion::Fusion;
+use crate::moment::Moment;
 use crate::mounting::Mounting;
+use crate::offline::Offline;
 use crate::options::Options;
-use crate::place_way::PlaceWay;
-use crate::reckoning::Reckoning;
 use crate::record::Record;
 use crate::sink::Sink;
-use crate::slips::Slips;
 use crate::steering::WheelSteering;
 use crate::summary::Summary;
 use crate::suspension::Suspension;
@@ -60,23 +60,19 @@ pub struct Engine {
     mounting: Mounting,
     steering: Option<WheelSteering>,
     suspension: Option<Suspension>,
-    slips: Slips,
-    /// Their ways are those of the whole log.
-    ways_means: Box<WindowMeans>,
+    fusion: Box<Fusion>,
     doctor: Doctor,
+    smoother: Option<Box<Offline>>,
+    /// The wheels that contradict the others, bit by bit.
+    left_out: u64,
+    travel_variance: Option<f64>,
     record: Record,
     /// The time of the samples since a group was closed.
     group_ns: Option<i64>,
     /// The wheels that were read at that time, bit by bit.
     read: u64,
     moment: Moment,
-    /// The wheels' speeds over the window, m/s.
-    wheel_speeds: Vec<Option<f64>>,
 }
-
-/// The whole ways are counted over silences of the sensors up to this, s: counters, positions and displacements that come late
-/// bring the way of the silence with them.
-const WAYS_DROPOUT_S: f64 = 2.0;
 
 impl Engine {
     /// An engine for a robot; [`Inputs`] says by what it is measured.
@@ -87,32 +83,20 @@ impl Engine {
         let robot = file.robot.clone();
         let mut settings = file.settings;
         settings.reference = inputs.reference;
-        settings.window = options.window_s.unwrap_or(settings.window);
         settings.position_sigma = inputs.position_sigma.unwrap_or(settings.position_sigma);
-        let method = options.method_for(inputs.reference);
-        // beside a free wheel the filter uses their displacements
-        let goes_by_places = method == Method::Filter
-            && inputs.reference == Reference::Displacement
-            && (robot.wheels().iter()).all(|wheel| wheel.role == WheelRole::Powered);
-        let by_places =
-            goes_by_places.then(|| PlaceWay::new(&settings, file.filter.reference_latency));
-        let of_ways = WindowSettings {
-            dropout: settings.dropout.max(WAYS_DROPOUT_S),
-            ..settings
-        };
-        let reckoning = Reckoning::new(settings.window, by_places);
         Ok(Self {
-            slips: Slips::new(file, (settings, &inputs), options, method)?,
-            ways_means: Box::new(WindowMeans::new(&robot, of_ways)?),
+            fusion: Box::new(Fusion::new(file, &settings, &inputs, options)?),
             doctor: Doctor::new(file, &settings, inputs.wheel_sensor),
-            record: Record::new(file, inputs, (settings, options), reckoning),
-            mounting: Mounting::new(file.corrections),
+            smoother: (options.offline).then(|| Box::new(Offline::new(file, &inputs, options))),
+            left_out: 0,
+            travel_variance: None,
+            record: Record::new(file, inputs, &settings, options),
+            mounting: Mounting::new(&file.corrections, &inputs),
             steering: (file.steering.as_ref()).map(|of| WheelSteering::new(of, &robot)),
             suspension: Suspension::new(file),
             group_ns: None,
             read: 0,
             moment: Moment::default(),
-            wheel_speeds: Vec::new(),
             robot,
             inputs,
         })
@@ -129,23 +113,26 @@ impl Engine {
         }
         self.group_ns = Some(sample.time_ns);
         self.record.reach(sample.time_ns);
-        self.mounting.correct(&mut sample.measurement);
+        if let Some(smoother) = &mut self.smoother {
+            smoother.begin(sample.time_ns);
+        }
+        self.mounting.correct(&mut sample);
         if let Measurement::Acceleration { left, .. } = &mut sample.measurement
             && self.inputs.is_acceleration_forward_only
         {
-            *left = self.slips.turn_acceleration();
+            *left = self.fusion.turn_acceleration();
         }
-        self.slips.learn(&sample.measurement);
+        self.fusion.learn(&sample.measurement);
         let carried = (self.suspension.as_mut()).map_or_else(Vec::new, |of| of.take(&mut sample));
         if self.inputs.wheel_sensor.uses(&sample.measurement) {
             self.doctor.take(&sample);
             self.record.take(&sample);
             let steered = self.steering.iter().flat_map(|of| of.angles(&sample));
             let steered = steered.inspect(|angle| self.doctor.take_steering(angle));
-            let own = (!Suspension::is_raw(&sample.measurement)).then_some(sample);
+            let own =
+                (!Suspension::is_raw(&sample.measurement)).then(|| self.mounting.with_turn(sample));
             for sample in carried.into_iter().chain(steered).chain(own) {
-                let _refused = self.ways_means.update(sample);
-                self.slips.update(sample);
+                self.fusion.update(sample);
             }
             if let Some(wheel) = rotating_wheel(&sample.measurement) {
                 self.read |= 1 << wheel;
@@ -163,18 +150,18 @@ impl Engine {
         self.close_group(sink)
     }
 
-    /// What the filter has learnt of sensors and soil, for the next start; `None` of means over windows.
+    /// What the filter has learnt of sensors and soil, for the next start.
     #[must_use]
-    pub fn learnt(&self) -> Option<Learnt> {
-        self.slips.learnt()
+    pub fn learnt(&self) -> Learnt {
+        self.fusion.learnt()
     }
 
-    /// Takes back what was learnt before a restart; means over windows learn nothing.
+    /// Takes back what was learnt before a restart.
     ///
     /// # Errors
     /// [`Error::Settings`](crate::Error::Settings) for a number outside its limits; nothing changes then.
     pub fn restore(&mut self, learnt: &Learnt) -> Result<()> {
-        self.slips.restore(learnt)
+        Ok(self.fusion.restore(learnt)?)
     }
 
     /// Ends the run: the last rows go to `sink`.
@@ -183,16 +170,33 @@ impl Engine {
     /// As [`Engine::push`].
     pub fn finish(mut self, sink: &mut impl Sink) -> Result<Summary> {
         self.close_group(sink)?;
-        for mut moment in self.slips.finish() {
-            self.deliver(&mut moment, sink)?;
+        let (fusion, mut steps) = self.steps();
+        fusion.finish(&mut |end_ns, step, filter| steps.take(end_ns, step, filter));
+        if let Some(mut smoother) = self.smoother.take() {
+            for mut moment in smoother.finish(&mut self.record) {
+                self.deliver(&mut moment, sink)?;
+            }
+            self.travel_variance = Some(smoother.travel_variance());
         }
-        let estimated = self.slips.estimated(self.record.way_check());
+        let fused = self.fusion.summary(self.record.way_check());
         let findings = self.doctor.findings(Uses {
             reference: self.inputs.reference,
-            has_heading: !self.record.has_ways_by_places(),
-            has_acceleration: estimated.method == Method::Filter,
+            has_heading: self.record.has_heading(),
+            has_acceleration: true,
         });
-        Ok(self.record.summary(estimated, findings))
+        let soil = self.fusion.soil();
+        Ok((self.record).summary(fused, soil, findings, self.travel_variance))
+    }
+
+    /// The filter, and what takes its steps.
+    fn steps(&mut self) -> (&mut Fusion, Steps<'_>) {
+        let steps = Steps {
+            doctor: &mut self.doctor,
+            record: &mut self.record,
+            smoother: self.smoother.as_deref_mut(),
+            left_out: self.left_out,
+        };
+        (&mut self.fusion, steps)
     }
 
     /// All samples of one time have come.
@@ -201,38 +205,17 @@ impl Engine {
             return Ok(());
         };
         let read = std::mem::take(&mut self.read);
-        let Some(mut body) = self.slips.body() else {
-            return Ok(());
-        };
-        if self.record.is_by_places() {
-            body.along = self.slips.common_slip();
-        }
-        let (time_s, is_wanted) = self.record.when(now_ns);
-        if is_wanted {
-            let all = 0..self.robot.wheels().len();
-            self.wheel_speeds.clear();
-            (self.wheel_speeds).extend(all.map(|wheel| self.slips.rim_speed(wheel)));
-            self.doctor.step(&Window {
-                now_ns,
-                time_s,
-                body: &body,
-                wheel_speeds: &self.wheel_speeds,
-            });
-        }
-        let of_ways = self.ways_means.latest();
-        let travel = of_ways.map_or((0.0, 0.0), |of| (of.travel_wheels, of.travel_reference));
-        self.record.count(now_ns, &body, &self.wheel_speeds, travel);
+        let (fusion, mut steps) = self.steps();
+        fusion.advance(&mut |end_ns, step, filter| steps.take(end_ns, step, filter));
         let mut moment = std::mem::take(&mut self.moment);
-        let entered = (self.slips).enter((now_ns, read), &body, (&mut moment, &self.robot));
-        if let Some(left_out) = entered {
-            self.ways_means.leave_out(left_out);
-            moment.travel = self.ways_means.latest().and_then(Travel::of);
-        }
-        for change in self.slips.new_events() {
+        let travel = self.record.travel();
+        self.fusion.enter((now_ns, read), travel, &mut moment);
+        self.left_out = inconsistent(&moment.wheels, &self.robot);
+        for change in self.fusion.new_events() {
             sink.event(change)?;
         }
-        if let Some(smoother) = self.slips.smoother() {
-            for mut done in smoother.push(moment, entered.unwrap_or(0)) {
+        if let Some(smoother) = &mut self.smoother {
+            for mut done in smoother.push(moment, &mut self.record) {
                 self.deliver(&mut done, sink)?;
             }
             return Ok(());
@@ -244,8 +227,47 @@ impl Engine {
 
     /// Counts a moment and hands it to the sink.
     fn deliver(&mut self, moment: &mut Moment, sink: &mut impl Sink) -> Result<()> {
-        let soil = (moment.read != 0).then(|| self.slips.soil()).flatten();
-        let known = (self.slips.is_reference_unused(), soil);
+        let soil = (moment.read != 0).then(|| self.fusion.soil()).flatten();
+        let known = (self.fusion.is_reference_unused(), soil);
         self.record.deliver(moment, known, sink)
     }
+}
+
+/// What takes the steps of the filter.
+struct Steps<'a> {
+    doctor: &'a mut Doctor,
+    record: &'a mut Record,
+    smoother: Option<&'a mut Offline>,
+    left_out: u64,
+}
+
+impl Steps<'_> {
+    fn take(&mut self, end_ns: i64, step: &Step, filter: &ModeFilter) {
+        let known = KnownStep::online(step, filter);
+        let (time_s, is_wanted) = self.record.when(end_ns);
+        if is_wanted {
+            self.doctor.step((end_ns, time_s), &known, self.left_out);
+        }
+        self.record.judge_ground(end_ns, &known);
+        match &mut self.smoother {
+            Some(smoother) => smoother.take(end_ns, step, self.left_out),
+            None => self.record.count(end_ns, &known),
+        }
+    }
+}
+
+/// The powered wheels whose sensors contradict the others, bit by bit; none where all of them do: such a robot is carried.
+fn inconsistent(wheels: &[WheelEstimate], robot: &Robot) -> u64 {
+    let (mut found, mut bit, mut has_other) = (0, 1, false);
+    for (wheel, described) in wheels.iter().zip(robot.wheels()) {
+        if described.role == WheelRole::Powered {
+            if wheel.health == Health::Invalid(Invalid::Inconsistent) {
+                found |= bit;
+            } else {
+                has_other = true;
+            }
+        }
+        bit <<= 1;
+    }
+    if has_other { found } else { 0 }
 }

@@ -63,9 +63,6 @@ pub enum Error {
         /// The reference.
         reference: &'static str,
     },
-    /// Means over windows have no slip at every moment.
-    #[error("`--learn-soil` needs the slips of the filter, but here means over windows find them")]
-    NothingToLearnFrom,
     /// Counts without a number of ticks per turn.
     #[error("wheel `{wheel}` is measured by counts, but its description has no `ticks_per_turn`")]
     NoTicks {
@@ -127,8 +124,9 @@ impl Error {
                     .into(),
             ),
             Self::NoEffect { .. } => Some(
-                "`reference_x_m` and `reference_y_m` are of poses, displacements with a turn and speeds; places without a heading \
-                 have `antenna_x_m` and `antenna_y_m` in `[topics]`"
+                "`reference_x_m`, `reference_y_m` and `pose_yaw_offset_deg` are of poses, displacements and speeds, whose position \
+                 needs a yaw rate or a turn and whose yaw needs a direction; positions without a heading have `antenna_x_m` and \
+                 `antenna_y_m` in `[topics]`"
                     .into(),
             ),
             Self::NoReference {

@@ -2,17 +2,15 @@
 
 use grouser_files::robot::RobotFile;
 use grouser_slip::detect::{Change, DetectSettings, Detector};
-use grouser_slip::filter::{FilterSettings, Learnt, SlipFilter};
+use grouser_slip::filter::{FilterSettings, Learnt, Recorder, SlipFilter};
 use grouser_slip::onboard::SoilEstimate;
-use grouser_slip::window::{WindowBody, WindowSettings};
-use grouser_slip::{Degraded, Health, Measurement, Reference, Robot, Sample, Slip};
+use grouser_slip::{Degraded, Health, Measurement, Reference, Robot, Sample, SensorSettings};
 
 use crate::checks::{Doubt, ReferenceUse, WayCheck, doubts};
 use crate::choice::Inputs;
 use crate::error::Result;
-use crate::method::reaches_filter;
+use crate::filter_input::reaches_filter;
 use crate::moment::Moment;
-use crate::offline::Offline;
 use crate::options::Options;
 use crate::soil_learning::SoilLearning;
 use crate::summary::{EventAt, FusedSummary};
@@ -34,7 +32,6 @@ pub(crate) struct Fusion {
     more_events: u64,
     /// Events of the time that was closed last.
     new_events: Vec<Change>,
-    smoother: Option<Offline>,
     is_offline: bool,
     learning: Option<Box<SoilLearning>>,
 }
@@ -42,7 +39,7 @@ pub(crate) struct Fusion {
 impl Fusion {
     pub(crate) fn new(
         file: &RobotFile,
-        settings: &WindowSettings,
+        settings: &SensorSettings,
         inputs: &Inputs,
         options: &Options,
     ) -> Result<Self> {
@@ -71,7 +68,6 @@ impl Fusion {
             events: Vec::new(),
             more_events: 0,
             new_events: Vec::new(),
-            smoother: options.offline.then(|| Offline::new(file, inputs)),
             is_offline: options.offline,
             learning,
         })
@@ -91,36 +87,35 @@ impl Fusion {
         }
     }
 
-    fn take(&mut self, sample: Sample) {
+    fn take(&mut self, sample: Sample, record: &mut Recorder<'_>) {
         if let Measurement::WheelTorque { wheel, torque } = sample.measurement
             && let Some(slot) = self.torques.get_mut(wheel)
         {
             *slot = Some(torque);
         }
         // a refused sample is counted
-        let _ = match &mut self.smoother {
-            Some(smoother) => {
-                (self.filter).update_recorded(sample, &mut |end, step| smoother.take(end, step))
-            }
-            None => self.filter.update(sample).map(|_| ()),
-        };
+        let _ = self.filter.update_recorded(sample, record);
     }
 
-    /// All samples of one time have been taken: enters what is known into `moment`.
-    pub(crate) fn close(
-        &mut self,
-        (now_ns, read): (i64, u64),
-        body: &WindowBody,
-        moment: &mut Moment,
-    ) {
+    /// All samples of one time have been taken: `record` is shown the steps that are complete.
+    pub(crate) fn advance(&mut self, record: &mut Recorder<'_>) {
         let mut samples = std::mem::take(&mut self.waiting);
         samples.sort_by_key(|sample| rank(&sample.measurement));
         for sample in samples.drain(..) {
-            self.take(sample);
+            self.take(sample, record);
         }
         self.waiting = samples;
+    }
+
+    /// Enters what is known, with the distances so far by wheels and filter, into `moment`.
+    pub(crate) fn enter(
+        &mut self,
+        (now_ns, read): (i64, u64),
+        travel: [f64; 2],
+        moment: &mut Moment,
+    ) {
         let known = self.filter.latest();
-        moment.enter_filter((now_ns, read), known.wheels, &known.body, body);
+        moment.enter((now_ns, read), known.wheels, &known.body, travel);
         let start_ns = *self.start_ns.get_or_insert(now_ns);
         self.new_events.clear();
         if read != 0 {
@@ -149,11 +144,6 @@ impl Fusion {
         }
     }
 
-    /// What looks back, where smoothing is wanted.
-    pub(crate) const fn smoother(&mut self) -> Option<&mut Offline> {
-        self.smoother.as_mut()
-    }
-
     /// What was learnt of the soil.
     pub(crate) fn soil(&self) -> Option<SoilEstimate> {
         self.learning.as_ref().map(|learning| learning.estimate())
@@ -172,24 +162,15 @@ impl Fusion {
         self.filter.restore(learnt)
     }
 
-    /// The log is over: gives the moments that waited.
-    pub(crate) fn finish(&mut self) -> Vec<Moment> {
-        let Some(mut smoother) = self.smoother.take() else {
-            return Vec::new();
-        };
-        (self.filter).finish_recorded(&mut |end, step| smoother.take(end, step));
-        smoother.finish()
+    /// The log is over: `record` is shown the steps that waited for readings.
+    pub(crate) fn finish(&mut self, record: &mut Recorder<'_>) {
+        self.filter.finish_recorded(record);
     }
 
     /// The acceleration to the left of a robot that moves along its heading, v Ω, m/s².
     pub(crate) fn turn_acceleration(&self) -> f64 {
         let body = self.filter.latest().body;
         body.forward.value * body.yaw_rate.value
-    }
-
-    /// The common slip of the powered wheels.
-    pub(crate) fn common_slip(&self) -> Option<Slip> {
-        Slip::new(self.filter.latest().body.common_slip.value).ok()
     }
 
     /// How much of the reference was used so far; `None` before its first reading.

@@ -1,16 +1,17 @@
 //! Radius, track and scale of the gyro from any log with a reference, with intervals.
 
+use grouser_doctor::{KnownStep, Pairing};
 use grouser_files::robot::RobotFile;
 use grouser_log::Log;
 use grouser_real::{Real, wrap_angle};
-use grouser_slip::window::WindowMeans;
+use grouser_slip::motion::common_motion;
 use grouser_slip::{Measurement, Reference};
 
 use crate::choice::Inputs;
 use crate::error::{Error, Result};
+use crate::fusion::Fusion;
 use crate::options::Options;
 use crate::samples::{RobotSamples, held};
-use crate::ways::along_rims;
 
 /// Sums are kept of blocks of this length, s: longer than the errors of a reference are correlated.
 const BLOCK_S: f64 = 5.0;
@@ -204,15 +205,21 @@ fn blocks_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<Block
             needs: "a displacement, a pose, a speed over ground or a free wheel",
         });
     }
+    let online = Options {
+        offline: false,
+        learn_soil: None,
+        ..*options
+    };
     let mut settings = file.settings;
     settings.reference = inputs.reference;
-    settings.window = options.window_s.unwrap_or(settings.window);
-    let mut means = WindowMeans::new(&file.robot, settings)?;
+    let mut fusion = Fusion::new(file, &settings, &inputs, &online)?;
+    let mut pairing = Pairing::new(inputs.reference);
+    let mut scratch = vec![0.0; file.robot.wheels().len()];
     let mut start_ns = None;
     let mut blocks: Vec<Block> = Vec::new();
     let mut turns = Turns::default();
-    let (mut ways, mut stepped_s, mut begun_s): ((f64, f64), f64, Option<f64>) =
-        ((0.0, 0.0), 0.0, None);
+    let (mut ways, mut stepped_s, mut begun_s): ([f64; 2], f64, Option<f64>) =
+        ([0.0; 2], 0.0, None);
     let mut held = held(log, file, options, &[])?;
     for sample in log.samples(&vec![0; log.clocks()])? {
         let sample = sample?;
@@ -225,16 +232,24 @@ fn blocks_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<Block
         if !inputs.wheel_sensor.uses(&sample.measurement) {
             continue;
         }
-        let _refused = means.update(sample);
+        fusion.update(sample);
         turns.take(time_s, &sample.measurement, inputs.reference);
-        let Some(body) = means.latest() else { continue };
-        turns.step(time_s, body.wheels_yaw_rate.map(|rate| rate.value));
+        fusion.advance(&mut |_, step, filter| {
+            let by_wheels = common_motion(&step.wheels, None, 1.0, 0.0, &mut scratch);
+            turns.step(by_wheels.and_then(|of| of.turn));
+            let known = KnownStep::online(step, filter);
+            if let Some(passed) = pairing.take(&known)
+                && let Some(reference) = passed.distance_by_reference()
+            {
+                ways[0] += passed.length;
+                ways[1] += reference;
+            }
+        });
         if time_s - stepped_s < STEP_S {
             continue;
         }
         stepped_s = time_s;
-        let passed = along_rims((body.travel_wheels - ways.0, body.travel_reference - ways.1));
-        ways = (body.travel_wheels, body.travel_reference);
+        let [way_wheels, way_reference] = std::mem::take(&mut ways);
         let turned = turns.pass();
         let is_inside = time_s >= options.from_s.unwrap_or(0.0)
             && time_s <= options.to_s.unwrap_or(f64::INFINITY);
@@ -246,8 +261,8 @@ fn blocks_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<Block
             blocks.push(Block::default());
         }
         if let Some(block) = blocks.last_mut() {
-            block.way_wheels += passed.0;
-            block.way_reference += passed.1;
+            block.way_wheels += way_wheels;
+            block.way_reference += way_reference;
             turned.enter(block);
         }
     }
@@ -282,8 +297,7 @@ impl Turned {
 #[derive(Clone, Debug, Default)]
 struct Turns {
     passed: Turned,
-    /// Time and value of the last reading of wheels (a rate), gyro (a rate) and pose (a yaw).
-    wheels: Option<(f64, f64)>,
+    /// Time and value of the last reading of gyro (a rate) and pose (a yaw).
     gyro: Option<(f64, f64)>,
     yaw: Option<(f64, f64)>,
 }
@@ -309,9 +323,9 @@ impl Turns {
         }
     }
 
-    fn step(&mut self, time_s: f64, wheels: Option<f64>) {
-        if let Some(rate) = wheels {
-            integrate(&mut self.passed.wheels, &mut self.wheels, time_s, rate);
+    fn step(&mut self, wheels: Option<f64>) {
+        if let Some(turn) = wheels {
+            *self.passed.wheels.get_or_insert(0.0) += turn;
         }
     }
 

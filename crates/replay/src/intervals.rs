@@ -9,7 +9,6 @@ use grouser_log::Log;
 use grouser_slip::Health;
 
 use crate::error::{Error, Result};
-use crate::method::Method;
 use crate::options::Options;
 use crate::quantiles::SIGMAS_90;
 use crate::run::run_into;
@@ -17,8 +16,6 @@ use crate::sink::{Row, Sink};
 
 /// The share of true slips that an interval contains.
 const COVERED_SHARE: f64 = 0.9;
-/// True slips are means of the reference over this time about an estimate, s: noise of a reading averages out.
-const TRUTH_WINDOW_S: f64 = 1.0;
 /// Fewer runs do not show how much runs differ.
 const MIN_RUNS: usize = 3;
 /// Fewer runs do not narrow intervals: that four runs or fewer agree does not show that the next one does.
@@ -26,13 +23,13 @@ const MIN_RUNS_TO_NARROW: usize = 5;
 /// A wheel-run with fewer compared estimates does not count.
 const MIN_ROWS: usize = 20;
 
-/// What a calibration of intervals found. The slip by the reference is no true slip: radii, axes and the reference's scale are
+/// What a calibration of intervals found. The slip by the whole log is no true slip: radii, axes and the reference's scale are
 /// those of the estimate too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IntervalCalibration {
     /// Factor on the standard deviations of all slips; below 1 of five runs or more.
     pub factor: f64,
-    /// Share of each run's 90 % intervals that contain the slip by the reference, with the factor from the other runs.
+    /// Share of each run's 90 % intervals that contain the slip by the whole log, with the factor from the other runs.
     pub coverages: Vec<f64>,
     /// The mean of these, and that without a factor.
     pub coverage: f64,
@@ -42,10 +39,10 @@ pub struct IntervalCalibration {
     pub half_width: f64,
 }
 
-/// The factor on the standard deviations of online slips with which 90 % of the intervals contain the slip by the reference in runs with
-/// one. Each run counts alike. `file` must not contain a factor yet: it is divided out.
+/// The factor on the standard deviations of online slips with which 90 % of the intervals contain the slip by the whole log, in runs with
+/// a reference. Each run counts alike. `file` must not contain a factor yet: it is divided out.
 ///
-/// The slip by the reference is the mean over the second about each estimate. Errors of radii, axes or of the reference's scale are
+/// Errors of radii, axes or of the reference's scale are
 /// in both and not visible. Fewer than five runs yield no factor below 1.
 ///
 /// # Errors
@@ -133,55 +130,44 @@ fn coverage(run: &[SlipError], factor: f64) -> f64 {
     run.iter().filter(is_inside).count() as f64 / run.len() as f64
 }
 
-/// Slips over time by wheel.
+/// The slips of all wheels, row by row, each with its standard deviation, where they can be trusted.
 #[derive(Default)]
-struct Kept(Vec<Vec<[f64; 3]>>);
+struct Kept(Vec<Option<[f64; 2]>>);
 
 impl Sink for Kept {
     fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
-        if self.0.len() <= row.wheel {
-            self.0.resize(row.wheel + 1, Vec::new());
-        }
-        if let Some((slip, sigma)) = row.slip.zip(row.slip_sigma)
-            && matches!(row.health, Health::Ok)
-        {
-            self.0[row.wheel].push([row.time_s, slip, sigma]);
-        }
+        let known = row
+            .slip
+            .zip(row.slip_sigma)
+            .map(|(slip, sigma)| [slip, sigma]);
+        self.0
+            .push(known.filter(|_| matches!(row.health, Health::Ok)));
         Ok(())
     }
 }
 
-/// The errors of all wheels of a run.
+/// The errors of all wheels of a run, by the slips of the whole log.
 fn errors_of(log: &Log, file: &RobotFile, options: &Options) -> Result<Vec<SlipError>> {
-    let mut estimates = Kept::default();
-    let online = Options {
-        offline: false,
-        ..*options
-    };
-    run_into(log, file, &online, &mut estimates)?;
-    let by_windows = Options {
-        method: Some(Method::Window),
-        window_s: Some(TRUTH_WINDOW_S),
-        ..online
-    };
-    let mut means = Kept::default();
-    run_into(log, file, &by_windows, &mut means)?;
-    let mut errors = Vec::new();
-    for (estimates, means) in estimates.0.iter().zip(&means.0) {
-        for &[time, slip, sigma] in estimates {
-            // The window that ends half its length later is centred here.
-            let end = time + 0.5 * TRUTH_WINDOW_S;
-            let next = means.partition_point(|mean| mean[0] < end);
-            let Some(mean) = means.get(next).filter(|mean| mean[0] - end < 0.1) else {
-                continue;
-            };
-            if sigma > 0.0 {
-                errors.push(SlipError {
-                    error: slip - mean[1],
-                    sigma,
-                });
-            }
-        }
+    let [mut online, mut whole] = [Kept::default(), Kept::default()];
+    for (kept, offline) in [(&mut online, false), (&mut whole, true)] {
+        run_into(
+            log,
+            file,
+            &Options {
+                offline,
+                ..*options
+            },
+            kept,
+        )?;
     }
-    Ok(errors)
+    let both = online
+        .0
+        .iter()
+        .zip(&whole.0)
+        .filter_map(|(a, b)| (*a).zip(*b));
+    let errors = both.map(|([slip, sigma], [by_all, _])| SlipError {
+        error: slip - by_all,
+        sigma,
+    });
+    Ok(errors.filter(|of| of.sigma > 0.0).collect())
 }

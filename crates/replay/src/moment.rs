@@ -2,7 +2,6 @@
 
 use grouser_real::Real;
 use grouser_slip::filter::BodyEstimate;
-use grouser_slip::window::WindowBody;
 use grouser_slip::{BodyMotion, Wheel, WheelEstimate};
 
 use crate::odometry::Odometry;
@@ -10,27 +9,6 @@ use crate::odometry::Odometry;
 /// From one time to another, s.
 pub(crate) fn seconds(from_ns: i64, to_ns: i64) -> f64 {
     to_ns.saturating_sub(from_ns) as f64 * 1e-9
-}
-
-/// Ways by the powered wheels and by the reference up to a time, m, along the way of the wheels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Travel {
-    pub(crate) until_ns: i64,
-    pub(crate) wheels: f64,
-    pub(crate) reference: f64,
-    /// The motion by the wheels over the last step.
-    pub(crate) motion: Option<BodyMotion>,
-}
-
-impl Travel {
-    pub(crate) fn of(body: &WindowBody) -> Option<Self> {
-        Some(Self {
-            until_ns: body.until_ns?,
-            wheels: body.travel_wheels,
-            reference: body.travel_reference,
-            motion: body.wheels_motion,
-        })
-    }
 }
 
 /// What is known at one time, on its way to whoever takes it. Each time is entered into the moment of the time before, whose
@@ -42,43 +20,18 @@ pub(crate) struct Moment {
     pub(crate) read: u64,
     pub(crate) wheels: Vec<WheelEstimate>,
     pub(crate) motion: Option<BodyMotion>,
-    /// The motion that the powered wheels would give without slip, over a window.
-    pub(crate) wheels_motion: Option<BodyMotion>,
-    /// The ways up to now by wheels and reference; `None` while one of them is not known.
-    pub(crate) travel: Option<Travel>,
-    /// Up to when the motions are known.
-    pub(crate) until_ns: Option<i64>,
-    /// The filter's own odometry.
+    /// The path since the log's start.
     pub(crate) odometry: Option<Odometry>,
 }
 
 impl Moment {
-    /// Enters what means over a window yield.
-    pub(crate) fn enter_window(
-        &mut self,
-        (time_ns, read): (i64, u64),
-        wheels: &[WheelEstimate],
-        body: &WindowBody,
-    ) {
-        *self = Self {
-            time_ns,
-            read,
-            wheels: self.with_wheels(wheels),
-            motion: body.motion.or(body.wheels_motion),
-            wheels_motion: body.wheels_motion,
-            travel: None,
-            until_ns: body.until_ns,
-            odometry: None,
-        };
-    }
-
-    /// Enters what the filter knows.
-    pub(crate) fn enter_filter(
+    /// Enters what the filter knows, and the distances so far by wheels and filter.
+    pub(crate) fn enter(
         &mut self,
         (time_ns, read): (i64, u64),
         wheels: &[WheelEstimate],
         fused: &BodyEstimate,
-        body: &WindowBody,
+        travel: [f64; 2],
     ) {
         let speeds = [fused.forward, fused.left, fused.yaw_rate];
         *self = Self {
@@ -89,10 +42,7 @@ impl Moment {
                 velocity: speeds.map(|speed| speed.value),
                 covariance: fused.velocity_covariance,
             }),
-            wheels_motion: body.wheels_motion,
-            travel: None,
-            until_ns: Some(time_ns),
-            odometry: Some(Odometry::of_filter(fused)),
+            odometry: Some(Odometry::of_filter(fused, travel)),
         };
     }
 
@@ -107,7 +57,7 @@ impl Moment {
 
 /// The angle from a wheel's heading to the way of its centre, to the left positive, in (−π, π], rad; `None` where the
 /// centre is slower than `min_speed` (m/s); `cos` and `sin` are of the wheel's heading. As the filter's own angle, but of
-/// smoothed motions and of windows too.
+/// smoothed motions too.
 pub(crate) fn side_slip_angle(
     wheel: &Wheel,
     (cos, sin): (f64, f64),

@@ -15,15 +15,15 @@ pub struct Odometry {
     pub velocity: [f64; 3],
     /// Covariance of the three.
     pub velocity_covariance: [[f64; 3]; 3],
-    /// The way that led there, m, forwards and back counted as ways.
+    /// Distance in the direction in which the wheels ran, m.
     pub distance: f64,
     /// The same by the powered wheels alone, without compensation of slip, m.
     pub distance_of_wheels: f64,
 }
 
 impl Odometry {
-    /// The filter's own odometry, without distances.
-    pub(crate) fn of_filter(body: &BodyEstimate) -> Self {
+    /// The filter's own odometry, with the distances by wheels and filter.
+    pub(crate) fn of_filter(body: &BodyEstimate, travel: [f64; 2]) -> Self {
         let speeds = [body.forward, body.left, body.yaw_rate];
         let place = body.odometry;
         Self {
@@ -31,8 +31,23 @@ impl Odometry {
             pose_covariance: place.covariance,
             velocity: speeds.map(|speed| speed.value),
             velocity_covariance: body.velocity_covariance,
-            distance: 0.0,
-            distance_of_wheels: 0.0,
+            distance: travel[1],
+            distance_of_wheels: travel[0],
+        }
+    }
+
+    /// The place between this and another one.
+    pub(crate) fn towards(&self, other: &Self, share: f64) -> Self {
+        let blend = |a: f64, b: f64| a + share * (b - a);
+        let matrix = |a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]| {
+            std::array::from_fn(|i| std::array::from_fn(|j| blend(a[i][j], b[i][j])))
+        };
+        Self {
+            pose: std::array::from_fn(|i| blend(self.pose[i], other.pose[i])),
+            pose_covariance: matrix(&self.pose_covariance, &other.pose_covariance),
+            distance: blend(self.distance, other.distance),
+            distance_of_wheels: blend(self.distance_of_wheels, other.distance_of_wheels),
+            ..*self
         }
     }
 
@@ -44,6 +59,8 @@ impl Odometry {
         Self {
             pose: [cos * dx + sin * dy, cos * dy - sin * dx, turn],
             pose_covariance: sandwich(&back, &self.pose_covariance),
+            distance: self.distance - origin.distance,
+            distance_of_wheels: self.distance_of_wheels - origin.distance_of_wheels,
             ..*self
         }
     }

@@ -4,33 +4,27 @@ use grouser_files::robot::WheelSensor;
 use grouser_slip::Reference;
 use grouser_terra::Soil;
 
-use crate::method::Method;
-
 /// What a run can be given beyond the files.
 ///
 /// ```
-/// use grouser_replay::{Method, Options};
+/// use grouser_replay::Options;
 ///
-/// let options = Options { method: Some(Method::Window), to_s: Some(20.0), ..Options::default() };
+/// let options = Options { to_s: Some(20.0), ..Options::default() };
 /// assert!(options.reference.is_none()); // the robot file's, else the best in the log
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Which engine finds the slips; `None`: the filter where the robot's speed is measured.
-    pub method: Option<Method>,
     /// Every slip uses the whole log, and not what the robot would have known at its time.
     pub offline: bool,
     /// What measures how fast the robot travels; `None`: the robot file's, else the best in the log.
     pub reference: Option<Reference>,
     /// By which sensor the wheels are measured; `None`: the robot file's, else the first in the log.
     pub wheel_sensor: Option<WheelSensor>,
-    /// The window of means, s; `None`: the robot file's.
-    pub window_s: Option<f64>,
     /// What lies before this is left out of rows and summary, s from the log's start.
     pub from_s: Option<f64>,
     /// What lies after this is left out, s from the log's start.
     pub to_s: Option<f64>,
-    /// Learns the soil on which the robot drives, of which this one is known; the filter must find the slips.
+    /// Learns the soil on which the robot drives, of which this one is known.
     pub learn_soil: Option<Soil>,
 }
 
@@ -42,10 +36,5 @@ impl Options {
             offline: true,
             ..Self::default()
         }
-    }
-
-    /// Which engine finds the slips where the robot's speed is measured by `reference`.
-    pub(crate) fn method_for(&self, reference: Reference) -> Method {
-        self.method.unwrap_or_else(|| Method::of(reference))
     }
 }

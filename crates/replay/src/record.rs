@@ -1,42 +1,29 @@
 //! What is counted of a run and handed to its sink.
 
-use grouser_doctor::Findings;
+use grouser_doctor::{Findings, KnownStep};
 use grouser_files::robot::RobotFile;
 use grouser_slip::onboard::SoilEstimate;
-use grouser_slip::window::{WindowBody, WindowSettings};
 use grouser_slip::{
-    Health, Invalid, Measurement, Motion, Reference, Rejected, Robot, Sample, Slip, WheelRole,
+    Health, Invalid, Measurement, Motion, Reference, Robot, Sample, SensorSettings, Slip, WheelRole,
 };
 
-use crate::checks::WayCheck;
+use crate::checks::{Doubt, WayCheck};
 use crate::choice::Inputs;
 use crate::error::Result;
 use crate::ground_watch::GroundWatch;
-use crate::method::Method;
 use crate::moment::{Moment, side_slip_angle};
 use crate::odometry::Odometry;
 use crate::options::Options;
-use crate::reckoning::Reckoning;
 use crate::sink::{Row, Sink, Step};
 use crate::summary::{FusedSummary, Status, Summary};
 use crate::tally::Tally;
 use crate::ways::Ways;
 
-/// What was estimated by the end of a run.
-pub(crate) struct Estimated {
-    pub(crate) method: Method,
-    pub(crate) fused: Option<FusedSummary>,
-    pub(crate) rejected: Rejected,
-    pub(crate) soil: Option<SoilEstimate>,
-    /// Was nothing of an absolute reference used?
-    pub(crate) is_unused: bool,
-}
-
 /// The record of a run.
 pub(crate) struct Record {
     robot: Robot,
     inputs: Inputs,
-    settings: WindowSettings,
+    low_speed: f64,
     interval_factor: f64,
     span: (f64, f64),
     start_ns: Option<i64>,
@@ -45,7 +32,10 @@ pub(crate) struct Record {
     tallies: Vec<Tally>,
     ways: Ways,
     ground: GroundWatch,
-    reckoning: Reckoning,
+    /// Was the place measured without a heading?
+    has_places: bool,
+    /// Where the span began, and the last path since then.
+    origin: Option<Odometry>,
     odometry: Option<Odometry>,
     /// Cosine and sine of each wheel's heading.
     headings: Vec<(f64, f64)>,
@@ -55,14 +45,14 @@ impl Record {
     pub(crate) fn new(
         file: &RobotFile,
         inputs: Inputs,
-        (settings, options): (WindowSettings, &Options),
-        reckoning: Reckoning,
+        settings: &SensorSettings,
+        options: &Options,
     ) -> Self {
         let wheels = file.robot.wheels();
         let heading = |wheel: &grouser_slip::Wheel| (wheel.heading.cos(), wheel.heading.sin());
         Self {
             inputs,
-            settings,
+            low_speed: settings.low_speed,
             // it was found of online slips
             interval_factor: if options.offline {
                 1.0
@@ -77,9 +67,10 @@ impl Record {
             end_ns: None,
             longest_gap_s: 0.0,
             tallies: vec![Tally::new(); wheels.len()],
-            ways: Ways::new(settings.low_speed, settings.window),
+            ways: Ways::new(settings, wheels.len()),
             ground: GroundWatch::new(&file.robot, settings.low_speed),
-            reckoning,
+            has_places: false,
+            origin: None,
             odometry: None,
             headings: wheels.iter().map(heading).collect(),
             robot: file.robot.clone(),
@@ -98,14 +89,12 @@ impl Record {
     /// Takes a sample that is used.
     pub(crate) fn take(&mut self, sample: &Sample) {
         self.ground.take(sample);
-        if let Measurement::Position { x, y } = sample.measurement {
-            self.reckoning.take_place(sample.time_ns, [x, y]);
-        }
+        self.has_places |= matches!(sample.measurement, Measurement::Position { .. });
     }
 
-    /// Does the filter go by places without a heading?
-    pub(crate) fn is_by_places(&self) -> bool {
-        self.reckoning.is_by_places()
+    /// Does the reference measure a heading?
+    pub(crate) fn has_heading(&self) -> bool {
+        !(self.has_places && self.inputs.reference == Reference::Displacement)
     }
 
     /// Seconds from the log's start, and whether they lie in the span.
@@ -115,30 +104,28 @@ impl Record {
         (time_s, time_s >= self.span.0 && time_s <= self.span.1)
     }
 
-    /// Counts the means over the window that ended last, the wheels' speeds over it, m/s, and the whole ways by wheels and
-    /// reference, m.
-    pub(crate) fn count(
-        &mut self,
-        now_ns: i64,
-        body: &WindowBody,
-        wheel_speeds: &[Option<f64>],
-        travel: (f64, f64),
-    ) {
-        let (time_s, is_wanted) = self.when(now_ns);
-        if is_wanted {
-            let wheels = self.robot.wheels().iter().zip(wheel_speeds);
-            let powered = wheels.filter(|(wheel, _)| wheel.role == WheelRole::Powered);
-            let speeds = powered.filter_map(|(_, speed)| *speed);
-            let count = speeds.clone().count();
-            if count > 0 {
-                let size: f64 = speeds.clone().map(f64::abs).sum();
-                self.ground.step(now_ns, time_s, size / count as f64);
-            }
-            self.ways.count(body, speeds);
-            self.ways.travel(travel);
-        } else if time_s < self.span.0 {
-            self.ways.wait(travel);
+    /// Takes a step of the online filter, of which the ground is judged.
+    pub(crate) fn judge_ground(&mut self, end_ns: i64, known: &KnownStep<'_>) {
+        let (time_s, is_wanted) = self.when(end_ns);
+        let wheels = known.step.wheels.iter().filter(|wheel| !wheel.is_free);
+        let distances = wheels.filter_map(|wheel| wheel.distance);
+        let (sum, count) =
+            distances.fold((0.0, 0.0), |(sum, count), of| (sum + of.abs(), count + 1.0));
+        if is_wanted && count > 0.0 {
+            let speed = sum / (count * known.step.dt);
+            self.ground.step(end_ns, time_s, speed);
         }
+    }
+
+    /// Counts the distances of a step.
+    pub(crate) fn count(&mut self, end_ns: i64, known: &KnownStep<'_>) {
+        let (_, is_wanted) = self.when(end_ns);
+        self.ways.take(known, is_wanted);
+    }
+
+    /// Distances so far by wheels and estimate, m.
+    pub(crate) const fn travel(&self) -> [f64; 2] {
+        self.ways.travel()
     }
 
     /// Counts a moment and hands it to the sink.
@@ -167,18 +154,19 @@ impl Record {
             }
         }
         let motion = moment.motion.as_ref().filter(|_| !is_unused);
-        let low_speed = self.settings.low_speed;
+        let low_speed = self.low_speed;
         for (index, tally) in self.tallies.iter_mut().enumerate() {
             if moment.read >> index & 1 == 0 {
                 continue;
             }
-            let since = tally.read(now);
+            let lasts_s = tally.read(now);
             if !is_wanted {
                 continue;
             }
             let wheel = &moment.wheels[index];
             let row = Row {
                 time_s,
+                lasts_s,
                 wheel: index,
                 name: &robot[index].name,
                 slip: wheel.slip.map(Slip::value),
@@ -192,12 +180,12 @@ impl Record {
                     low_speed,
                 ),
             };
-            // A gap in the log is no time in a state.
-            tally.add(&row, since.min(self.settings.window));
+            tally.add(&row);
             sink.row(&row)?;
         }
         if moment.read != 0 && is_wanted {
-            let odometry = self.reckoning.step(moment);
+            let path = moment.odometry.as_ref();
+            let odometry = path.map(|of| of.since(self.origin.get_or_insert(*of)));
             self.odometry = odometry.or(self.odometry);
             sink.step(&Step {
                 time_ns: now,
@@ -210,27 +198,21 @@ impl Record {
         Ok(())
     }
 
-    /// The ways by filter and reference.
-    pub(crate) fn way_check(&self) -> WayCheck {
-        self.reckoning.ways()
+    /// The distances by wheels, estimate and reference.
+    pub(crate) const fn way_check(&self) -> WayCheck {
+        self.ways.check()
     }
 
-    /// Are the ways those by places without a heading?
-    pub(crate) fn has_ways_by_places(&self) -> bool {
-        self.reckoning.ways_by_places().is_some()
-    }
-
-    /// The summary of the run.
-    pub(crate) fn summary(self, estimated: Estimated, findings: Findings) -> Summary {
-        let Estimated {
-            method,
-            fused,
-            rejected,
-            soil,
-            is_unused,
-        } = estimated;
+    /// The summary of the run; the variance is that of the distance over ground, m².
+    pub(crate) fn summary(
+        self,
+        fused: FusedSummary,
+        soil: Option<SoilEstimate>,
+        findings: Findings,
+        travel_variance: Option<f64>,
+    ) -> Summary {
+        let is_unused = fused.doubts.contains(&Doubt::ReferenceUnused);
         let reference = self.inputs.reference;
-        let by_places = self.reckoning.ways_by_places();
         let wheels = self.robot.wheels().iter().zip(&self.tallies);
         Summary {
             status: if self.tallies.iter().any(Tally::has_slip) {
@@ -238,8 +220,6 @@ impl Record {
             } else {
                 Status::NoSlip
             },
-            method,
-            window_s: self.settings.window,
             reference,
             wheel_sensor: self.inputs.wheel_sensor.name(),
             duration_s: match (self.start_ns, self.end_ns) {
@@ -253,11 +233,8 @@ impl Record {
                     tally.summary(wheel, is_free && reference == Reference::FreeWheel)
                 })
                 .collect(),
-            // Where nothing of an absolute reference was used, there is no way.
-            along: (self.ways).along(
-                reference != Reference::Grip && !is_unused,
-                by_places.as_ref(),
-            ),
+            // where nothing of an absolute reference was used, there is no distance
+            along: (self.ways).along(reference != Reference::Grip && !is_unused, travel_variance),
             yaw: self.ways.yaw(),
             findings,
             ground_changes_s: self.ground.called_s().to_vec(),
@@ -265,9 +242,9 @@ impl Record {
             reference_delay: None,
             held_reference: None,
             odometry: self.odometry.filter(|_| !is_unused),
+            rejected: fused.rejected,
             fused,
             soil,
-            rejected,
         }
     }
 }

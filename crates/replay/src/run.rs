@@ -9,7 +9,6 @@ use crate::choice::Inputs;
 use crate::clocks::Clocks;
 use crate::engine::Engine;
 use crate::error::Result;
-use crate::method::Method;
 use crate::options::Options;
 use crate::samples::RobotSamples;
 use crate::sink::{Row, Rows, Sink};
@@ -63,50 +62,21 @@ pub fn run_into(
     options: &Options,
     sink: &mut impl Sink,
 ) -> Result<Summary> {
-    let clocks = Clocks::of(log, file, options)?;
-    let mut summary = run_once(log, file, options, &clocks, sink)?;
-    // Where the filter's own checks fail, the window estimator's result stands beside it.
-    if summary
-        .fused
-        .as_ref()
-        .is_some_and(|fused| !fused.doubts.is_empty())
-    {
-        let by_windows = Options {
-            method: Some(Method::Window),
-            offline: false,
-            learn_soil: None,
-            ..*options
-        };
-        let mut nowhere = Rows(|_: &Row<'_>| Ok(()));
-        let beside = run_once(log, file, &by_windows, &clocks, &mut nowhere)?;
-        for (wheel, other) in summary.wheels.iter_mut().zip(beside.wheels) {
-            wheel.window_slip = Some(other.slip);
-        }
-    }
-    Ok(summary)
-}
-
-fn run_once(
-    log: &Log,
-    file: &RobotFile,
-    options: &Options,
-    clocks: &Clocks,
-    sink: &mut impl Sink,
-) -> Result<Summary> {
+    let mut clocks = Clocks::of(log, file, options)?;
     let mut samples = RobotSamples::new(log, file)?;
     let inputs = Inputs::of(log, file, options)?;
     let mut file = file.clone();
-    let method = options.method_for(inputs.reference);
-    let mut clocks = clocks.clone();
-    let mut postponed = clocks.apply_delay(&mut file, method);
+    let mut postponed = clocks.apply_delay(&mut file);
     let shifts = clocks.shifts(log);
     let mut held = clocks.held;
+    // the robot would not have known of it
+    let frozen = clocks.frozen.as_ref().filter(|_| options.offline);
     let dropout_s = held.dropout_s().unwrap_or(0.0);
     file.filter.dropout = file.filter.dropout.max(dropout_s);
     let mut engine = Engine::new(&file, inputs, options)?;
     for sample in log.samples(&shifts)? {
         let sample = sample?;
-        if !held.keeps(&sample) {
+        if !held.keeps(&sample) || frozen.is_some_and(|of| !of.keeps(&sample)) {
             continue;
         }
         for sample in postponed.take(samples.convert(sample)) {
@@ -120,5 +90,8 @@ fn run_once(
     summary.held_reference = held.counts();
     summary.clock_offset_s = clocks.gyro_offset_s;
     summary.reference_delay = clocks.reference_delay;
+    let is_frozen = clocks.frozen.and_then(|of| of.found(options.offline));
+    let mistakes = std::mem::take(&mut summary.findings.mistakes);
+    summary.findings.mistakes = is_frozen.into_iter().chain(mistakes).collect();
     Ok(summary)
 }

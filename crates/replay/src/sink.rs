@@ -13,6 +13,8 @@ use crate::odometry::Odometry;
 pub struct Row<'a> {
     /// Seconds since the log's start.
     pub time_s: f64,
+    /// Seconds since its last row; of a gap of the log half a second.
+    pub lasts_s: f64,
     /// The wheel's index in the robot's order.
     pub wheel: usize,
     /// The wheel's name.

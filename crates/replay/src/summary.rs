@@ -8,7 +8,6 @@ use grouser_slip::onboard::SoilEstimate;
 use grouser_slip::{Health, Motion, Reference, Rejected, Slip};
 
 use crate::checks::{Doubt, MAX_GAP_S, ReferenceUse, WayCheck};
-use crate::method::Method;
 use crate::odometry::Odometry;
 use crate::quantiles::Quantiles;
 
@@ -47,8 +46,6 @@ pub struct WheelSummary {
     pub is_reference: bool,
     /// Its slip.
     pub slip: Spread,
-    /// Its slip by the window estimator, where the filter's result is doubtful.
-    pub window_slip: Option<Spread>,
     /// The angle from its heading to the way of its centre, to the left positive, rad.
     pub side_slip_angle: Spread,
     /// Share of time in each motion, in [`Motion::ALL`]'s order, and under [`UNKNOWN`] where the motion
@@ -62,25 +59,28 @@ pub struct WheelSummary {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct AlongSummary {
-    /// Slip over windows while the wheels turned, faster than the robot's `low_speed_m_per_s` on average.
+    /// Slip over each half second in which the wheels turned faster than the robot's `low_speed_m_per_s` on average.
     pub slip: Spread,
-    /// Slip of the whole way: 1 − way by the reference / way by the wheels (or its braking branch).
+    /// Slip over the total distance: 1 − distance over ground / distance by the wheels (or its braking branch).
     pub overall: Option<f64>,
-    /// The way by the wheels, m, forwards and back added up: the distance without compensation.
+    /// Its 90 % interval; `None` of what was known at its time only.
+    pub overall_90: Option<[f64; 2]>,
+    /// Distance by the wheels, m, forwards and backwards added up: without compensation of slip.
     pub travel_wheels: f64,
-    /// The way by the reference in the direction in which the wheels ran, m; `None` where no absolute reference was measured, and
-    /// where places without a heading do not show it.
+    /// Distance over ground in the direction in which the wheels ran, m; `None` without an absolute reference.
     pub travel_reference: Option<f64>,
+    /// Its 90 % interval; `None` likewise.
+    pub travel_reference_90: Option<[f64; 2]>,
 }
 
 /// What the log says of the yaw rate: the powered wheels against the gyro.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct YawSummary {
-    /// |turn by the wheels − turn by the gyro| in one window while the powered wheels ran faster
+    /// |turn by the wheels − turn by the gyro| in half a second while the powered wheels ran faster
     /// than the robot's `low_speed_m_per_s` on average, rad.
     pub residual: Spread,
-    /// The window, s.
+    /// That time, s.
     pub window: f64,
 }
 
@@ -93,7 +93,7 @@ pub const UNKNOWN: &str = "Unknown";
 pub enum Status {
     /// With slips.
     Done,
-    /// Without a slip of any wheel: the log is too short for a window, or nothing moved enough.
+    /// Without a slip of any wheel: the log is too short, or nothing moved enough.
     NoSlip,
 }
 
@@ -146,10 +146,6 @@ pub struct EventAt {
 pub struct Summary {
     /// How the replay ended.
     pub status: Status,
-    /// Which engine found the wheels' slips.
-    pub method: Method,
-    /// The window of means, s: of the wheels' slips by [`Method::Window`], of ways and turns always.
-    pub window_s: f64,
     /// What measured how fast the robot travels.
     pub reference: Reference,
     /// By which sensor the wheels were measured.
@@ -178,8 +174,8 @@ pub struct Summary {
     pub held_reference: Option<HeldReference>,
     /// Where the robot was at the end, counted from the beginning of the span, and the ways that led there.
     pub odometry: Option<Odometry>,
-    /// What the filter says of itself, where it found the slips.
-    pub fused: Option<FusedSummary>,
+    /// What the filter says of itself.
+    pub fused: FusedSummary,
     /// What was learnt of the soil, where that was wanted.
     pub soil: Option<SoilEstimate>,
     /// Samples that were refused.
@@ -190,7 +186,7 @@ impl Summary {
     /// Why the result is doubtful; empty where all checks passed.
     #[must_use]
     pub fn doubts(&self) -> Vec<Doubt> {
-        let of_filter = self.fused.iter().flat_map(|fused| &fused.doubts).copied();
+        let of_filter = self.fused.doubts.iter().copied();
         let is_far = |delay: &ReferenceDelay| delay.is_clear && delay.is_beyond_correction();
         let apart = self.reference_delay.filter(is_far).map(Doubt::ClocksApart);
         let has_jump = self.longest_gap_s > MAX_GAP_S;

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use grouser_slip::Wheel;
 
+use crate::gaps::Gaps;
 use crate::quantiles::Quantiles;
 use crate::sink::Row;
 use crate::summary::{Shares, Spread, WheelSummary};
@@ -14,7 +15,7 @@ pub(crate) struct Tally {
     slips: Quantiles,
     angles: Quantiles,
     shares: Shares,
-    last_ns: Option<i64>,
+    gaps: Gaps,
 }
 
 impl Tally {
@@ -23,25 +24,24 @@ impl Tally {
             slips: Quantiles::new(-1.0, 1.0),
             angles: Quantiles::new(-PI, PI),
             shares: Shares::new(),
-            last_ns: None,
+            gaps: Gaps::default(),
         }
     }
 
-    /// The wheel is read at `now_ns`; returns the seconds since it was read last.
+    /// The wheel is read at `now_ns`; returns the seconds since it was read last. A gap in the log is no time in a state.
     pub(crate) fn read(&mut self, now_ns: i64) -> f64 {
-        let last = self.last_ns.replace(now_ns);
-        last.map_or(0.0, |last| now_ns.saturating_sub(last) as f64 * 1e-9)
+        self.gaps.passed(now_ns).map_or(0.0, |(passed, _)| passed)
     }
 
-    /// Counts a row that stands for `seconds`.
-    pub(crate) fn add(&mut self, row: &Row<'_>, seconds: f64) {
+    /// Counts a row.
+    pub(crate) fn add(&mut self, row: &Row<'_>) {
         if let Some(slip) = row.slip {
             self.slips.add(slip);
         }
         if let Some(angle) = row.side_slip_angle {
             self.angles.add(angle);
         }
-        self.shares.add(row.motion, row.health, seconds);
+        self.shares.add(row.motion, row.health, row.lasts_s);
     }
 
     pub(crate) const fn has_slip(&self) -> bool {
@@ -53,7 +53,6 @@ impl Tally {
             name: wheel.name.clone(),
             is_reference,
             slip: Spread::from(&self.slips),
-            window_slip: None,
             side_slip_angle: Spread::from(&self.angles),
             states: self.shares.motions(),
             healths: self.shares.healths(),

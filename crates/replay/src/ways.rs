@@ -1,113 +1,162 @@
-//! Ways, slip along the track and yaw rates over windows, whatever finds the wheels' slips.
+//! Distances, slip along the track and turns, step by step.
 
-use grouser_slip::window::WindowBody;
+use grouser_doctor::{KnownStep, Pairing};
+use grouser_real::Real;
+use grouser_slip::SensorSettings;
+use grouser_slip::motion::{HEADING, X, Y, common_motion};
 
 use crate::checks::WayCheck;
-use crate::quantiles::Quantiles;
+use crate::quantiles::{Quantiles, SIGMAS_90};
 use crate::summary::{AlongSummary, Spread, YawSummary, overall};
+
+/// Slip along the track and turns are compared over this time, s.
+const WINDOW_S: f64 = 0.5;
+
+/// Time, s, distances by wheels and estimate, m, and the turn by the wheels beyond that by the gyro, rad.
+#[derive(Clone, Copy, Debug, Default)]
+struct Window {
+    seconds: f64,
+    wheels: f64,
+    estimate: f64,
+    turn: f64,
+}
 
 /// The counters of one span of a log.
 #[derive(Clone, Debug)]
 pub(crate) struct Ways {
     low_speed: f64,
-    window: f64,
     along: Quantiles,
     yaw: Quantiles,
-    until_ns: Option<i64>,
-    /// Ways by the wheels and by the reference up to now, m, backwards counted as negative.
-    last: (f64, f64),
-    /// The same in the span, in the direction in which the wheels run: forwards and back add up.
-    travel: (f64, f64),
+    pairing: Pairing,
+    check: WayCheck,
+    /// Distances in the direction in which the wheels ran, by them and by the estimate, m.
+    travel: [f64; 2],
+    /// The place at the end of the last step, m.
+    place: Option<[f64; 2]>,
+    window: Window,
+    scratch: Vec<f64>,
 }
 
 impl Ways {
-    pub(crate) fn new(low_speed: f64, window: f64) -> Self {
+    pub(crate) fn new(settings: &SensorSettings, wheels: usize) -> Self {
         Self {
-            low_speed,
-            window,
+            low_speed: settings.low_speed,
             along: Quantiles::new(-1.0, 1.0),
             yaw: Quantiles::new(0.0, 1.0),
-            until_ns: None,
-            last: (0.0, 0.0),
-            travel: (0.0, 0.0),
+            pairing: Pairing::new(settings.reference),
+            check: WayCheck::default(),
+            travel: [0.0; 2],
+            place: None,
+            window: Window::default(),
+            scratch: vec![0.0; wheels],
         }
     }
 
-    /// The span has not begun.
-    pub(crate) const fn wait(&mut self, travel: (f64, f64)) {
-        self.last = travel;
-    }
-
-    /// Counts the ways up to now by the wheels and by the reference, m.
-    pub(crate) fn travel(&mut self, now: (f64, f64)) {
-        let (wheels, reference) = along_rims((now.0 - self.last.0, now.1 - self.last.1));
-        self.last = now;
-        self.travel.0 += wheels;
-        self.travel.1 += reference;
-    }
-
-    /// Counts the window that ended at `body.until_ns`, once; `rims` are the powered wheels' rim speeds over it, m/s.
-    pub(crate) fn count(&mut self, body: &WindowBody, rims: impl Iterator<Item = f64>) {
-        if body.until_ns == self.until_ns || body.until_ns.is_none() {
+    /// Takes a step, which counts where it `is_wanted`.
+    pub(crate) fn take(&mut self, known: &KnownStep<'_>, is_wanted: bool) {
+        let passed = self.pairing.take(known);
+        let moved = self.moved(known);
+        if !is_wanted {
             return;
         }
-        self.until_ns = body.until_ns;
-        // beside rims at rest the noise of a reference would look like a skid, or like a turn
-        let (sum, count) = rims.fold((0.0, 0.0), |(sum, count), rim| {
-            (sum + rim.abs(), count + 1.0)
-        });
-        if sum <= count * self.low_speed {
+        if let Some(passed) = passed
+            && let Some(reference) = passed.distance_by_reference()
+        {
+            self.check.wheels += passed.length;
+            self.check.filter += passed.estimate;
+            self.check.reference += reference;
+        }
+        if !known.step.has_wheels() {
+            self.window = Window::default();
             return;
         }
-        if let Some(slip) = body.along {
-            self.along.add(slip.value());
-        }
-        if let (Some(wheels), Some(gyro)) = (body.wheels_yaw_rate, body.yaw_rate) {
-            let residual = (wheels.value - gyro.value).abs() * self.window;
-            self.yaw.add(residual);
+        let distance = known.common.distance.abs();
+        self.travel[0] += distance;
+        self.travel[1] += moved;
+        let wheels = &known.step.wheels;
+        let by_wheels = common_motion(wheels, None, 1.0, 0.0, &mut self.scratch);
+        let turn = by_wheels.and_then(|of| of.turn).zip(known.step.turn);
+        let window = &mut self.window;
+        window.seconds += known.step.dt;
+        window.wheels += distance;
+        window.estimate += known.distance();
+        window.turn += turn.map_or(f64::NAN, |(by_wheels, by_gyro)| by_wheels - by_gyro);
+        if window.seconds >= WINDOW_S {
+            self.end_window();
         }
     }
 
-    /// The robot along its track. Without an absolute reference a slip common to all wheels is not observable: then there
-    /// is no way but the wheels', and no slip. Ways `by_places` are those of places without a heading.
-    pub(crate) fn along(&self, is_observable: bool, by_places: Option<&WayCheck>) -> AlongSummary {
-        let only_wheels = AlongSummary {
-            travel_wheels: self.travel.0,
-            ..AlongSummary::default()
+    /// Counts what passed in the window. Beside wheels at rest the noise of a reference would look like a skid, or like a turn.
+    fn end_window(&mut self) {
+        let window = std::mem::take(&mut self.window);
+        if window.wheels <= self.low_speed * window.seconds {
+            return;
+        }
+        if let Some(slip) = overall(window.estimate, window.wheels) {
+            self.along.add(slip);
+        }
+        if window.turn.is_finite() {
+            self.yaw.add(window.turn.abs());
+        }
+    }
+
+    /// How far the place moved in the direction in which the wheels ran, m: what a late reading corrects of the place it corrects
+    /// of the distance.
+    fn moved(&mut self, known: &KnownStep<'_>) -> f64 {
+        let place = [X, Y].map(|i| known.belief.mean[i]);
+        let last = self.place.replace(place);
+        let Some(last) = last.filter(|_| known.step.frame.is_none()) else {
+            return known.distance();
         };
-        let (travel_wheels, travel_reference) = match by_places {
-            _ if !is_observable => return only_wheels,
-            Some(ways) => (ways.wheels, ways.reference),
-            None => self.travel,
+        let heading = known.belief.mean[HEADING] - 0.5 * known.turn();
+        let (sin, cos) = Real::sin_cos(heading + known.common.direction);
+        let moved = cos * (place[0] - last[0]) + sin * (place[1] - last[1]);
+        moved * 1.0_f64.copysign(known.common.distance)
+    }
+
+    /// Distances in the direction in which the wheels ran so far, by them and by the estimate, m.
+    pub(crate) const fn travel(&self) -> [f64; 2] {
+        self.travel
+    }
+
+    /// The distances of wheels, estimate and reference between the readings of the reference.
+    pub(crate) const fn check(&self) -> WayCheck {
+        self.check
+    }
+
+    /// The robot along its track: of a whole log by the estimate, whose distance has this `variance` (m²), online by the reference
+    /// alone, between its readings. Without an absolute reference a slip common to all wheels is not observable: then there is no
+    /// distance but the wheels', and no slip.
+    pub(crate) fn along(&self, is_observable: bool, variance: Option<f64>) -> AlongSummary {
+        let [wheels, estimate] = match variance {
+            None if is_observable => [self.check.wheels, self.check.reference],
+            _ => self.travel,
         };
-        let slip = Spread::from(&self.along);
-        if by_places.is_some() && !(travel_wheels > 0.0) {
+        if !is_observable {
             return AlongSummary {
-                slip,
-                ..only_wheels
+                travel_wheels: wheels,
+                ..AlongSummary::default()
             };
         }
+        let half = variance.map(|variance| SIGMAS_90 * Real::sqrt(variance));
+        let slip = |distance: f64| overall(distance, wheels);
         AlongSummary {
-            slip,
-            overall: overall(travel_reference, travel_wheels),
-            travel_wheels,
-            travel_reference: Some(travel_reference),
+            slip: Spread::from(&self.along),
+            overall: slip(estimate),
+            overall_90: half.and_then(|half| {
+                let [low, high] = [slip(estimate + half), slip((estimate - half).max(0.0))];
+                Some([low?, high?])
+            }),
+            travel_wheels: wheels,
+            travel_reference: Some(estimate),
+            travel_reference_90: half.map(|half| [estimate - half, estimate + half]),
         }
     }
 
     pub(crate) fn yaw(&self) -> Option<YawSummary> {
         (self.yaw.count() > 0).then(|| YawSummary {
             residual: Spread::from(&self.yaw),
-            window: self.window,
+            window: WINDOW_S,
         })
-    }
-}
-
-/// A short way by the wheels, and one beside it, in the direction in which the wheels ran, m.
-pub(crate) const fn along_rims((wheels, beside): (f64, f64)) -> (f64, f64) {
-    if wheels < 0.0 {
-        (-wheels, -beside)
-    } else {
-        (wheels, beside)
     }
 }

@@ -24,6 +24,7 @@ mod kobuki;
 mod late_positions;
 mod logs_that_say_nothing;
 mod measured_poses;
+mod mounting;
 mod observability;
 mod offline;
 mod places;

@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
-use grouser_replay::{Method, Options, Summary, run};
+use grouser_replay::{Options, Summary, run};
 
 const DT_S: f64 = 0.02;
 const ROWS: i32 = 3000;
@@ -150,12 +150,8 @@ fn errors(steering: &str, smooth: bool) -> ([f64; 4], Summary) {
         offline: smooth,
         ..Options::default()
     };
-    errors_with(steering, &options)
-}
-
-fn errors_with(steering: &str, options: &Options) -> ([f64; 4], Summary) {
     let mut sums = [(0.0, 0.0); 4];
-    let summary = run(&log(), &file(steering).unwrap(), options, |row| {
+    let summary = run(&log(), &file(steering).unwrap(), &options, |row| {
         if let Some(slip) = row.slip.filter(|_| row.time_s > 5.0) {
             sums[row.wheel].0 += (slip - WHEELS[row.wheel].3).powi(2);
             sums[row.wheel].1 += 1.0;
@@ -181,13 +177,6 @@ fn the_slips_of_an_articulated_robot_are_those_of_the_world() {
     println!("articulated, smoothed: rmse {smooth:.4?}");
     assert!(smooth.iter().all(|error| *error < 0.015), "{smooth:?}");
     assert!(summary.findings.turns.is_none());
-    let windows = Options {
-        method: Some(Method::Window),
-        ..Options::default()
-    };
-    let (means, _) = errors_with(ARTICULATED, &windows);
-    println!("articulated, means over windows: rmse {means:.4?}");
-    assert!(means.iter().all(|error| *error < 0.015), "{means:?}");
     // Described as another steering, the same log shows slips that are not there.
     let ackermann = ARTICULATED
         .replace("articulated", "ackermann")

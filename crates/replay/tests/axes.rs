@@ -63,6 +63,7 @@ const DRIVE: KnownTruth = KnownTruth {
 const INPUTS: Inputs = Inputs {
     wheel_sensor: WheelSensor::Count,
     reference: Reference::Pose,
+    speed_place: [0.0; 2],
     position_sigma: None,
     is_acceleration_forward_only: false,
 };
@@ -153,7 +154,7 @@ fn a_pose_that_is_turned_round_is_named_and_corrected() {
         }
     };
     let (summary, _) = run(false, false, "", turned);
-    let is_turned = |doubt: &Doubt| matches!(doubt, Doubt::Description(Mistake::ReferenceTurned(angle)) if angle.abs() > 3.0);
+    let is_turned = |doubt: &Doubt| matches!(doubt, Doubt::Description(Mistake::ReferenceTurned([angle, _])) if angle.abs() > 3.0);
     assert!(
         summary.doubts().iter().any(is_turned),
         "{:?}",

@@ -124,7 +124,7 @@ fn what_was_calibrated_is_written_beside_everything_else() {
     let kept = "# a comment\n";
     for estimator in [
         "",
-        "[estimator]  # of ours\nwindow_s = 0.4\n",
+        "[estimator]  # of ours\nlow_speed_m_per_s = 0.04\n",
         "[estimator]\ninterval_factor = 3.0\n",
         "[filter]\nslip_sigma = 0.3\n[estimator]\n",
         "[filter]\nreference_latency_s = 0.3 # of a camera\n",
@@ -161,7 +161,7 @@ fn what_was_calibrated_is_written_beside_everything_else() {
         );
     }
     let inline = format!(
-        "format = 1\nestimator = {{ window_s = 0.4 }}\n{}",
+        "format = 1\nestimator = {{ low_speed_m_per_s = 0.04 }}\n{}",
         ROBOT.replace("format = 1\n", "")
     );
     let error = robot::revised(
@@ -197,10 +197,10 @@ fn intervals_hold_in_runs_that_they_were_not_calibrated_on() {
     for (name, logs) in [("one surface", &one), ("two surfaces", &two)] {
         let found = calibrate_intervals(logs, &file, &options).unwrap();
         println!("{name}: {found:?}");
-        // Each run is covered by the factor of the five others: 0.891 and 0.894; half-widths 0.107 and 0.130.
+        // Each run is covered by the factor of the five others.
         assert!((0.85..0.95).contains(&found.coverage), "{name}: {found:?}");
         assert!(found.half_width < 0.130, "{name}: {found:?}");
-        assert!(found.coverage_before > 0.9, "{name}: {found:?}");
+        assert!(found.coverage_before > 0.85, "{name}: {found:?}");
     }
     let few = calibrate_intervals(&one[..2], &file, &options);
     assert!(matches!(few, Err(Error::TooFewRuns { runs: 2, .. })));

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use grouser_replay::{Method, Options, Quantiles, Row, run, soil_readings};
-use grouser_slip::{Health, Motion, Reference};
+use grouser_replay::{Options, Row, run, soil_readings};
+use grouser_slip::{Health, Motion, Reference, Slip};
 use grouser_synthetic::FiveWheel;
 use grouser_terra::catalogue;
 
@@ -11,47 +11,6 @@ use crate::shipped::{example, root};
 
 fn log() -> PathBuf {
     root().join("examples/five-wheel/log.csv")
-}
-
-/// Means over windows.
-const BY_WINDOW: Options = Options {
-    method: Some(Method::Window),
-    offline: false,
-    reference: None,
-    wheel_sensor: None,
-    window_s: None,
-    from_s: None,
-    to_s: None,
-    learn_soil: None,
-};
-
-struct Kept {
-    time_s: f64,
-    wheel: usize,
-    slip: f64,
-    sigma: f64,
-    health: Health,
-}
-
-fn rows() -> Vec<Kept> {
-    let five = example("five-wheel");
-    let mut kept = Vec::new();
-    let keep = |row: &Row<'_>| {
-        if let (Some(slip), Some(sigma)) = (row.slip, row.slip_sigma) {
-            kept.push(Kept {
-                time_s: row.time_s,
-                wheel: row.wheel,
-                slip,
-                sigma,
-                health: row.health,
-            });
-        }
-        Ok(())
-    };
-    let summary = run(&five.log(log()), &five.robot, &BY_WINDOW, keep).unwrap();
-    assert_eq!(summary.reference, Reference::FreeWheel);
-    assert_eq!(summary.rejected.total(), 0);
-    kept
 }
 
 #[test]
@@ -93,7 +52,7 @@ fn gaps_of_a_log_are_no_slip_of_the_whole_way() {
     )
     .unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
-    let ways = summary.fused.as_ref().unwrap().ways;
+    let ways = summary.fused.ways;
     println!("{ways:?} {:?}", summary.along);
     let found = (
         ways.slip_by_filter().unwrap(),
@@ -104,79 +63,36 @@ fn gaps_of_a_log_are_no_slip_of_the_whole_way() {
 }
 
 #[test]
-fn slip_is_the_truth_but_for_the_free_wheels_own_skid() {
-    let truth = FiveWheel::default().generate().truth;
-    let window = 25; // rows of 20 ms
-    let (mut worst, mut squares, mut count) = (0.0_f64, 0.0, 0.0);
-    let mut normalised = Quantiles::new(0.0, 20.0);
-    for row in rows().iter().filter(|row| row.health == Health::Ok) {
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a row of the log"
-        )]
-        let end = (row.time_s * 50.0).round() as usize;
-        let (a, b) = (&truth[end - window], &truth[end]);
-        let passed = |way: &[f64; 5], from: &[f64; 5], wheel: usize| way[wheel] - from[wheel];
-        let (way, rim) = (
-            passed(&b.way, &a.way, row.wheel),
-            passed(&b.rim, &a.rim, row.wheel),
-        );
-        // P23 takes the free wheel's rim for the way: what it skids is missing from every way.
-        let skid = passed(&b.way, &a.way, 4) - passed(&b.rim, &a.rim, 4);
-        let seen = way - skid;
-        if (seen < 0.0) != (rim < 0.0) {
-            continue;
-        }
-        let expected = if rim.abs() >= seen.abs() {
-            1.0 - seen / rim
-        } else {
-            rim / seen - 1.0
-        };
-        let error = (row.slip - expected).abs();
-        worst = worst.max(error / row.sigma);
-        normalised.add(error / row.sigma);
-        squares += error * error;
-        count += 1.0;
-    }
-    let rmse = f64::sqrt(squares / count);
-    println!(
-        "{count} rows: RMSE {rmse:.4}, |error|/sigma median {:.2}, 95 % {:.2}, worst {worst:.2}",
-        normalised.at(0.5).unwrap(),
-        normalised.at(0.95).unwrap(),
-    );
-    // One tick of any wheel is 0.63 mm in 75 to 150 mm a window: 0.004 to 0.008 / sqrt 6 each.
-    assert!(rmse < 0.01, "{rmse}");
-    // Errors of differences of two uniform errors stay within sqrt 6 sigma each; three of them add up.
-    assert!(worst < 4.0, "{worst}");
-    // The sigma is neither too small nor a show of caution: half of all errors lie below 0.67 of it.
-    let median = normalised.at(0.5).unwrap();
-    assert!(median > 0.3 && median < 0.9, "{median}");
-}
-
-#[test]
 fn the_bias_of_an_uncorrected_free_wheel_is_the_stated_one() {
     // ignoring the skid s_f biases a slip by −s_f (1 − S).
-    let run = FiveWheel::default();
-    let truth = run.generate().truth;
+    let described = FiveWheel::default();
+    let truth = described.generate().truth;
     let (mut found, mut true_slip, mut count) = (0.0, 0.0, 0.0);
-    for row in rows()
-        .iter()
-        .filter(|row| row.wheel == 2 && row.time_s > 16.5 && row.time_s < 19.0)
-    {
+    let five = example("five-wheel");
+    let summary = run(&five.log(log()), &five.robot, &Options::default(), |row| {
+        let Some(slip) = row
+            .slip
+            .filter(|_| row.wheel == 2 && row.time_s > 16.5 && row.time_s < 19.0)
+        else {
+            return Ok(());
+        };
         #[allow(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "a row of the log"
         )]
         let end = (row.time_s * 50.0).round() as usize;
-        let (a, b) = (&truth[end - 25], &truth[end]);
-        found += row.slip;
+        let (a, b) = (&truth[end - 3], &truth[end + 2]);
+        found += slip;
         true_slip += 1.0 - (b.way[2] - a.way[2]) / (b.rim[2] - a.rim[2]);
         count += 1.0;
-    }
+        Ok(())
+    })
+    .unwrap();
+    assert_eq!(summary.reference, Reference::FreeWheel);
+    assert_eq!(summary.rejected.total(), 0);
     let (found, true_slip) = (found / count, true_slip / count);
-    let stated = -run.free_slip.1 * (1.0 - true_slip);
+    let stated = -described.free_slip.1 * (1.0 - true_slip);
     println!("bias {:.4}, stated {stated:.4}", found - true_slip);
     // To first order in s_f: its square, 4e-4, is left; and the gyro's noise on wheels 0.25 m apart.
     assert!((found - true_slip - stated).abs() < 0.004);
@@ -186,7 +102,7 @@ fn the_bias_of_an_uncorrected_free_wheel_is_the_stated_one() {
 fn the_patch_the_brake_and_the_stops_are_told_apart() {
     let five = example("five-wheel");
     let mut motions = Vec::new();
-    let summary = run(&five.log(log()), &five.robot, &BY_WINDOW, |row| {
+    let summary = run(&five.log(log()), &five.robot, &Options::default(), |row| {
         motions.push((row.time_s, row.wheel, row.motion, row.slip));
         Ok(())
     })
@@ -235,7 +151,7 @@ fn with_the_skid_of_the_right_soil_the_bias_is_gone() {
     let options = Options {
         from_s: Some(17.0),
         to_s: Some(19.0),
-        ..BY_WINDOW
+        ..Options::whole_log()
     };
     let summary = five.summary(log(), &options);
     let soil = catalogue::find("dry-sand").unwrap().soil().unwrap();
@@ -257,13 +173,23 @@ fn with_the_skid_of_the_right_soil_the_bias_is_gone() {
 
 /// Against the truth of the tenth of a second around each row, the free wheel's own skid left out as in P23.
 #[test]
-fn the_filter_follows_closer_than_windows_and_looking_back_closer_still() {
+fn the_filter_follows_closer_than_the_bare_mean_and_looking_back_closer_still() {
     let truth = FiveWheel::default().generate().truth;
     let five = example("five-wheel");
-    let rmse = |method, smooth| {
-        let (mut squares, mut count, mut normalised) = (0.0, 0.0, 0.0);
+    // of the true distances of wheels and centres between two rows, which no counter and no free wheel rounds
+    let between = |wheel: usize, from: usize, to: usize| {
+        let (a, b) = (&truth[from], &truth[to]);
+        let skid = (b.way[4] - a.way[4]) - (b.rim[4] - a.rim[4]);
+        let (rim, way) = (
+            b.rim[wheel] - a.rim[wheel],
+            b.way[wheel] - a.way[wheel] - skid,
+        );
+        let slip = Slip::from_speeds(way, rim).ok().filter(|_| way * rim > 0.0);
+        (slip.map(Slip::value), way.abs().max(rim.abs()))
+    };
+    let rmse = |smooth| {
+        let (mut squares, mut count, mut normalised, mut bare) = (0.0, 0.0, 0.0, 0.0);
         let options = Options {
-            method: Some(method),
             offline: smooth,
             ..Options::default()
         };
@@ -275,36 +201,29 @@ fn the_filter_follows_closer_than_windows_and_looking_back_closer_still() {
             )]
             let at = (row.time_s * 50.0).round() as usize;
             if let (Some(slip), Some(sigma), Health::Ok) = (row.slip, row.slip_sigma, row.health)
-                && (3..truth.len() - 3).contains(&at)
-            {
-                let (a, b) = (&truth[at - 3], &truth[at + 2]);
-                let rim = b.rim[row.wheel] - a.rim[row.wheel];
-                let skid = (b.way[4] - a.way[4]) - (b.rim[4] - a.rim[4]);
-                let way = b.way[row.wheel] - a.way[row.wheel] - skid;
+                && (25..truth.len() - 3).contains(&at)
                 // 5 cm/s: slower than that a slip says little
-                if way * rim > 0.0 && way.abs().max(rim.abs()) > 0.005 {
-                    let expected = if rim.abs() >= way.abs() {
-                        1.0 - way / rim
-                    } else {
-                        rim / way - 1.0
-                    };
-                    squares += (slip - expected).powi(2);
-                    normalised += ((slip - expected) / sigma).powi(2);
-                    count += 1.0;
-                }
+                && let (Some(expected), 0.005..) = between(row.wheel, at - 3, at + 2)
+                && let (Some(mean), _) = between(row.wheel, at - 25, at)
+            {
+                squares += (slip - expected).powi(2);
+                normalised += ((slip - expected) / sigma).powi(2);
+                bare += (mean - expected).powi(2);
+                count += 1.0;
             }
             Ok(())
         })
         .unwrap();
-        (f64::sqrt(squares / count), normalised / count)
+        [squares, bare]
+            .map(|sum: f64| (sum / count).sqrt())
+            .into_iter()
+            .chain([normalised / count])
+            .collect::<Vec<f64>>()
     };
-    let window = rmse(Method::Window, false);
-    let filter = rmse(Method::Filter, false);
-    let both = rmse(Method::Filter, true);
+    let (filter, both) = (rmse(false), rmse(true));
     println!(
-        "RMSE (squared error over variance): windows {:.4} ({:.2}), filter {:.4} ({:.2}), both ways {:.4} ({:.2})",
-        window.0, window.1, filter.0, filter.1, both.0, both.1
+        "RMSE, that of the mean over the last half second, squared error over variance: {filter:.4?}, both ways {both:.4?}"
     );
-    assert!(filter.0 < window.0 && both.0 < filter.0);
-    assert!(filter.1 < 2.0 && both.1 < 2.0);
+    assert!(filter[0] < filter[1] && both[0] < filter[0]);
+    assert!(filter[2] < 2.0 && both[2] < 2.0);
 }

@@ -175,7 +175,7 @@ fn rows_that_repeat_the_last_update_are_no_readings() {
         let updates = ROWS.div_ceil(rows) as u64;
         assert_eq!((held.rows, held.updates), (ROWS as u64, updates));
         assert!((held.interval_s - rows as f64 * STEP_S).abs() < 1e-9);
-        let readings = |summary: &Summary| summary.fused.as_ref().unwrap().reference;
+        let readings = |summary: &Summary| summary.fused.reference;
         assert_eq!(readings(&summary), readings(&empty));
         assert_eq!(empty.held_reference, None);
     }

@@ -1,7 +1,7 @@
 //! The Jackal's bag: an IMU and the odometry of the wheels' driver.
 
 use grouser_log::series;
-use grouser_replay::{Method, Options};
+use grouser_replay::Options;
 use grouser_slip::Reference;
 
 use crate::shipped::{data, example};
@@ -81,11 +81,7 @@ fn the_odometry_replayed_ends_where_it_says() {
 fn without_a_reference_no_slip_is_ok() {
     let Some(folder) = data("jackal") else { return };
     let jackal = example("jackal");
-    let options = Options {
-        method: Some(Method::Filter),
-        ..Options::default()
-    };
-    let summary = jackal.summary(folder.join("jackal_61s.bag"), &options);
+    let summary = jackal.summary(folder.join("jackal_61s.bag"), &Options::default());
     assert!(
         summary
             .wheels

@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
-use grouser_replay::{Method, Options, run};
+use grouser_replay::{Doubt, Options, run};
 use grouser_synthetic::Noise;
 
 const ROBOT: &str = "format = 1\nname = \"cart\"\n[estimator]\nposition_sigma_m = 0.01\nyaw_sigma_deg = 0.57\n\
@@ -56,21 +56,19 @@ fn log() -> Log {
 #[test]
 fn the_whole_way_contains_what_comes_late() {
     let robot = robot::parse(&Document::from_text("robot.toml", ROBOT.into()).unwrap()).unwrap();
-    for method in [Method::Filter, Method::Window] {
-        let options = Options {
-            method: Some(method),
-            ..Options::default()
-        };
-        let summary = run(&log(), &robot, &options, |_| Ok(())).unwrap();
-        assert!(summary.doubts().is_empty(), "{:?}", summary.doubts());
-        let along = summary.along;
-        let way = along.travel_reference.unwrap();
-        // 57 s at 0.6 and 0.4 m/s; the last step of up to 0.2 s is not counted, and the last pose is late
-        assert!((along.travel_wheels - 34.2).abs() < 0.2, "{along:?}");
-        assert!((way - 22.8).abs() < 0.2, "{along:?}");
-        if let Some(fused) = summary.fused {
-            let slip = fused.ways.slip_by_reference().unwrap();
-            assert!((slip - 1.0 / 3.0).abs() < 0.01, "{slip}");
-        }
-    }
+    let summary = run(&log(), &robot, &Options::default(), |_| Ok(())).unwrap();
+    // what comes late is behind the filter too: its own distance may differ by more than the check allows
+    let differs = |of: &Doubt| matches!(of, Doubt::WaysDiffer { .. });
+    assert!(
+        summary.doubts().iter().all(differs),
+        "{:?}",
+        summary.doubts()
+    );
+    let along = summary.along;
+    let way = along.travel_reference.unwrap();
+    // 57 s at 0.6 and 0.4 m/s; the last step of up to 0.2 s is not counted, and the last pose is late
+    assert!((along.travel_wheels - 34.2).abs() < 0.2, "{along:?}");
+    assert!((way - 22.8).abs() < 0.2, "{along:?}");
+    let slip = summary.fused.ways.slip_by_reference().unwrap();
+    assert!((slip - 1.0 / 3.0).abs() < 0.01, "{slip}");
 }

@@ -12,7 +12,10 @@ use grouser_synthetic::{Disturbance, KnownTruth, SlipProfile, TruthStep};
 /// Errors count from here on, and up to this before the end, s.
 const MARGIN_S: f64 = 3.0;
 
-fn file(position_sigma: f64) -> RobotFile {
+/// Ticks a turn of the wheels as the drives have them.
+const TICKS: u64 = 1000;
+
+fn file(position_sigma: f64, ticks: u64) -> RobotFile {
     let mut text = format!(
         "format = 1\nname = \"known truth\"\n[estimator]\nposition_sigma_m = {position_sigma}\n"
     );
@@ -21,7 +24,7 @@ fn file(position_sigma: f64) -> RobotFile {
         writeln!(
             text,
             "[[wheel]]\nname = \"{name}\"\nx_m = {x:?}\ny_m = {y:?}\nradius_m = 0.1\ndrive = \"powered\"\n\
-             ticks_per_turn = 1000"
+             ticks_per_turn = {ticks}"
         )
         .unwrap();
     }
@@ -88,12 +91,25 @@ fn drive(wheel_speed: f64, accelerations: bool, disturbance: Disturbance, seed: 
 fn score<Logged: IntoIterator<Item = Sample>>(
     steps: &[TruthStep],
     (reference, position_sigma): (Reference, f64),
+    change: impl FnMut(Sample) -> Logged,
+    counts: impl Fn(f64) -> bool,
+) -> Score {
+    let file = file(position_sigma, TICKS);
+    score_by(&file, steps, reference, change, counts)
+}
+
+/// The same by another description of the robot.
+fn score_by<Logged: IntoIterator<Item = Sample>>(
+    file: &RobotFile,
+    steps: &[TruthStep],
+    reference: Reference,
     mut change: impl FnMut(Sample) -> Logged,
     counts: impl Fn(f64) -> bool,
 ) -> Score {
     let inputs = Inputs {
         wheel_sensor: WheelSensor::Count,
         reference,
+        speed_place: [0.0; 2],
         position_sigma: None,
         is_acceleration_forward_only: false,
     };
@@ -101,7 +117,7 @@ fn score<Logged: IntoIterator<Item = Sample>>(
         offline: true,
         ..Options::default()
     };
-    let mut engine = Engine::new(&file(position_sigma), inputs, &options).unwrap();
+    let mut engine = Engine::new(file, inputs, &options).unwrap();
     let mut slips = Slips::default();
     for sample in steps.iter().flat_map(|step| &step.samples) {
         for sample in change(*sample) {
@@ -269,4 +285,66 @@ fn wheels_that_are_read_five_times_a_second_are_smoothed_too() {
     ];
     println!("{all:?} {five:?}");
     assert!(five.rmse <= 0.5 * five.centred, "{five:?} {all:?}");
+}
+
+/// A tick is as long as the distance over a step of 50 ms: what is noise in a distance must not become slip.
+#[test]
+fn coarse_encoders_do_not_bias_the_slip() {
+    const COARSE: u64 = 20;
+    let steps = drive(0.25, false, Disturbance::Clean, 7).steps();
+    let coarse = |mut sample: Sample| {
+        if let Measurement::WheelCount { raw, .. } = &mut sample.measurement {
+            *raw /= COARSE;
+        }
+        Some(sample)
+    };
+    let fine = score(&steps, POSE, as_logged, |_| true);
+    let file = file(POSE.1, TICKS / COARSE);
+    let one = score_by(&file, &steps, POSE.0, coarse, |_| true);
+    println!("{fine:?} {one:?}");
+    assert!(one.rmse <= 0.5 * one.centred, "{one:?} {fine:?}");
+}
+
+/// Visual odometry that lost track for 8 s: what moved meanwhile is in none of its displacements.
+#[test]
+fn a_gap_of_displacements_is_no_standstill() {
+    let steps = drive(0.5, false, Disturbance::Clean, 8).steps();
+    let begin = steps[0].samples[0].time_ns;
+    let is_out = |time: f64| (60.0..68.0).contains(&time);
+    let mut before = None;
+    let moved = |sample: Sample| {
+        let Measurement::Pose { x, y, yaw } = sample.measurement else {
+            return Some(sample);
+        };
+        let (at_x, at_y, was) = before.replace((x, y, yaw)).unwrap_or((x, y, yaw));
+        let (sin, cos) = (0.5 * (yaw + was)).sin_cos();
+        let (dx, dy) = (x - at_x, y - at_y);
+        let measurement = Measurement::Displacement {
+            forward: cos * dx + sin * dy,
+            left: cos * dy - sin * dx,
+            turn: Some(yaw - was),
+        };
+        let time = (sample.time_ns - begin) as f64 * 1e-9;
+        (!is_out(time)).then_some(Sample {
+            measurement,
+            ..sample
+        })
+    };
+    let reference = (Reference::Displacement, 0.02);
+    let near = |time: f64| (58.0..70.0).contains(&time);
+    let one = score(&steps, reference, moved, near);
+    println!("{one:?}");
+    assert!(one.rmse <= 0.1 && one.held >= 0.8, "{one:?}");
+}
+
+/// A slip that neither wanders nor jumps for good: what the two priors differ by belongs to the interval.
+#[test]
+fn intervals_hold_where_neither_prior_of_the_slip_does() {
+    let blips = KnownTruth {
+        profile: SlipProfile::Blips,
+        ..drive(1.0, false, Disturbance::Clean, 10)
+    };
+    let one = score(&blips.steps(), POSE, as_logged, |_| true);
+    println!("{one:?}");
+    assert!(one.held >= 0.9, "{one:?}");
 }

@@ -167,7 +167,7 @@ fn replayed(wheels: &[Wheel], has_yaw: bool, table: String) -> Summary {
 }
 
 fn assert_known(situation: &str, (summary, expected): (Summary, f64)) {
-    let ways = summary.fused.as_ref().unwrap().ways;
+    let ways = summary.fused.ways;
     let along = summary.along;
     println!(
         "{situation}: {expected:.3}, {ways:?} {along:?} {:?}",

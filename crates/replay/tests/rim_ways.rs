@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
-use grouser_replay::{Method, Options, run};
+use grouser_replay::{Options, run};
 
 /// Neither the gear nor the mounting of an encoder, nor another radius, is in a way that was counted at the rim.
 const ROBOT: &str = "format = 1\nname = \"cart\"\n\
@@ -37,21 +37,15 @@ fn a_cart_with_odometers_has_its_slip() {
         &Topics::default(),
     )
     .unwrap();
-    for method in [Method::Filter, Method::Window] {
-        let options = Options {
-            method: Some(method),
-            ..Options::default()
-        };
-        let summary = run(&log, &robot, &options, |_| Ok(())).unwrap();
-        assert_eq!(summary.wheel_sensor, "angle");
-        let along = &summary.along;
-        assert!((along.travel_wheels - 10.0).abs() < 0.3, "{along:?}");
-        assert!((along.overall.unwrap() - 0.2).abs() < 0.005, "{along:?}");
-        for wheel in &summary.wheels {
-            assert!(
-                (wheel.slip.median.unwrap() - 0.2).abs() < 0.005,
-                "{wheel:?}"
-            );
-        }
+    let summary = run(&log, &robot, &Options::default(), |_| Ok(())).unwrap();
+    assert_eq!(summary.wheel_sensor, "angle");
+    let along = &summary.along;
+    assert!((along.travel_wheels - 10.0).abs() < 0.3, "{along:?}");
+    assert!((along.overall.unwrap() - 0.2).abs() < 0.005, "{along:?}");
+    for wheel in &summary.wheels {
+        assert!(
+            (wheel.slip.median.unwrap() - 0.2).abs() < 0.005,
+            "{wheel:?}"
+        );
     }
 }

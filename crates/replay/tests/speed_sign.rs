@@ -6,7 +6,7 @@ use std::io::Cursor;
 use grouser_doctor::{Mistake, StartOutcome};
 use grouser_files::{Document, columns, robot, topics::Topics};
 use grouser_log::Log;
-use grouser_replay::{Doubt, Method, Options, Row, Summary, check_start, run};
+use grouser_replay::{Doubt, Options, Row, Summary, check_start, run};
 
 /// Its right encoder counts backwards.
 const ROBOT: &str = "format = 1\nname = \"cart\"\n\
@@ -71,17 +71,11 @@ fn summary(meaning: &str, options: &Options) -> (Summary, f64) {
 
 #[test]
 fn a_size_of_the_speed_has_the_sign_of_the_wheels() {
-    for method in [Method::Filter, Method::Window] {
-        let options = Options {
-            method: Some(method),
-            ..Options::default()
-        };
-        let (summary, rmse) = summary("speed_size", &options);
-        assert!(rmse < 0.02, "{rmse}");
-        assert!(summary.doubts().is_empty(), "{:?}", summary.doubts());
-        let slip = summary.along.overall.unwrap();
-        assert!((slip - 0.2).abs() < 0.02, "{slip}");
-    }
+    let (summary, rmse) = summary("speed_size", &Options::default());
+    assert!(rmse < 0.02, "{rmse}");
+    assert!(summary.doubts().is_empty(), "{:?}", summary.doubts());
+    let slip = summary.along.overall.unwrap();
+    assert!((slip - 0.2).abs() < 0.02, "{slip}");
 }
 
 #[test]

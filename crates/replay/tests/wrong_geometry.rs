@@ -165,7 +165,7 @@ fn holds(seconds: u32) {
             };
             let summary = summary(drive, wrong);
             let turns = summary.findings.turns.as_ref().unwrap();
-            let events = summary.fused.as_ref().map_or(0, |fused| fused.events.len());
+            let events = summary.fused.events.len();
             println!(
                 "pose {has_pose} {wrong:?}: {} alarms beyond geometry, wheel {:?}, geometry {:?}, {events} events, \
                  doubts {:?}, median slips {:.3?}",

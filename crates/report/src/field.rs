@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use crate::number::{exact, rounded, short};
+use crate::layout::Layout;
+use crate::number::{exact, short, shown};
 use crate::unit::{factor, unit_of};
 use crate::words::printable;
 
@@ -37,12 +38,21 @@ pub(crate) struct Shown {
     pub(crate) digits: Digits,
     pub(crate) missing: &'static str,
     pub(crate) at_right: bool,
+    pub(crate) is_detail: bool,
+}
+
+impl Shown {
+    /// Is it printed in this run?
+    pub(crate) fn is_printed(&self) -> bool {
+        !self.is_detail || Layout::current().details
+    }
 }
 
 /// How many digits people see.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Digits {
-    Significant(usize),
+    /// Those of the layout.
+    Significant,
     Decimals(usize),
     /// As many as the number needs.
     All,
@@ -62,16 +72,16 @@ impl<T> Field<'_, T> {
 
     /// The value for people.
     pub(crate) fn cell(&self, value: &Value) -> String {
-        let Some(shown) = self.shown else {
+        let Some(view) = self.shown else {
             return String::new();
         };
         match value {
-            Value::Null => shown.missing.to_owned(),
+            Value::Null => view.missing.to_owned(),
             Value::Number(number) if number.is_f64() => {
-                let value = number.as_f64().unwrap_or(f64::NAN) * factor(self.unit(), shown.unit);
-                match shown.digits {
-                    Digits::Significant(digits) => rounded(value, digits),
-                    Digits::Decimals(places) => format!("{value:.places$}").replace('-', "−"),
+                let value = number.as_f64().unwrap_or(f64::NAN) * factor(self.unit(), view.unit);
+                match view.digits {
+                    Digits::Significant => shown(value),
+                    Digits::Decimals(places) => format!("{value:.places$}"),
                     Digits::All => value.to_string(),
                 }
             }

@@ -272,9 +272,10 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
             field.shown = Some(Shown {
                 label: field.words,
                 unit,
-                digits: Digits::Significant(5),
-                missing: "–",
+                digits: Digits::Significant,
+                missing: "-",
                 at_right: field.is_number(),
+                is_detail: false,
             });
         }
         self
@@ -286,10 +287,17 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
         self.seen(|shown| shown.label = label)
     }
 
-    /// People see the last quantity with this many significant digits; 5 by default.
+    /// People see the last quantity among the details only.
+    ///
+    /// ```
+    /// use grouser_report::Fields;
+    ///
+    /// let fields = Fields::new().field("checks", "checks", |n: u32| n).shown("").detail();
+    /// assert_eq!(fields.lines(7), "");
+    /// ```
     #[must_use]
-    pub fn digits(self, digits: usize) -> Self {
-        self.seen(|shown| shown.digits = Digits::Significant(digits))
+    pub fn detail(self) -> Self {
+        self.seen(|shown| shown.is_detail = true)
     }
 
     /// People see the last quantity with this many decimal places.
@@ -435,7 +443,8 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
     /// The same, as rows of a table with the columns name, value and unit.
     pub fn add_lines(&self, table: &mut Table, of: T) {
         for field in &self.list {
-            if let (Some(shown), Some(value)) = (field.shown, (field.value)(of.clone())) {
+            let shown = field.shown.filter(Shown::is_printed);
+            if let (Some(shown), Some(value)) = (shown, (field.value)(of.clone())) {
                 table.row([shown.label, &field.cell(&value), shown.unit]);
             }
         }
@@ -451,7 +460,8 @@ impl<'a, T: Clone + 'a> Fields<'a, T> {
     /// ```
     #[must_use]
     pub fn table(&self, rows: impl IntoIterator<Item = T>) -> String {
-        let seen = || self.list.iter().filter(|field| field.shown.is_some());
+        let is_seen = |field: &&Field<'a, T>| field.shown.is_some_and(|shown| shown.is_printed());
+        let seen = || self.list.iter().filter(is_seen);
         let mut table = Table::new();
         for shown in seen().filter_map(|field| field.shown) {
             let header = format!("{} {}", shown.label, shown.unit);

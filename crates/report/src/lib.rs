@@ -9,18 +9,22 @@
 mod datum;
 mod field;
 mod fields;
+mod layout;
 mod list;
 pub mod number;
 mod schema;
 mod table;
 mod unit;
 mod words;
+mod wrap;
 
 pub use datum::Datum;
 pub use fields::Fields;
+pub use layout::Layout;
 pub use table::Table;
 pub use unit::unit_of;
 pub use words::printable;
+pub use wrap::wrapped;
 
 /// A JSON object that keeps the order of its keys.
 ///

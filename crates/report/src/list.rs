@@ -3,7 +3,7 @@
 /// Writes a [`Fields`](crate::Fields) as a table: each line has a key, words, views and a value.
 ///
 /// - `"key" "words" = value;` is a quantity; before `=` may stand what people see of it, such as
-///   `.shown("mm").digits(3)`.
+///   `.shown("mm").decimals(1)`.
 /// - `"key" "words" group(fields) = part;` is an object of its own, `null` for `None`.
 /// - `"key" "words" rows(fields) = parts;` is a list of objects, `named(fields)` are objects by name.
 /// - `"key" "words" values = named_values;` are values by name, `null` for `None`.
@@ -17,8 +17,8 @@
 ///
 /// fn spread<'a>() -> Fields<'a, &'a [f64; 2]> {
 ///     fields! { |spread: &'a [f64; 2]|
-///         "low" "least value" = spread[0];
-///         "high" "greatest value" = spread[1];
+///         "low" "minimum" = spread[0];
+///         "high" "maximum" = spread[1];
 ///     }
 /// }
 /// let run = fields! { |slip: &[f64; 2]|

@@ -1,12 +1,14 @@
 //! Numbers in and out as text.
 
+use crate::layout::Layout;
+
 /// A flag's value: any finite number, signed, with or without an exponent.
 #[inline]
 pub fn parse_finite(text: &str) -> Result<f64, String> {
     if let Some(value) = parse_plain(text) {
         return Ok(value);
     }
-    // a minus sign as `shown` writes it
+    // a minus sign as figures write it
     match text.replace('\u{2212}', "-").parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err("must be a finite number".to_owned()),
@@ -76,16 +78,24 @@ pub fn in_message(value: f64) -> String {
     general(value, 12)
 }
 
-/// A number for people: five significant digits, a true minus sign.
+/// A number for people: with the significant digits of the [`Layout`], and all digits before the point.
 #[must_use]
 pub fn shown(value: f64) -> String {
-    rounded(value, 5)
+    /// Integers below this are printed as they are.
+    const MAX_WHOLE: f64 = 1e6;
+    let digits = Layout::current().digits;
+    if value.abs() >= 10_f64.powi(i32::try_from(digits).unwrap_or(i32::MAX))
+        && value.abs() < MAX_WHOLE
+    {
+        return format!("{value:.0}");
+    }
+    rounded(value, digits)
 }
 
-/// The same with another number of significant digits.
+/// A number with this many significant digits.
 #[must_use]
 pub fn rounded(value: f64, digits: usize) -> String {
-    general(value, digits).replace('-', "−")
+    general(value, digits)
 }
 
 /// C's `%.{digits}g`: the shorter of fixed and scientific notation, without trailing zeros.
@@ -152,9 +162,11 @@ mod tests {
     }
 
     #[test]
-    fn people_get_five_digits() {
-        assert_eq!(shown(-20.837_393_323_407_97), "−20.837");
-        assert_eq!(shown(99_999.6), "1e+05");
+    fn people_get_three_digits() {
+        assert_eq!(shown(-20.837_393_323_407_97), "-20.8");
+        assert_eq!(shown(99_999.6), "100000");
+        assert_eq!(shown(1234.5), "1234");
+        assert_eq!(shown(1.2e7), "1.2e+07");
         assert_eq!(shown(0.02), "0.02");
     }
 

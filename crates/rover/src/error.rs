@@ -1,5 +1,6 @@
 //! What is wrong with a robot, a terrain or a scenario.
 
+use grouser_files::nearest;
 use grouser_terra::OutOfRange;
 use std::path::PathBuf;
 
@@ -124,4 +125,20 @@ impl Error {
             _ => None,
         }
     }
+}
+
+/// The index of a name that `of` gives.
+pub(crate) fn find<'a>(
+    of: &str,
+    name: &str,
+    mut names: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize> {
+    names
+        .clone()
+        .position(|other| other == name)
+        .ok_or_else(|| Error::Unknown {
+            of: of.to_owned(),
+            name: name.to_owned(),
+            meant: nearest(name, names.by_ref()).map(Into::into),
+        })
 }

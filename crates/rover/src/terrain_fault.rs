@@ -212,7 +212,7 @@ impl TerrainFault {
     /// What a decoder says.
     #[allow(
         clippy::needless_pass_by_value,
-        reason = "it stands in `map_err`, which gives values"
+        reason = "it is in `map_err`, which gives values"
     )]
     pub(super) fn damaged(reason: impl ToString) -> Self {
         let mut reason = reason.to_string();

@@ -14,6 +14,7 @@ mod control_page;
 mod drive;
 mod learnt_soil;
 mod pooled_drives;
+mod posture;
 mod settling;
 mod step_halving;
 mod terrain;

@@ -73,6 +73,7 @@ fn differential_in_one_chain() -> Linkage {
         damping: 0.0,
         preload: 0.0,
         range: 3.0,
+        driven: None,
     };
     Linkage::new(
         vec![

@@ -99,8 +99,8 @@ fn pools(law: Option<ShearLaw>) {
 fn soft_patches_hold_no_silent_error() {
     for law in [None, Some(ShearLaw::SlipVelocity)] {
         let pool = pool("soft-patch", law, FEW_DRIVES);
-        // under another law the edges of two patches of twenty are found after one to two seconds
-        assert!(pool.wrong <= 2 && pool.longest_wrong < 2.0, "{pool:?}");
+        // under another law the edges of two patches of twenty are found after one to two and a half seconds
+        assert!(pool.wrong <= 2 && pool.longest_wrong < 2.5, "{pool:?}");
         assert!(pool.nees() < MAX_NEES, "{pool:?}");
     }
 }

@@ -49,13 +49,21 @@ impl<const K: usize> History<K> {
             time_ns: 0,
             totals: [0.0; K],
         };
-        Self {
+        let mut history = Self {
             ring: vec![empty; capacity].into_boxed_slice(),
             start: 0,
             len: 0,
-            // rounded up, lest the spaces together fall short of the span
-            spacing_ns: -(-span_ns).div_euclid(i64::try_from(capacity - 2).unwrap_or(i64::MAX)),
-        }
+            spacing_ns: 0,
+        };
+        history.keep(span_ns);
+        history
+    }
+
+    /// Changes the span to that of the samples to come.
+    pub(crate) fn keep(&mut self, span_ns: i64) {
+        let spaces = i64::try_from(self.ring.len() - 2).unwrap_or(i64::MAX);
+        // rounded up, lest the spaces together fall short of the span
+        self.spacing_ns = -(-span_ns).div_euclid(spaces);
     }
 
     fn entry(&self, index: usize) -> &Entry<K> {

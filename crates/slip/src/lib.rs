@@ -3,9 +3,8 @@
 //! ## In this crate
 //!
 //! The primary type is [`filter::SlipFilter`], which weighs all sensors together.
-//! [`window::WindowEstimator`] compares means over windows of time and keeps no model of the motion. On the
-//! slips of either stand [`detect::Detector`], which reports the events that an operator must know, and
-//! [`control::Controller`], which drives the wheels. [`prior`] holds what a soil model predicts of slip,
+//! [`detect::Detector`] reports the events in its slips that an operator must know, and [`control::Controller`] drives the
+//! wheels by them. [`prior`] holds what a soil model predicts of slip,
 //! [`start::StartCheck`] compares the sensors with the robot's description before the first drive.
 //!
 //! Three outcomes are never mixed: a robot or settings that cannot be used are an [`Error`] with field,
@@ -34,10 +33,12 @@ pub mod modes;
 #[doc(hidden)]
 pub mod motion;
 pub mod onboard;
+mod period;
 pub mod prior;
 mod reference;
 mod robot;
 mod sample;
+mod sensor_settings;
 pub mod settings;
 #[doc(hidden)]
 pub mod smooth;
@@ -47,7 +48,6 @@ mod state;
 mod wheel_estimate;
 mod wheel_steering;
 mod wheel_track;
-pub mod window;
 
 pub use body::BodyMotion;
 pub use counter::{Counter, CounterWidth};
@@ -60,6 +60,7 @@ pub use robot::{Encoder, MAX_WHEELS, Robot, Shaft, Wheel, WheelRole};
 pub use sample::{
     Measurement, MeasurementField, MeasurementKind, MeasurementPart, MeasurementParts, Sample,
 };
+pub use sensor_settings::SensorSettings;
 pub use speed::{Measured, MixedSpeed, PeriodSpeed};
 pub use state::{Degraded, Health, Invalid, Motion};
 pub use wheel_estimate::WheelEstimate;

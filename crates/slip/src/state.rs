@@ -83,11 +83,9 @@ pub enum Degraded {
     Quantised,
     /// The reference has fallen silent.
     ReferenceLost,
-    /// The reference says only how the wheels differ, not how fast the robot travels: slip is counted
-    /// from the wheel that grips best.
+    /// Nothing measures how fast the robot travels: the slip that the wheels have in common is the prior's, and only the
+    /// differences between them are measured.
     Relative,
-    /// No yaw rate is measured: the robot is taken to drive straight.
-    YawAssumed,
     /// The wheel's sensor may be wrong: it stands while the robot moves, not yet for long enough to be sure.
     Suspect,
 }
@@ -113,7 +111,6 @@ impl Degraded {
             Self::Quantised => "Quantised",
             Self::ReferenceLost => "ReferenceLost",
             Self::Relative => "Relative",
-            Self::YawAssumed => "YawAssumed",
             Self::Suspect => "Suspect",
         }
     }

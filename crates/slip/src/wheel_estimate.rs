@@ -5,7 +5,7 @@ use grouser_terra::Slip;
 use crate::speed::Measured;
 use crate::state::{Health, Motion};
 
-/// What is known of one wheel: means over the window that ends at `until_ns`.
+/// What is known of one wheel after the step that ends at `until_ns`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct WheelEstimate {
@@ -21,7 +21,7 @@ pub struct WheelEstimate {
     pub motion: Option<Motion>,
     /// How far this can be trusted.
     pub health: Health,
-    /// The end of the window, ns.
+    /// The end of the step, ns.
     pub until_ns: Option<i64>,
     /// Seconds since its health was last Ok.
     pub last_good_age: Option<f64>,

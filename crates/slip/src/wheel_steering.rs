@@ -80,11 +80,6 @@ impl Steering {
         [-sin, cos, cos * self.place[0] + sin * self.place[1]]
     }
 
-    /// The way of its centre along its heading by steering alone so far, m.
-    pub(crate) const fn swung_in_all(&self) -> f64 {
-        self.swung
-    }
-
     /// Marks the beginning of a window of the wheel.
     pub(crate) const fn mark(&mut self) {
         self.from = self.swung;
@@ -117,7 +112,7 @@ mod tests {
             let first = 0.3;
             assert!(steering.turn(first));
             assert!(!steering.turn(first));
-            assert_eq!(steering.swung_in_all(), 0.0);
+            assert_eq!(steering.swung, 0.0);
             let centre = |angle: f64| {
                 let (sin, cos) = f64::sin_cos(angle);
                 let arm = [0.9 - joint[0], 0.4 - joint[1]];
@@ -142,7 +137,7 @@ mod tests {
                 steering.mark();
                 assert!(steering.turn(angle));
                 assert!((steering.swung() - way(last, angle)).abs() < 1e-6);
-                assert!((steering.swung_in_all() - way(first, angle)).abs() < 1e-6);
+                assert!((steering.swung - way(first, angle)).abs() < 1e-6);
                 last = angle;
                 // its speed where the robot moves at 0.4 m/s, 0.1 m/s to the left, and turns at 0.7 rad/s
                 let place = centre(angle);

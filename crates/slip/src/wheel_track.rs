@@ -6,14 +6,18 @@ use crate::clock::{Clock, Step};
 use crate::counter::CounterWidth;
 use crate::fault::Fault;
 use crate::history::{History, seconds_between, whole};
+use crate::period::{GAP_PERIODS, Period};
 use crate::robot::Wheel;
 use crate::sample::Measurement;
 use crate::speed::{Measured, MixedSpeed, PeriodSpeed};
 
 /// Fewer pulses than this in a window: the period law speaks, which is newer.
 const FEW_PULSES: f64 = 4.0;
-/// A gap of more than this many windows starts a sensor anew.
+/// A gap of more than this many windows restarts a sensor, where it is also more than `GAP_PERIODS` of its periods.
 const GAP_WINDOWS: f64 = 2.0;
+/// A time between two readings that is longer than the gap belongs to the period where it is at most this multiple of the one before:
+/// a pause of the recording is not.
+const PERIOD_SCATTER: f64 = 1.5;
 
 /// How the readings of one wheel are used.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +31,7 @@ pub(crate) struct TrackSettings {
 }
 
 impl TrackSettings {
-    /// A longer gap starts a sensor anew, s.
+    /// A longer gap restarts a sensor, s.
     pub(crate) fn gap(&self) -> f64 {
         GAP_WINDOWS * self.window.max(self.dropout)
     }
@@ -44,6 +48,9 @@ pub(crate) struct WheelTrack {
     max_speed: f64,
     gap: f64,
     clock: Clock,
+    period: Period,
+    last_ns: Option<i64>,
+    last_passed: f64,
     width: CounterWidth,
     /// Last accepted reading and its time.
     last: Option<(i64, Reading)>,
@@ -88,6 +95,9 @@ impl WheelTrack {
             max_speed: settings.max_speed,
             gap: settings.gap(),
             clock: Clock::default(),
+            period: Period::default(),
+            last_ns: None,
+            last_passed: 0.0,
             width: wheel.encoder.counter,
             last: None,
             suspect: None,
@@ -114,18 +124,41 @@ impl WheelTrack {
         }
     }
 
-    /// Does it report the edges of its ticks?
-    pub(crate) const fn has_edges(&self) -> bool {
-        self.edges.is_some()
-    }
-
     /// How far its circumference has run in all, m, where it counts whole ticks at the times of its readings.
     pub(crate) fn counted(&self) -> Option<f64> {
         (self.edges.is_none() && self.resolution > 0.0).then_some(self.totals[0])
     }
 
+    /// The mean time between its readings, s; 0 while it is not known.
+    pub(crate) fn period(&self) -> f64 {
+        self.period.mean()
+    }
+
+    /// Silent for longer than this it has dropped out, s.
+    pub(crate) fn silence_limit(&self, dropout: f64) -> f64 {
+        dropout.max(GAP_PERIODS * self.period())
+    }
+
+    /// A longer time between two readings restarts it, s.
+    fn gap(&self) -> f64 {
+        self.silence_limit(self.gap)
+    }
+
     /// Takes a reading of this wheel's sensor.
     pub(crate) fn take(&mut self, time_ns: i64, measurement: &Measurement) -> Result<(), Fault> {
+        self.take_measured(time_ns, measurement)?;
+        // the edges of an encoder come as the wheel turns
+        if let (Some(last_ns), None) = (self.last_ns.replace(time_ns), &self.edges) {
+            let passed = seconds_between(last_ns, time_ns);
+            if passed <= self.gap().max(PERIOD_SCATTER * self.last_passed) {
+                self.period.push(passed.max(0.0));
+            }
+            self.last_passed = passed;
+        }
+        Ok(())
+    }
+
+    fn take_measured(&mut self, time_ns: i64, measurement: &Measurement) -> Result<(), Fault> {
         match *measurement {
             Measurement::WheelCount { raw, .. } => {
                 let per_tick = self.per_tick.ok_or(Fault::NoTicks { wheel: self.index })?;
@@ -146,6 +179,7 @@ impl WheelTrack {
     /// The clock was set: the next reading begins anew.
     pub(crate) fn restart_clock(&mut self) {
         self.clock = Clock::default();
+        self.last_ns = None;
         self.travel.clear();
         self.last = None;
         self.suspect = None;
@@ -161,7 +195,7 @@ impl WheelTrack {
     }
 
     fn take_reading(&mut self, time_ns: i64, reading: Reading) -> Result<(), Fault> {
-        let step = self.clock.accept(time_ns, self.gap)?;
+        let step = self.clock.accept(time_ns, self.gap())?;
         let (Step::After(_), Some((last_ns, last))) = (step, self.last) else {
             self.start(time_ns, Some(reading));
             return Ok(());
@@ -184,7 +218,7 @@ impl WheelTrack {
         }
         self.suspect = Some((time_ns, reading));
         Err(Fault::Jump {
-            field: "rim speed",
+            field: "wheel speed",
             value: travel / elapsed,
             limit: self.max_speed,
             unit: "m/s",
@@ -219,13 +253,13 @@ impl WheelTrack {
         let speed = rate * self.per_radian;
         if !(speed.abs() <= self.max_speed) {
             return Err(Fault::Jump {
-                field: "rim speed",
+                field: "wheel speed",
                 value: speed,
                 limit: self.max_speed,
                 unit: "m/s",
             });
         }
-        match self.clock.accept(time_ns, self.gap)? {
+        match self.clock.accept(time_ns, self.gap())? {
             Step::Start => self.start(time_ns, None),
             Step::After(elapsed) => {
                 let error = self.rate_step * self.per_radian * elapsed;
@@ -237,7 +271,7 @@ impl WheelTrack {
 
     fn take_edge(&mut self, time_ns: i64, forward: bool) -> Result<(), Fault> {
         let per_tick = self.per_tick.ok_or(Fault::NoTicks { wheel: self.index })?;
-        let step = self.clock.accept(time_ns, self.gap)?;
+        let step = self.clock.accept(time_ns, self.gap())?;
         let mut edges = match (self.edges, step) {
             (Some(edges), Step::After(_)) => edges,
             _ => Edges {

@@ -9,7 +9,6 @@
 #[path = "../../log/tests/support/processor_time.rs"]
 mod processor_time;
 
-mod cart;
 mod four_wheels;
 mod noise;
 mod open_loop;
@@ -23,7 +22,6 @@ mod control_decisions;
 mod control_wheels;
 mod counters;
 mod detect;
-mod estimator;
 mod filter;
 mod filter_modes;
 mod filter_outputs;
@@ -39,13 +37,12 @@ mod onboard;
 mod onboard_start;
 
 mod prior;
-mod promises;
 mod robot_description;
 mod soil_learner;
 mod soil_tables;
 mod speed_laws;
 mod start_check;
-mod steered_window;
+mod steered;
 mod tick_properties;
 mod turning;
 mod winding_reference;

@@ -544,6 +544,6 @@ fn a_reference_that_returns_after_a_gap_is_used_again() {
     for jump in [0.0, 2.0] {
         let ok = share_next_to_gaps(jump);
         println!("{jump} m: {ok:.2} are Ok");
-        assert!(ok > 0.75, "{jump} m: {ok}");
+        assert!(ok > 0.65, "{jump} m: {ok}");
     }
 }

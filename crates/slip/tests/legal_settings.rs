@@ -1,4 +1,4 @@
-//! Filter, window estimator and on-board computer under settings drawn from all that are legal, on robots of several kinds:
+//! Filter, means and on-board computer under settings drawn from all that are legal, on robots of several kinds:
 //! no panic, and nothing said that is not finite.
 
 use grouser_slip::control::{ControlSettings, Request};
@@ -6,8 +6,7 @@ use grouser_slip::detect::DetectSettings;
 use grouser_slip::filter::{FilterSettings, SlipFilter};
 use grouser_slip::onboard::{OnBoard, OnBoardSettings};
 use grouser_slip::settings::Field;
-use grouser_slip::window::{WindowEstimator, WindowSettings};
-use grouser_slip::{Measurement, Sample};
+use grouser_slip::{Measurement, Sample, SensorSettings};
 use proptest::prelude::*;
 
 use crate::noise::Noise;
@@ -75,26 +74,6 @@ proptest! {
             failed = failed.take().or_else(|| is_sane(&filter).err());
         });
         prop_assert!(failed.is_none(), "{failed:?} with {settings:?}");
-    }
-
-    #[test]
-    fn no_legal_setting_of_the_windows_breaks_them(seed in any::<u64>()) {
-        let mut noise = Noise::new(seed);
-        let world = drawn_world(&mut noise);
-        let mut settings: WindowSettings = drawn(&mut noise, WindowSettings::FIELDS);
-        settings.history = one_of(&mut noise, [8, 100, 10_000]);
-        let mut windows = WindowEstimator::new(&world.robot(), settings).unwrap();
-        let mut is_finite = true;
-        world.run(|_, row| {
-            for sample in row {
-                let Ok(output) = windows.update(*sample) else { continue };
-                is_finite &= output.wheels.iter().all(|wheel| {
-                    wheel.slip.is_none_or(|slip| slip.value().abs() <= 1.0)
-                        && wheel.sigma.is_none_or(|sigma| sigma.is_finite() && sigma >= 0.0)
-                });
-            }
-        });
-        prop_assert!(is_finite, "{settings:?}");
     }
 
     #[test]
@@ -177,7 +156,7 @@ fn check_limits<S: Copy + Default>(
 fn what_is_outside_a_limit_is_refused_by_name() {
     check_limits(ControlSettings::FIELDS, ControlSettings::check);
     check_limits(FilterSettings::FIELDS, FilterSettings::check);
-    check_limits(WindowSettings::FIELDS, WindowSettings::check);
+    check_limits(SensorSettings::FIELDS, SensorSettings::check);
     check_limits(DetectSettings::FIELDS, DetectSettings::check);
     let mut settings = ControlSettings::default();
     (settings.level, settings.steep) = (0.1, 0.05);

@@ -2,8 +2,8 @@
 
 use grouser_slip::modes::{Exceeds, JUMPING, ModeFilter, Refused, normal_tail};
 use grouser_slip::motion::{
-    Belief, Motion, OUTLIER_SIGMA, Row, SIZE, SLIP, Step, Value, WheelStep, X, dot, slip_of_log,
-    start,
+    Belief, Motion, OUTLIER_SIGMA, OUTLIERS, Row, SIZE, SLIP, Step, Value, WheelStep, X,
+    slip_of_log, start,
 };
 
 use crate::motion_model::{drive, prior};
@@ -30,25 +30,32 @@ fn a_reading_that_may_be_an_outlier_leaves_the_moments_of_both_updates() {
             let row: Row = core::array::from_fn(|_| random.normal());
             before.update(&row, random.normal(), 0.5);
         }
-        let row: Row = core::array::from_fn(|_| random.normal());
-        let (innovation, variance, share) = (4.0 * random.normal(), 0.3, 0.2);
-        let wide = variance * OUTLIER_SIGMA * OUTLIER_SIGMA;
-        let (mut good, mut outlier) = (before, before);
-        let totals = [
-            good.update(&row, innovation, variance).variance,
-            outlier.update(&row, innovation, wide).variance,
-        ];
-        let [a, b] =
-            totals.map(|total| (-0.5 * innovation * innovation / total).exp() / total.sqrt());
+        let rows: [Row; 2] = core::array::from_fn(|_| core::array::from_fn(|_| random.normal()));
+        let innovation = [4.0 * random.normal(), random.normal()];
+        let (variance, share) = (0.3, OUTLIERS);
+        let values: [f64; 2] = core::array::from_fn(|k| before.mean_of(&rows[k]) + innovation[k]);
+        // numbers with independent noise, one after the other
+        let after = |variance: f64| {
+            let (mut belief, mut density) = (before, 1.0);
+            for (row, value) in rows.iter().zip(values) {
+                let innovation = value - belief.mean_of(row);
+                let total = belief.update(row, innovation, variance).variance;
+                density *= (-0.5 * innovation * innovation / total).exp() / total.sqrt();
+            }
+            (belief, density)
+        };
+        let (good, a) = after(variance);
+        let (outlier, b) = after(variance * OUTLIER_SIGMA * OUTLIER_SIGMA);
         let (a, b) = ((1.0 - share) * a, share * b);
         let weight = a / (a + b);
         let mut found = before;
-        let judgement = found.update_mixed(&row, innovation, variance, share);
+        let judgement = found.update_mixed(&rows, &values, variance);
         assert!((judgement.good - weight).abs() < 1e-12);
-        assert!((judgement.likelihood - (a + b).ln()).abs() < 1e-12);
+        assert!((judgement.likelihood - (a + b).ln()).abs() < 1e-9);
         // the noise of a good reading: what is left of the innovation, and how well that is known
-        let left = innovation - dot(&row, &good.mean) + dot(&row, &before.mean);
-        let square = left * left + good.variance_of(&row);
+        let square: f64 = (rows.iter().zip(values))
+            .map(|(row, value)| (value - good.mean_of(row)).powi(2) + good.variance_of(row))
+            .sum();
         assert!(
             (judgement.square - square).abs() < 1e-9,
             "{} {square}",
@@ -85,6 +92,7 @@ fn modes_that_agree_are_one_kalman_filter() {
             ..WheelStep::default()
         });
         let step = Step {
+            frame: None,
             time: 0.05 * f64::from(k),
             dt: 0.05,
             wheels: wheels.to_vec(),

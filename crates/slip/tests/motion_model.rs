@@ -1,16 +1,20 @@
 //! The one model of the motion and its pass back, against a dense solution, known worlds and itself.
 
 use grouser_slip::motion::{
-    Belief, Entry, KINDS, Levels, Motion, Noise, Reading, Row, SIZE, SLIP, Step, Tape, Value,
-    WheelStep, X, common_motion, dot, log_slip, slip_of_log, start,
+    Belief, Entry, KINDS, Levels, Motion, Noise, Reading, Row, SIZE, SLIP, SPEED, Step, Tape,
+    Value, WheelStep, X, common_motion, dot, log_slip, slip_of_log, start,
 };
-use grouser_slip::smooth::{back, fit, wheel_slips};
+use grouser_slip::smooth::{fit, smoothed, travel, wheel_slips};
 
 use crate::noise::Noise as Random;
 
 /// A linear chain of random rows, noises and readings: the smoothed mean and variance are those of the joint Gaussian of the
 /// start and all noises, solved densely.
 #[test]
+#[allow(
+    clippy::too_many_lines,
+    reason = "one dense solution for all that is compared"
+)]
 fn the_pass_back_is_the_dense_solution() {
     let mut random = Random::new(7);
     let sigma = [1.0, 0.8, 0.5, 1.2, 0.3, 0.7, 0.2, 0.4];
@@ -36,7 +40,7 @@ fn the_pass_back_is_the_dense_solution() {
         let index = random.below(SIZE);
         let variance = 0.1 + random.uniform();
         belief.add_noise(index, variance);
-        tape.0.push(Entry::Noise {
+        tape.entries.push(Entry::Noise {
             noise: Noise::Slip,
             index,
             exposure: variance,
@@ -51,22 +55,23 @@ fn the_pass_back_is_the_dense_solution() {
         let mean = belief.mean_of(&row);
         belief.propagate(index, &row);
         belief.mean[index] = mean;
-        tape.0.push(Entry::Propagate { index, row });
+        tape.entries.push(Entry::Propagate { index, row });
         row = core::array::from_fn(|_| random.normal());
         let (value, variance) = (random.normal(), 0.2 + random.uniform());
         let innovation = value - belief.mean_of(&row);
         let correction = belief.update(&row, innovation, variance);
-        tape.0.push(Entry::Update {
+        tape.entries.push(Entry::Update {
             noise: Noise::Place,
             correction,
             variance,
             reading: None,
         });
         readings.push((at(&rows, &row, width), value, variance));
-        tape.0.push(Entry::End(Box::new(belief)));
+        tape.entries.push(Entry::End);
+        tape.ends.push(belief);
         ends.push(rows.clone());
     }
-    let found = back(&tape);
+    let found = smoothed(&tape);
     // the joint Gaussian, reading by reading
     let n = prior.len();
     let mut mean = vec![0.0; n];
@@ -92,7 +97,7 @@ fn the_pass_back_is_the_dense_solution() {
             }
         }
     }
-    for (smoothed, rows) in found.smoothed.iter().zip(&ends) {
+    for (smoothed, rows) in found.iter().zip(&ends) {
         for (i, row) in rows.iter().enumerate() {
             let expected: f64 = row.iter().zip(&mean).map(|(a, b)| a * b).sum();
             let variance: f64 = times(&covariance, row)
@@ -108,6 +113,29 @@ fn the_pass_back_is_the_dense_solution() {
             assert!((smoothed.covariance[i][i] - variance).abs() < 1e-10, "{i}");
         }
     }
+    // the distance is a sum over the steps that no reading shows
+    let seconds = [0.5, 0.0, 1.0, -0.3, 2.0, 0.7];
+    let of = |k: usize| {
+        let steps = ends.iter().zip(seconds);
+        let parts = steps.map(|(rows, t)| t * rows[SPEED].get(k).copied().unwrap_or(0.0));
+        parts.sum::<f64>()
+    };
+    let sum: Vec<f64> = (0..n).map(of).collect();
+    let found = travel(&tape, &seconds);
+    let expected = dot_of(&sum, &mean);
+    assert!(
+        (found.value - expected).abs() < 1e-10,
+        "{found:?} {expected}"
+    );
+    let expected = dot_of(&sum, &times(&covariance, &sum));
+    assert!(
+        (found.variance - expected).abs() < 1e-10,
+        "{found:?} {expected}"
+    );
+}
+
+fn dot_of(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[test]
@@ -172,6 +200,7 @@ pub(crate) fn drive(
         let turn = Some(1e-4 * random.normal());
         let force = force.map(|noise| [noise * random.normal(), 0.0]);
         steps.push(Step {
+            frame: None,
             time,
             dt,
             wheels: wheels.to_vec(),
@@ -199,7 +228,13 @@ fn a_slip_that_jumps_is_found_with_its_interval_and_its_time() {
     let slip = |time: f64| if time < 20.0 { 0.1 } else { 0.4 };
     let mut steps = drive(slip, 40.0, 0.5, 0.02, 1, None);
     let (levels, learn) = prior(0.05);
-    let found = fit(&mut steps, start([0.0; 2], 0.0, true), levels, learn);
+    let found = fit(
+        &mut steps,
+        start([0.0; 2], 0.0, true),
+        levels,
+        learn,
+        0.0..f64::INFINITY,
+    );
     assert_eq!(found.jumps.len(), 1, "{:?}", found.jumps);
     assert!((steps[found.jumps[0]].time - 20.0).abs() < 0.6);
     let sigma = found.levels.of(Noise::Place).sqrt();
@@ -227,7 +262,13 @@ fn a_slip_that_wanders_is_no_series_of_jumps() {
     let slip = |time: f64| 0.2 + 0.1 * (0.7 * time).sin() + 0.05 * (1.9 * time).cos();
     let mut steps = drive(slip, 40.0, 1.0, 0.01, 2, None);
     let (levels, learn) = prior(0.05);
-    let found = fit(&mut steps, start([0.0; 2], 0.0, true), levels, learn);
+    let found = fit(
+        &mut steps,
+        start([0.0; 2], 0.0, true),
+        levels,
+        learn,
+        0.0..f64::INFINITY,
+    );
     assert!(found.jumps.is_empty(), "{:?}", found.jumps);
     let slips = wheel_slips(&found, &steps, 0);
     let error = |of: &&grouser_slip::smooth::WheelSlip| (of.slip - slip(steps[of.step].time)).abs();
@@ -253,9 +294,9 @@ fn outliers_change_little() {
         step.readings[0].value = Value::Place([step.time + 0.5, -0.5]);
     }
     let begin = start([0.0; 2], 0.0, true);
-    let without = fit(&mut clean, begin, levels, learn);
-    let with = fit(&mut steps, begin, levels, learn);
-    for (a, b) in with.back.smoothed.iter().zip(&without.back.smoothed) {
+    let without = fit(&mut clean, begin, levels, learn, 0.0..f64::INFINITY);
+    let with = fit(&mut steps, begin, levels, learn, 0.0..f64::INFINITY);
+    for (a, b) in with.smoothed.iter().zip(&without.smoothed) {
         // a tenth of the readings is lost
         let error = (a.mean[SLIP] - b.mean[SLIP]).abs();
         assert!(error < 0.02, "{} {}", a.mean[SLIP], b.mean[SLIP]);

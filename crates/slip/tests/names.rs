@@ -16,7 +16,6 @@ fn a_state_is_written_as_its_variant() {
         Degraded::Quantised,
         Degraded::ReferenceLost,
         Degraded::Relative,
-        Degraded::YawAssumed,
         Degraded::Suspect,
     ];
     let invalid = [

@@ -310,6 +310,8 @@ fn a_camera_that_fails_is_left() {
     for (what, fault) in [
         ("camera alone lost", Fault::CameraLost),
         ("camera alone jumps", Fault::CameraJumps(2.0)),
+        // it scatters while the robot waits to start: then it never repeats itself
+        ("camera alone frozen", Fault::CameraFrozen),
     ] {
         for (phase, from) in PHASES {
             let out = alone.clone().fault(fault, from, from + lasts).run();
@@ -318,9 +320,6 @@ fn a_camera_that_fails_is_left() {
             assert!(lasted <= 1.5, "{what}, {phase}: {lasted:.2} s");
         }
     }
-    // it is known to repeat itself once it has been seen to change for some seconds
-    let out = alone.clone().fault(Fault::CameraFrozen, 9.0, 12.0).run();
-    honest(&out, "camera alone frozen");
 }
 
 #[test]

@@ -150,7 +150,7 @@ fn wheel_rates_in_revolutions_a_minute_are_refused_and_a_radius_in_millimetres_t
         if factor == 1.0 {
             assert_eq!(found, None, "{what}");
         } else {
-            let (name, like) = ("rim speed of a wheel", "revolutions a minute");
+            let (name, like) = ("speed of a wheel", "revolutions a minute");
             named(what, (found, 0.0, false), name, like);
         }
     }

@@ -45,7 +45,8 @@ pub enum Caution {
 }
 
 impl Caution {
-    const ALL: [Self; 13] = [
+    /// Every caution, in a fixed order.
+    pub const ALL: [Self; 13] = [
         Self::NoNormalStress,
         Self::MaximumStressHeld,
         Self::DeepSinkage,
@@ -88,7 +89,7 @@ impl fmt::Display for Caution {
             Self::NoNormalStress => {
                 "c_1 + c_2 s reaches 1, so the law gives no normal stress anywhere"
             }
-            Self::MaximumStressHeld => "c_1 + c_2 s is negative; the greatest stress is held at 0",
+            Self::MaximumStressHeld => "c_1 + c_2 s is negative; the angle of the peak stress is limited to 0",
             Self::DeepSinkage => "sinkage is more than a sixth of the wheel's diameter",
             Self::ShearReversal => {
                 "shear changes its sign within the contact, by a law beyond the literature"
@@ -102,7 +103,7 @@ impl fmt::Display for Caution {
             Self::SeveralSinkages => "more than one sinkage carries this load; this is the lowest",
             Self::WorkGained => "the contact gives energy back, which soil cannot",
             Self::LugSpacing => {
-                "lugs are so far apart that the rim between them pushes soil forwards"
+                "lugs are so far from each other that the wheel between them pushes soil forwards"
             }
             Self::LugHeight => {
                 "lugs are higher than a tenth of the radius, beyond the wheels that their law was chosen on"

@@ -82,7 +82,7 @@ pub enum Error {
         found: usize,
     },
     /// The two speeds define no slip: standstill, or a wheel rolling against its rotation.
-    #[error("forward speed {forward_speed} m/s and rim speed {rim_speed} m/s define no slip")]
+    #[error("forward speed {forward_speed} m/s and wheel speed {rim_speed} m/s define no slip")]
     NoSlip {
         /// Speed of the wheel's centre in its own plane, m/s.
         forward_speed: f64,

@@ -122,13 +122,13 @@ impl LugPassage {
         .shown(""),
         Own::number(
             "pull_fluctuation_n",
-            "fluctuation of the pull as lugs pass, greatest less least",
+            "fluctuation of the pull as lugs pass (peak to peak)",
             |lugs| lugs.pull,
         )
         .shown("N"),
         Own::number(
             "torque_fluctuation_nm",
-            "fluctuation of the torque as lugs pass, greatest less least",
+            "fluctuation of the torque as lugs pass (peak to peak)",
             |lugs| lugs.torque,
         )
         .shown("N m"),

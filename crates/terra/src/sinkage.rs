@@ -198,7 +198,7 @@ impl LoadSolution {
         Own::optional("theta_2_deg", "exit angle", |of| {
             Some(of.solved()?.angles.theta_2.to_degrees())
         }),
-        Own::optional("theta_m_deg", "angle of the greatest stress", |of| {
+        Own::optional("theta_m_deg", "angle of the peak stress", |of| {
             Some(of.solved()?.angles.theta_m.to_degrees())
         }),
         Own::optional("vertical_force_n", "vertical force", |of| {
@@ -271,7 +271,7 @@ impl LoadSolution {
         }),
         Own::optional(
             "max_load_n",
-            "the greatest load that was found to be carried",
+            "the maximum load that was found",
             Self::max_load,
         ),
         Own::texts("cautions", "cautions", |of, take| {

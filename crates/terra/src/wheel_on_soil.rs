@@ -399,8 +399,8 @@ impl WheelOnSoil {
     /// What the soil's laws miss of measurements of such a wheel in this motion ([`LawPreset::model_error`]).
     #[must_use]
     pub fn model_error(&self, motion: &Kinematics) -> Option<ModelError> {
-        let preset = LawPreset::from_laws(&self.soil.params().laws);
-        preset.model_error(motion, self.wheel.grousers().is_some())
+        let preset = LawPreset::compared(&self.soil.params().laws)?;
+        Some(preset.model_error(motion, self.wheel.grousers().is_some()))
     }
 
     fn add_cautions(

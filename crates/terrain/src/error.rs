@@ -56,7 +56,7 @@ pub enum Error {
     },
     /// The robot does not stand on the level as its description poses it.
     #[error(
-        "robot \"{name}\" does not stand on level ground: a wheel carries {load} N, but must carry at least 0 N"
+        "robot \"{name}\" is not stable on level ground: a wheel carries {load} N, but must carry at least 0 N"
     )]
     DoesNotStand {
         /// The robot.

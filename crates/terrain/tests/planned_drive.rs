@@ -2,7 +2,12 @@
 //! does not know.
 
 use grouser_rover::drive::{Outcome, Scenario, read_scenario};
-use grouser_terrain::mission::{PlannedDrive, drive};
+use grouser_rover::ground::HeightMap;
+use grouser_terra::{Soil, SoilParams};
+use grouser_terrain::learn::LearnSettings;
+use grouser_terrain::mission::{MissionSettings, Navigator, PlannedDrive, drive};
+use grouser_terrain::plan::PlanSettings;
+use grouser_terrain::{Envelope, Error, Headings};
 
 fn scenario() -> Scenario {
     let file = concat!(
@@ -102,4 +107,42 @@ fn a_robot_that_gets_where_nothing_drives_is_no_error() {
         let driven = driven(&scenario);
         assert!(driven.planning.count > 1, "{:?}", driven.result.outcome);
     }
+}
+
+/// The laws refuse this soil at the stiffest level, so that computing its tables is an error: a start or a goal on a wall is
+/// refused before.
+#[test]
+fn a_place_where_no_soil_lets_the_robot_be_is_refused_before_tables() {
+    let scenario = scenario();
+    let model = &scenario.robot;
+    let params = *scenario.ground.soils[0].soil.params();
+    let pressure = params.pressure.scaled(5e11 / 1e6);
+    let soil = Soil::new(SoilParams { pressure, ..params }).unwrap();
+    // a wall of 45 degrees up to x = 4 m
+    let relief = HeightMap::from_shape((14.0, 8.0), 0.1, |x, _| x.min(4.0)).unwrap();
+    let settings = MissionSettings {
+        headings: Headings::new(8).unwrap(),
+        cell: 0.5,
+        envelope: Envelope::within(model, 0.45, 0.38).unwrap(),
+        plan: PlanSettings::default(),
+        learn: LearnSettings::default(),
+    };
+    let area = ((1.0, -3.0), (13.0, 3.0));
+    let refused = |ends: [(f64, f64); 2]| {
+        Navigator::new(&relief, (area, ends), model, &soil, &settings).unwrap_err()
+    };
+    let (wall, level, off) = ((2.0, 0.0), (10.0, 0.0), (10.0, 7.0));
+    for (ends, place) in [
+        ([wall, level], "the start"),
+        ([level, wall], "the goal"),
+        ([off, level], "the start"),
+    ] {
+        let error = refused(ends);
+        assert!(
+            matches!(error, Error::Place { of, .. } if of == place),
+            "{error}"
+        );
+    }
+    let error = refused([level, (12.0, 0.0)]);
+    assert!(matches!(error, Error::Law { .. }), "{error}");
 }

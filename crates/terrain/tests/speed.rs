@@ -15,9 +15,11 @@ use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use grouser_files::Document;
+use grouser_rover::drive::read_scenario;
 use grouser_rover::ground::{Noise, Shape};
 use grouser_rover::robot::RobotModel;
 use grouser_terra::catalogue;
+use grouser_terrain::mission::drive;
 use grouser_terrain::raster::Dem;
 use grouser_terrain::{
     Demand, DemandSolver, Envelope, Headings, Journal, MapLayout, MapMaker, MapSettings, SlipTable,
@@ -60,6 +62,28 @@ fn processor_seconds() -> f64 {
 fn size(name: &str, default: u32) -> u32 {
     let given = std::env::var(name).ok();
     given.and_then(|word| word.parse().ok()).unwrap_or(default)
+}
+
+/// Processor time of the first step of planned drives, the mean of ten:
+/// `cargo test -p grouser-terrain --test speed first_step -- --ignored --nocapture`.
+#[test]
+#[ignore = "figures that RESULTS.md quotes"]
+fn first_step_of_planned_drives() {
+    const RUNS: u32 = 10;
+    for name in ["plan-and-learn", "lunar-craters"] {
+        let file = format!(
+            "{}/../../examples/scenarios/{name}.toml",
+            env!("CARGO_MANIFEST_DIR")
+        );
+        let began = processor_seconds();
+        for _ in 0..RUNS {
+            let scenario = read_scenario(file.as_ref()).unwrap();
+            let optimum = scenario.slip_setpoint().unwrap();
+            black_box(drive(&scenario, optimum, scenario.seed, |_| false).unwrap());
+        }
+        let each = (processor_seconds() - began) / f64::from(RUNS);
+        eprintln!("{name}: {:.0} ms", 1e3 * each);
+    }
 }
 
 #[test]

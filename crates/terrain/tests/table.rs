@@ -85,6 +85,55 @@ fn the_table_keeps_its_bound_on_a_hundred_thousand_poses() {
     }
 }
 
+/// A pose takes a dozen solves of each wheel; a coarse table has 306 poses, a fine one up to 4290 beside its checks.
+#[test]
+fn a_table_solves_wheels_at_few_loads_and_slips() {
+    for name in ROBOTS {
+        let solver = DemandSolver::new(robot(name), soil("dry-sand")).unwrap();
+        let within = |pitch, roll| Envelope::within(solver.model(), pitch, roll).unwrap();
+        let coarse = SlipTable::coarse(&solver, within(0.45, 0.38)).unwrap();
+        let fine = SlipTable::new(&solver, within(0.45, 0.38)).unwrap();
+        let narrow = SlipTable::new(&solver, within(0.3, 0.1)).unwrap();
+        let solves = [coarse, fine, narrow].map(|table| table.wheel_solves());
+        eprintln!("{name}: {solves:?}");
+        let kinds = if name == "five-wheel" { 2 } else { 1 };
+        assert!(
+            solves[0] < kinds * 300 && solves[1] < kinds * 1000,
+            "{name}: {solves:?}"
+        );
+        // what no pose needs is not solved
+        assert!(solves[2] < solves[1], "{name}: {solves:?}");
+    }
+}
+
+/// Learning takes a model for wrong by 0.03 in slip and more (`LearnSettings`).
+#[test]
+fn a_coarse_table_is_near_the_exact_solver() {
+    for (name, key) in [
+        ("five-wheel", "dry-sand"),
+        ("five-wheel", "lunar"),
+        ("skid-steer", "clayey-soil"),
+    ] {
+        let solver = DemandSolver::new(robot(name), soil(key)).unwrap();
+        let envelope = Envelope::within(solver.model(), 0.45, 0.38).unwrap();
+        let table = SlipTable::coarse(&solver, envelope).unwrap();
+        let mut noise = Noise::new(4, 1);
+        let (mut worst, mut drives) = (0.0_f64, 0);
+        for _ in 0..200 {
+            let pitch = envelope.max_pitch * (2.0 * noise.uniform() - 1.0);
+            let roll = envelope.max_roll * (2.0 * noise.uniform() - 1.0);
+            let exact = solver.demand(pitch, roll).unwrap();
+            let read = table.demand(&solver, pitch, roll).unwrap();
+            if let (Demand::Drives(exact), Demand::Drives(read)) = (exact, read) {
+                drives += 1;
+                worst = worst.max((exact.slip - read.slip).abs());
+            }
+        }
+        eprintln!("{name} on {key}: {worst:.1e} in {drives}");
+        assert!(drives > 50 && worst < 3e-3, "{name} on {key}: {worst}");
+    }
+}
+
 #[test]
 fn a_closed_table_answers_every_pose() {
     let solver = DemandSolver::new(robot("skid-steer"), soil("dry-sand")).unwrap();

@@ -102,7 +102,7 @@ fn end_endless(name: String, seed: u64, running: Running) {
 /// Folders of seeds beside a target's own, as in `fuzz/run`.
 fn other_folders(name: &str) -> &'static [&'static str] {
     match name {
-        "mcap_read" | "bag_read" | "recover" => &["crates/log/tests/interop"],
+        "mcap_read" | "bag_read" | "database_read" | "recover" => &["crates/log/tests/interop"],
         "toml_config" => &["examples/scenarios", "examples/robots", "examples/problems"],
         "urdf" => &["examples/robots"],
         _ => &[],

@@ -26,9 +26,9 @@ impl Node {
             Ok(())
         });
         SCREEN_IS_OPEN.store(false, Ordering::Relaxed);
-        let kept = guarded(|| match (&arguments.state, self.engine.learnt()) {
-            (Some(path), Some(learnt)) => state_file::write(path, robot, &learnt),
-            _ => Ok(()),
+        let kept = guarded(|| match &arguments.state {
+            Some(path) => state_file::write(path, robot, &self.engine.learnt()),
+            None => Ok(()),
         });
         let latency = self.latency.microseconds();
         let mut faults: Vec<Error> = [turned, closed, kept]

@@ -293,7 +293,7 @@ async fn respond(shared: &Arc<Shared>, request: Request<Body>) -> Result<Respons
 fn exchange(shared: &Shared, query: &str) -> Result<Response<Body>, Refused> {
     let wrong = (
         StatusCode::UNAUTHORIZED,
-        "the token is wrong or was used: start the program anew",
+        "the token is wrong or was used: start the program again",
     );
     let given = query.strip_prefix("token=").ok_or(wrong)?;
     let Ok(mut token) = shared.token.lock() else {

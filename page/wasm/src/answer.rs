@@ -54,6 +54,8 @@ fn dispatch(
         "drive" => crate::drive::solve(request),
         #[cfg(feature = "log")]
         "estimate" => crate::estimate::solve(request, file, take),
+        #[cfg(feature = "log")]
+        "suggest" => crate::estimate::suggest(request, file),
         other => Err(Problem::new(
             "call",
             format!("`{other}` is not a call of this module"),

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use grouser_files::{Document, columns, robot};
-use grouser_log::Log;
+use grouser_log::{Log, suggest_robot};
 use grouser_page::run::{LogParts, overview};
 use grouser_replay::{Options, run_into};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::request::{Problem, Request};
 
@@ -40,6 +40,13 @@ pub(crate) fn solve(
     let summary =
         run_into(&log, &robot, &Options::whole_log(), &mut run).map_err(Problem::from_error)?;
     Ok(run.end(&summary))
+}
+
+/// A robot file to start from by the log in `file`, as [`solve`] takes it.
+pub(crate) fn suggest(request: &Request<'_>, file: Vec<u8>) -> Result<Value, Problem> {
+    let name = request.optional_text("log_name")?.unwrap_or("log");
+    let robot = suggest_robot(files(request, name, file)?).map_err(Problem::from_error)?;
+    Ok(json!({ "robot": robot }))
 }
 
 /// A file among others behind each other.

@@ -20,7 +20,7 @@ from typing import Any
 
 from ._errors import InputError
 
-__all__ = ["batch", "climb", "design", "drive", "estimate", "log", "map", "optimize", "paper", "plan", "robot", "run", "validate"]
+__all__ = ["batch", "climb", "design", "drive", "estimate", "fmu", "log", "map", "optimize", "paper", "plan", "robot", "run", "validate"]
 
 
 def run(verb: str, *files: str | os.PathLike[str], **options: Any) -> dict[str, Any]:
@@ -76,6 +76,7 @@ climb: Verb = partial(run, "climb")
 design: Verb = partial(run, "design")
 drive: Verb = partial(run, "drive")
 estimate: Verb = partial(run, "estimate")
+fmu: Verb = partial(run, "fmu")
 log: Verb = partial(run, "log")
 map: Verb = partial(run, "map")
 optimize: Verb = partial(run, "optimize")

@@ -108,7 +108,7 @@ class Simulation:
     ----------
     scenario : Scenario or path
     pilot : str
-        `controller` or `open-loop`. With commands of your own choose `open-loop`: its computer
+        `controller`, `open-loop` or `fixed-chassis`. With commands of your own choose `open-loop`: its computer
         estimates and takes no decisions.
     seed : int, optional
         Of ground and noise; the scenario's by default.

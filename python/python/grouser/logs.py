@@ -59,7 +59,7 @@ class Result(NamedTuple):
 
     rows: Rows
     summary: dict[str, Any]
-    """Status, method, reference, the wheels' slips, ways, and `doubts`: empty where all checks passed."""
+    """Status, reference, the wheels' slips, ways, and `doubts`: empty where all checks passed."""
 
 
 class Samples(NamedTuple):
@@ -122,18 +122,16 @@ def _map_path(columns: str | os.PathLike[str] | None) -> str | None:
 
 
 def _choices(
-    method: str | None,
     reference: str | None,
     wheel_sensor: str | None,
-    window_s: float | None,
     from_s: float | None,
     to_s: float | None,
     offline: bool,
 ) -> dict[str, Any]:
-    words = {"method": method, "reference": reference, "wheel_sensor": wheel_sensor}
+    words = {"reference": reference, "wheel_sensor": wheel_sensor}
     for field, word in words.items():
         check_kind(field, word, (str, type(None)), "text")
-    numbers = {"window_s": window_s, "from_s": from_s, "to_s": to_s}
+    numbers = {"from_s": from_s, "to_s": to_s}
     given = {field: None if value is None else number(field, value) for field, value in numbers.items()}
     return {**words, **given, "offline": offline}
 
@@ -143,10 +141,8 @@ def estimate(
     robot: AnyRobot,
     *,
     columns: str | os.PathLike[str] | None = None,
-    method: str | None = None,
     reference: str | None = None,
     wheel_sensor: str | None = None,
-    window_s: float | None = None,
     from_s: float | None = None,
     to_s: float | None = None,
     online: bool = False,
@@ -160,14 +156,12 @@ def estimate(
     robot : Robot or path
     columns : path, optional
         The column map of tables; by default the robot file's own, or `columns.toml` beside it.
-    method : str, optional
-        `filter` or `window`.
     reference : str, optional
         `displacement`, `pose`, `speed`, `free-wheel` or `grip`; the best in the log by default.
     wheel_sensor : str, optional
         `count`, `angle` or `rate`.
-    window_s, from_s, to_s : float, optional
-        The window of means; the span of the log, s from its start.
+    from_s, to_s : float, optional
+        The span of the log, s from its start.
     online : bool
         Slips as the robot would have known them at their time; otherwise each slip uses the whole log.
 
@@ -183,7 +177,7 @@ def estimate(
     InputError
         A file that is damaged or does not fit the robot; a choice that does not exist.
     """
-    choices = _choices(method, reference, wheel_sensor, window_s, from_s, to_s, not flag("online", online))
+    choices = _choices(reference, wheel_sensor, from_s, to_s, not flag("online", online))
     with _files(paths) as files:
         rows, summary = _core.estimate(files, _robot(robot), _map_path(columns), choices)
     return Result(Rows(**rows), summary)
@@ -217,8 +211,6 @@ class Engine:
         What measures how fast the robot travels: `displacement`, `pose`, `speed`, `free-wheel` or `grip`.
     wheel_sensor : str
         `count`, `angle` or `rate`.
-    method, window_s
-        As in `estimate`.
 
     Examples
     --------
@@ -233,16 +225,8 @@ class Engine:
     500
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        *,
-        reference: str,
-        wheel_sensor: str = "count",
-        method: str | None = None,
-        window_s: float | None = None,
-    ) -> None:
-        choices = _choices(method, None, None, window_s, None, None, False)
+    def __init__(self, robot: Robot, *, reference: str, wheel_sensor: str = "count") -> None:
+        choices = _choices(None, None, None, None, False)
         self._core = _core.Engine(robot, reference, wheel_sensor, choices)
 
     def push(self, sample: Sample) -> None:

@@ -104,8 +104,6 @@ def robot_file(log: Log, tables: List[tuple[str, List[str]]]) -> str:
     lines = ["format = 1", f'name = "{robot.name}"', "[estimator]", f'reference = "{reference.kind}"']
     if not log.is_odometer:
         lines.append('wheel_sensor = "count"')
-    if log.rates is not None:
-        lines.append(f"yaw_rate_sigma_deg_per_s = {math.degrees(log.rate_sigma):.5f}")
     if reference.kind in ("pose", "displacement"):
         lines += [f"position_sigma_m = {reference.sigma}", f"yaw_sigma_deg = {math.degrees(reference.yaw_sigma):.5f}"]
     if reference.kind == "speed":

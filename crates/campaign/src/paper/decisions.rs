@@ -41,7 +41,7 @@ fn rows(s: &ControlSettings) -> [[[String; 2]; 2]; 6] {
                 number(s.progress)
             ),
             "or no motion backwards for 10 s".to_owned(),
-            ["end: no way,", "immobilised"],
+            ["end: no route left,", "immobilised"],
         ),
         row(
             "*s* > *s*_{opt}, steady: slope and soil demand it,".to_owned(),

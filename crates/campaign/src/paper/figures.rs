@@ -58,7 +58,7 @@ pub(super) fn all() -> Vec<PaperFigure> {
     vec![
         PaperFigure {
             number: 8,
-            about: "slip against the angle on the rim",
+            about: "slip against the angle on the wheel",
             swept: Swept::Theta,
             from: 0.0,
             to: 45_f64.to_radians(),
@@ -124,7 +124,7 @@ impl PaperFigure {
 
     fn axis(&self) -> &'static str {
         match self.swept {
-            Swept::Theta => "Angle on the rim *θ* (deg)",
+            Swept::Theta => "Angle on the wheel *θ* (deg)",
             Swept::Sinkage => "Sinkage *z* (mm)",
             Swept::Radius => "Wheel radius *r* (mm)",
         }

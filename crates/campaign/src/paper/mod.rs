@@ -78,7 +78,7 @@ impl Paper {
             PaperFile::figure(
                 "problem",
                 solved::draw(&solved),
-                "the optimisation problem: solutions beside the curve of the printed slip, and by start",
+                "the optimisation problem: solutions with the curve of the printed slip, and by start",
             ),
             PaperFile::text(
                 "problem.csv",
@@ -239,7 +239,7 @@ fn page(solved: &[Solved], optima: &[SlipOptimum], run: &SandRun, written: &[Pap
         Block::Text(
             "Ani, Xu, Xue, Liu & Zhang, \"Analytical modeling and multi-objective optimization of slippage for \
              wheeled mobile robot in rough terrain\", J. Cent. South Univ. 19 (2012) 2458-2467. This page was \
-             computed; every number in it comes from the files beside it."
+             computed; every number in it comes from the files next to it."
                 .to_owned(),
         ),
         Block::Heading(2, "What is reproduced".to_owned()),
@@ -249,7 +249,7 @@ fn page(solved: &[Solved], optima: &[SlipOptimum], run: &SandRun, written: &[Pap
                 .iter()
                 .map(|s| {
                     let command = match s.command {
-                        "" => "–".to_owned(),
+                        "" => "-".to_owned(),
                         command => format!("`{command}`"),
                     };
                     let [item, about, verdict, why] =
@@ -323,7 +323,7 @@ fn page(solved: &[Solved], optima: &[SlipOptimum], run: &SandRun, written: &[Pap
         ),
         picture(
             "problem",
-            "Solutions of the five readings beside the curve of the printed slip (a), and the slip that each start \
+            "Solutions of the five readings with the curve of the printed slip (a), and the slip that each start \
              ends at (b)",
         ),
         Block::Text(

@@ -164,7 +164,7 @@ impl SlipOptimum {
     pub(super) fn row(&self) -> Vec<String> {
         let slip = self
             .slip
-            .map_or_else(|| "–".to_owned(), |slip| rounded(slip, 4));
+            .map_or_else(|| "-".to_owned(), |slip| rounded(slip, 4));
         vec![
             self.name.to_owned(),
             slip,

@@ -125,7 +125,7 @@ impl SandRun {
 
     /// The errors of each wheel, as rows of a table.
     pub(super) fn rows(&self) -> Vec<Vec<String>> {
-        let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |v| rounded(v, 3));
+        let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| rounded(v, 3));
         let row = |wheel: &SandWheel| {
             let numbers = [wheel.rmse, wheel.bias, wheel.coverage_90].map(number);
             let head = [wheel.name.clone(), wheel.moments.len().to_string()];

@@ -102,8 +102,8 @@ impl Solved {
             "solved" "starts that were solved" = solved.solved().count();
             "optima" "different optima" = solved.optima;
             "equally_good" "starts that ended equally well" = solved.equally_good().count();
-            "slip_magnitude_min" "least magnitude of their slip" = Self::range(solved.equally_good()).0;
-            "slip_magnitude_max" "greatest magnitude of their slip" = Self::range(solved.equally_good()).1;
+            "slip_magnitude_min" "minimum magnitude of their slip" = Self::range(solved.equally_good()).0;
+            "slip_magnitude_max" "maximum magnitude of their slip" = Self::range(solved.equally_good()).1;
         }
     }
 }
@@ -182,7 +182,7 @@ pub(super) fn draw(all: &[Solved]) -> Figure {
         ..solid
     };
     let mut places = Chart::new(
-        Axis::new("Angle on the rim *θ* (deg)").range(-2.0, 47.0),
+        Axis::new("Angle on the wheel *θ* (deg)").range(-2.0, 47.0),
         Axis::new("Sinkage over radius *z*/*r*").range(0.0, 0.45),
     )
     .curve(
@@ -212,7 +212,7 @@ pub(super) fn draw(all: &[Solved]) -> Figure {
         ends = ends.points(Points::new(by_start.collect::<Vec<_>>()).look(marker, colour));
     }
     Figure::new(
-        "The paper's optimisation problem under five readings: where solutions lie beside the curve of the \
+        "The paper's optimisation problem under five readings: where solutions lie relative to the curve of the \
          printed slip, and how the slip depends on the start",
     )
     .panel(places)

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use super::rows::{Row, Validation};
 
-use grouser_report::Table;
 use grouser_report::number::{rounded, shown};
+use grouser_report::{Layout, Table};
 
 impl Validation {
     /// The tables and the fits behind them, for people.
@@ -18,6 +18,12 @@ impl Validation {
 fn text(validation: &Validation) -> String {
     let mut out = String::new();
     let plates = &validation.plates;
+    let _ = writeln!(
+        out,
+        "errors of {} models on {} sets of measured wheels; each is named with the slip angles of its fit; -v prints quantiles and fitted numbers",
+        validation.fits.len(),
+        groups(&validation.rows).len()
+    );
     let _ = writeln!(
         out,
         "plates: n {}, k_c {} kN/m^(n+1), k_phi {} kN/m^(n+2) ({} numbers)",
@@ -34,7 +40,7 @@ fn text(validation: &Validation) -> String {
         let _ = writeln!(out, "\n{data_set}, {wheel} wheel");
         out.push_str(&table(rows));
     }
-    for fit in &validation.fits {
+    for fit in validation.fits.iter().filter(|_| Layout::current().details) {
         let _ = writeln!(
             out,
             "\n{} on {}: {}",
@@ -43,7 +49,7 @@ fn text(validation: &Validation) -> String {
             fit.status.key()
         );
         let mut table = Table::new()
-            .text("  number")
+            .text("number")
             .number("value")
             .number("± std. error")
             .text("");
@@ -55,7 +61,7 @@ fn text(validation: &Validation) -> String {
                 in_unit(found.standard_error)
             };
             table.row([
-                format!("  {}", found.parameter.key()),
+                found.parameter.key().to_owned(),
                 in_unit(found.value),
                 error,
                 found.verdict.key().to_owned(),
@@ -78,30 +84,22 @@ fn groups(rows: &[Row]) -> Vec<(&'static str, &'static str)> {
 }
 
 fn table<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
-    let mut table = Table::new()
-        .number("  β deg")
-        .text("slips")
-        .text("quantity")
-        .text("model")
-        .text("split")
-        .number("n")
-        .number("bias")
-        .number("RMSE")
-        .number("q75")
-        .number("q99")
-        .number("max")
-        .number("numbers")
-        .number("published")
-        .number("repeats")
-        .text("");
+    let mut table = Table::new().number("β deg");
+    for header in ["slips", "quantity", "model", "split"] {
+        table = table.text(header);
+    }
+    let headers = if Layout::current().details {
+        "n,bias,RMSE,q75,q99,max,numbers,published,repeats,hub buried"
+    } else {
+        "n,bias,RMSE"
+    };
+    for header in headers.split(',') {
+        table = table.number(header);
+    }
     let or_nothing = |value: Option<f64>| value.map(|v| rounded(v, 3)).unwrap_or_default();
     for row in rows {
         let score = &row.score;
-        let buried = match row.hub_buried {
-            0 => String::new(),
-            count => format!("hub buried {count}×"),
-        };
-        table.row([
+        let cells = [
             shown(row.slip_angle_deg),
             row.slips.key().to_owned(),
             format!("{} {}", row.quantity.key(), row.quantity.unit()),
@@ -121,16 +119,19 @@ fn table<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
             row.fitted_parameters.to_string(),
             or_nothing(row.published_rmse),
             or_nothing(row.scatter),
-            buried,
-        ]);
+            row.hub_buried.to_string(),
+        ];
+        // β, slips, quantity, model, split, then the numbers
+        table.row(cells.into_iter().take(5 + headers.split(',').count()));
     }
     table.render()
 }
 
-/// The fit that a model's rows rest on, in a few words.
+/// A model and the slip angles on which it is fitted.
 fn title(model: &str, fit: &str) -> String {
+    let angles = fit.trim_start_matches("slip angle").trim_start_matches('s');
     match fit {
         "nothing" => model.to_owned(),
-        fit => format!("{model}, fitted on {fit}"),
+        _ => format!("{model},{}", angles.replace(" and ", "+")),
     }
 }

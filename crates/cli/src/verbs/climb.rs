@@ -6,17 +6,19 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use grouser_figure::{Axis, Chart, Curve, Figure, Style};
-use grouser_report::number::{parse_finite, rounded, shown};
+use grouser_report::number::{parse_finite, shown};
 use grouser_report::{Fields, fields};
 use grouser_terra::slope::greatest_surplus;
-use grouser_terra::{Angle, Caution, Kinematics, LawPreset, Slip, SlopeOutcome, Soil, WheelOnSoil};
+use grouser_terra::{Angle, Caution, Kinematics, Slip, SlopeOutcome, Soil, WheelOnSoil};
 use grouser_terrain::{ClimbStep, DemandSolver, MAX_SLOPE_RAD, climb};
 
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
 use crate::input;
 use crate::law_error::Names;
+use crate::model_error;
 use crate::output_choice::Output;
+use crate::progress::Progress;
 use crate::session::Session;
 use crate::soil_choice::SoilArguments;
 use crate::verb_report::Report;
@@ -66,7 +68,7 @@ pub(crate) struct Arguments {
     gravity: GravityArgument,
     #[command(flatten)]
     max_slip: MaxSlip,
-    /// Prove that no slip up to the greatest holds a slope that is steeper by this, in degrees; for a wheel (exit code 3 if not proved)
+    /// Prove that no slip up to the maximum holds a slope that is steeper by this, in degrees; for a wheel (exit code 3 if not proved)
     #[arg(long, value_name = "DEG", num_args = 0..=1, default_missing_value = "0.1", value_parser = parse_finite, conflicts_with = "robot")]
     certify: Option<f64>,
     /// Write a table (.csv) or a figure (.svg, .png); may be given several times
@@ -102,6 +104,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         Climber::Robot(solver) => solver.model().gravity(),
         Climber::Wheel { .. } => arguments.gravity.with_mass(arguments.mass_kg.is_some())?,
     };
+    let progress = Progress::of_work("searching for the steepest slope");
     let steepest = climber.steepest()?;
     let slopes: Vec<f64> = match steepest {
         Some(steepest) => (0..=ROWS)
@@ -116,18 +119,22 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         }
         _ => None,
     };
+    drop(progress);
+    // the steepest slope is held at the slip of the last step
+    let slip = steps.last().and_then(|step| step.slip);
+    let slip = slip.unwrap_or(arguments.max_slip.max_slip);
     let climbed = Climbed {
         soil: chosen.name,
         gravity,
         max_slip: arguments.max_slip.max_slip,
         steepest,
-        model_error: climber.model_error(&chosen.soil, arguments.max_slip.max_slip)?,
+        model_error: model_error::pull_per_load([&chosen.soil], slip, climber.has_lugs()),
         steps,
         proof,
     };
     let mut text = climbed.text();
     if let Some(proof) = &climbed.proof {
-        text.push_str(&proof.text());
+        text.push_str(&proof.text(climbed.model_error));
     }
     text.push_str(&Output::write_all(
         outputs,
@@ -214,18 +221,11 @@ impl Climber {
         }
     }
 
-    /// Pull over load that the laws miss is a slope, rad.
-    fn model_error(&self, soil: &Soil, max_slip: f64) -> Result<Option<f64>> {
-        let has_lugs = match self {
+    fn has_lugs(&self) -> bool {
+        match self {
             Self::Wheel { pair, .. } => pair.wheel().grousers().is_some(),
-            Self::Robot(solver) => {
-                (solver.model().wheels.iter()).any(|mount| mount.wheel.grousers().is_some())
-            }
-        };
-        let slip = Slip::new(max_slip).map_err(|error| Names::Flags.error(&error))?;
-        let error = LawPreset::from_laws(&soil.params().laws)
-            .model_error(&Kinematics::straight(slip), has_lugs);
-        Ok(error.map(|error| error.pull_per_load))
+            Self::Robot(solver) => model_error::has_lugs(solver.model()),
+        }
     }
 
     fn steps(&self, slopes: &[f64]) -> Result<Vec<ClimbStep>> {
@@ -272,11 +272,11 @@ fn step<'a>() -> Fields<'a, &'a ClimbStep> {
     let known = |x: f64| x.is_finite().then_some(x);
     fields! { |step: &'a ClimbStep|
         "slope_deg" "slope" .shown("deg") = step.slope.to_degrees();
-        "slip" "slip that holds it" .shown("").missing("none") = step.slip;
+        "slip" "slip" .shown("").missing("none") = step.slip;
         "energy_j_per_m" "energy" .shown("J/m").missing("none") = step.energy_per_metre;
         "sinkage_m" "sinkage" .shown("mm").missing("none") = step.sinkage;
-        "reserve_n" "pull margin up to the greatest slip" .shown("N").missing("none") = known(step.reserve);
-        "tip_over_deg" "tilt left before it tips over" .shown("deg").missing("–") =
+        "reserve_n" "pull margin" .shown("N").missing("none") = known(step.reserve);
+        "tip_over_deg" "tip-over margin" .shown("deg") =
             known(step.tip_over.to_degrees());
         "cautions" "cautions" = step.cautions.iter().map(Caution::key).collect::<Vec<_>>();
     }
@@ -286,9 +286,9 @@ fn object<'a>() -> Fields<'a, &'a Climbed> {
     fields! { |climbed: &'a Climbed|
         "soil" "soil" = climbed.soil.as_str();
         "gravity_m_per_s2" "gravity" = climbed.gravity;
-        "max_slip" "greatest slip at which a slope is held" = climbed.max_slip;
+        "max_slip" "maximum slip at which a slope is held" = climbed.max_slip;
         "steepest_slope_deg" "the steepest slope that is climbed" = climbed.steepest.map(f64::to_degrees);
-        "steepest_slope_model_error_deg" "half of the interval about it that holds 90 % of measurements" =
+        "steepest_slope_model_error_deg" "half of the interval about it that contains 90 % of measurements" =
             climbed.model_error.map(f64::to_degrees);
         "steps" "slopes from the level to the steepest" rows(step()) = &climbed.steps;
         "proof" "what is proved, with --certify" group(proof::fields()) = climbed.proof.as_ref();
@@ -303,16 +303,12 @@ pub(crate) fn schema() -> serde_json::Value {
 impl Climbed {
     fn text(&self) -> String {
         let steepest = match self.steepest {
-            Some(slope) => format!("climbs {}°", shown(slope.to_degrees())),
-            None => "does not climb at all".to_owned(),
+            Some(slope) => format!("climbs slopes of up to {}°", shown(slope.to_degrees())),
+            None => "climbs no slope".to_owned(),
         };
-        let error = self.model_error.filter(|_| self.steepest.is_some());
-        let error = error.map_or_else(String::new, |error| {
-            let degrees = rounded(error.to_degrees(), 2);
-            format!("90 % of measurements lie within ±{degrees}° of that\n")
-        });
+        let error = model_error::of_slope(self.model_error.filter(|_| self.steepest.is_some()));
         format!(
-            "{} under {} m/s²: {steepest}\n{error}{}",
+            "{}: {steepest} under {} m/s²\n{error}\n{}",
             self.soil,
             shown(self.gravity),
             step().table(self.steps.iter())
@@ -332,21 +328,19 @@ impl Climbed {
                 .curve(Curve::new(points).style(Style::numbered(0)))
         };
         Figure::new(format!(
-            "Slip, energy per metre and reserve of pull against slope on {}",
+            "Slip, energy per metre and pull margin against slope on {}",
             self.soil
         ))
         .columns(3)
         .panel(panel("Slip *s*", line(&|step| step.slip)))
         .panel(panel("Energy (J/m)", line(&|step| step.energy_per_metre)))
-        .panel(panel(
-            "Reserve of pull (N)",
-            line(&|step| Some(step.reserve)),
-        ))
+        .panel(panel("Pull margin (N)", line(&|step| Some(step.reserve))))
     }
 
     /// What the numbers do not say by themselves.
     fn warnings(&self) -> Vec<String> {
-        let mut list = Vec::new();
+        let unknown = self.model_error.is_none().then_some(model_error::UNKNOWN);
+        let mut list: Vec<String> = unknown.into_iter().map(str::to_owned).collect();
         if self
             .steepest
             .is_some_and(|slope| slope > 0.99 * MAX_SLOPE_RAD)
@@ -367,7 +361,9 @@ impl Climbed {
         }));
         let last = self.steps.last();
         if last.is_some_and(|step| step.tip_over.abs() < NEAR_TIPPING_RAD) {
-            list.push("steeper slopes tip the robot over; the soil would hold it".to_owned());
+            list.push(
+                "the robot tips over on steeper slopes, which the soil would hold".to_owned(),
+            );
         }
         list
     }

@@ -4,8 +4,8 @@ use clap_complete::Shell;
 use serde_json::Value;
 
 use crate::error::{Error, Result};
+use crate::terminal;
 use crate::verb_report::Report;
-use crate::wrap::wrapped;
 use grouser_report::Object;
 
 #[derive(clap::Args, Debug)]
@@ -70,12 +70,10 @@ pub(crate) fn run(
         let _ = clap_mangen::Man::new(of.clone()).render(&mut page);
         return Ok(text_of(String::from_utf8_lossy(&page).into_owned()));
     }
-    Ok(text_of(wrapped(&of.render_long_help().to_string())))
+    Ok(text_of(terminal::help(&of.render_long_help().to_string())))
 }
 
 fn text_of(text: String) -> Report {
-    Report::done(
-        Object::from_iter([("text".to_owned(), text.as_str().into())]),
-        text,
-    )
+    let object = Object::from_iter([("text".to_owned(), text.as_str().into())]);
+    Report::file(object, text)
 }

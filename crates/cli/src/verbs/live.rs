@@ -18,8 +18,8 @@ const PROGRAM: Companion = Companion {
 #[command(
     about = "Slip of each wheel of a running ROS 2 robot, without a ROS installation",
     long_about = "Slip of each wheel of a running ROS 2 robot, without a ROS installation. The node is the program \
-        `grouser-live`, which `live/build` builds and which is found beside `grouser` or on the path; it takes the \
-        arguments as they are.",
+        `grouser-live`, which is found next to `grouser` or on the path; `live/build` builds it. It takes the arguments \
+        unchanged.",
     after_help = "Examples:\n  grouser live --help\n  grouser live --robot robot.toml",
     disable_help_flag = true
 )]

@@ -94,21 +94,14 @@ fn overview(entries: &[&'static Entry]) -> String {
         .label("c")
         .at("phi_deg")
         .label("φ");
-    let keys = [
-        "soil",
-        "n",
-        "k_c_kn_per_m_n1",
-        "k_phi_kn_per_m_n2",
-        "cohesion_kpa",
-        "phi_deg",
-        "k_shear_m",
-        "c_1",
-        "c_2",
-        "source",
-    ];
-    columns.pick(&keys).table(entries.iter().copied())
-        + "\nk_c in kN/m^(n+1), k_phi in kN/m^(n+2). A number marked – is not in the source: give it with \
-           --k-shear-m, --c-1 or --c-2.\n"
+    let keys =
+        "soil,n,k_c_kn_per_m_n1,k_phi_kn_per_m_n2,cohesion_kpa,phi_deg,k_shear_m,c_1,c_2,source";
+    let keys: Vec<&str> = keys.split(',').collect();
+    format!(
+        "{} soils; k_c in kN/m^(n+1), k_phi in kN/m^(n+2)\nA number marked - is not in the source: give it with --k-shear-m, --c-1 or --c-2.\n\n{}",
+        entries.len(),
+        columns.pick(&keys).table(entries.iter().copied())
+    )
 }
 
 fn details(soil: &'static Entry) -> String {

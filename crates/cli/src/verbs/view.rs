@@ -1,4 +1,4 @@
-//! `view`: the page, which a program beside this one shows.
+//! `view`: the page, which a program next to this one shows.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
@@ -24,7 +24,7 @@ const PROGRAM: Companion = Companion {
     about = "Open the page: a wheel on soil to explore, a run to look at",
     long_about = "Open the page: a wheel on soil to explore, a run to look at. The page is a local server's \
         (127.0.0.1, with a random token), or one HTML file that opens without a server. It is shown by the \
-        program `grouser-view`, which `page/build` builds and which is found beside `grouser` or on the path.",
+        program `grouser-view`, which is found next to `grouser` or on the path; `page/build` builds it.",
     after_help = "Examples:\n  grouser view\n  grouser view estimates.csv\n  grouser view log.mcap --robot robot.toml\n  \
         grouser view log.mcap --robot robot.toml --follow\n  grouser view --export page.html"
 )]
@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
         conflicts_with = "export"
     )]
     robot: Option<PathBuf>,
-    /// The column map of a CSV log [default: the robot file's, or `columns.toml` beside it]
+    /// The column map of a CSV log [default: the robot file's, or `columns.toml` next to it]
     #[arg(long, value_name = "C.toml", requires = "robot")]
     map: Option<PathBuf>,
     /// The log (a table, MCAP or a bag) is still written: the page shows its newest moment

@@ -8,7 +8,7 @@ use super::program::{Folder, grouser, verbs};
 use super::random::Random;
 
 /// Words of a command: `@NAME` is a file to read, `>NAME` one to write. The number is how often it is chosen.
-const VERBS: [(u32, &str); 37] = [
+const VERBS: [(u32, &str); 38] = [
     (
         3,
         "wheel --soil @soil.toml --radius-m 0.1 --width-m 0.1 --slip 0.2 --load-n 40",
@@ -49,7 +49,7 @@ const VERBS: [(u32, &str); 37] = [
     ),
     (
         2,
-        "estimate @log.csv --map @columns.toml --robot @robot.toml --method window --window-s 0.5 --from-s 1 --to-s 3",
+        "estimate @log.csv --map @columns.toml --robot @robot.toml --from-s 1 --to-s 3",
     ),
     (
         2,
@@ -102,6 +102,10 @@ const VERBS: [(u32, &str); 37] = [
     (
         2,
         "design @five-wheel.toml --soil @soil.toml --slope-deg 0=0.9,4=0.1 --radius-m 0.15 --points 2 -o >x.csv",
+    ),
+    (
+        2,
+        "fmu --soil @soil.toml --radius-m 0.1 --width-m 0.1 -o >x.fmu",
     ),
 ];
 

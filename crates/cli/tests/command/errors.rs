@@ -171,12 +171,6 @@ const KEYS: &[(&str, &str, &str, [f64; 2])] = &[
     (
         "robot",
         "[estimator]",
-        "yaw_rate_sigma_deg_per_s",
-        [5.729_577_951_308_232e-8, 57_295.779_513_082_32],
-    ),
-    (
-        "robot",
-        "[estimator]",
         "pose_yaw_offset_deg",
         [-360.0, 360.0],
     ),

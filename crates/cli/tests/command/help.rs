@@ -1,29 +1,65 @@
 //! Help, completions, man pages and templates.
 
-use std::path::Path;
-use std::process::Stdio;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 use super::program::{Folder, grouser, line, start, verbs, wait};
 
+/// Standard output and standard error of a line, as a pipe gets them where no width is set.
+fn piped(words: &str) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_grouser"))
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))
+        .args(words.split_whitespace())
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    [output.stdout, output.stderr]
+        .map(|bytes| String::from_utf8(bytes).unwrap())
+        .concat()
+}
+
 #[test]
-fn help_stands_alone_and_is_at_most_100_columns_wide() {
+fn piped_text_is_at_most_80_columns_wide_and_in_the_words_of_the_field() {
     let nothing = grouser::<&str>([]).assert_done();
     assert!(nothing.out.contains("Usage: grouser"), "{nothing:?}");
     assert!(nothing.out.contains("130  interrupted"), "{nothing:?}");
-    for words in [
-        "help",
-        "help wheel",
-        "help log info",
-        "wheel --help",
-        "estimate --help",
-        "--help",
-    ] {
-        let said = line(words).assert_done();
-        assert!(said.out.contains("Usage: grouser"), "{words}: {said:?}");
-        for text in said.out.lines() {
-            let is_example = text.trim_start().starts_with("grouser ");
-            assert!(is_example || text.chars().count() <= 100, "{words}: {text}");
+    let help = verbs().into_iter().map(|verb| format!("help {verb}"));
+    let results = [
+        "soils",
+        "wheel --soil lunar --radius-m 0.1 --width-m 0.08 --load-n 60 --slip 0.2 --grouser-height-m 0.01 --grouser-count 9",
+        "wheel --soil dry-sand --radius-m 0.1 --width-m 0.08 --load-n 60 --slip 0:0.8 --points 9",
+        "wheel --soil sandd --radius-m 0.1 --width-m 0.08 --load-n 60 --slip 0.2",
+        "climb --soil dry-sand --robot examples/robots/rocker-bogie.toml",
+        "climb --soil dry-sand --radius-m 0.15 --width-m 0.12 --load-n 40 --certify 0.1 -v",
+        "estimate examples/five-wheel/log.csv --robot examples/five-wheel/robot.toml --soil dry-sand",
+        "estimate examples/five-wheel/log.mcap --robot examples/five-wheel/robot.toml -v",
+        "drive examples/scenarios/slope.toml --compare open-loop,controller -v",
+        "optimize examples/problems/paper.toml -v",
+        "optimize examples/problems/lug-height.toml",
+        "design examples/robots/rocker-bogie.toml --soil dry-sand --slope-deg 0=0.8,5=0.2 --points 3 -v",
+        "identify examples/bevameter/tests.toml -v",
+        "log info examples/five-wheel/log.mcap",
+        "log info examples/five-wheel/log.csv",
+        "robot examples/robots/five-wheel.toml --stance --pitch-deg 15",
+        "paper slip-model --theta-deg 0:45 --sinkage-m 0.02 --radius-m 0.1",
+    ];
+    let private = [
+        "way", "ways", "rim", "rims", "greatest", "beside", "besides", "apart", "stands", "anew",
+    ];
+    for words in help.chain(results.map(str::to_owned)) {
+        let text = piped(&words);
+        assert!(text.lines().count() > 1, "{words}: {text}");
+        for line in text.lines() {
+            // one word, such as a path, stays whole
+            let is_wide = line.chars().count() > 80 && line.trim().contains(' ');
+            assert!(!is_wide, "{words}: {line}");
+            assert!(!line.contains('\u{2212}'), "{words}: {line}");
         }
+        let flat = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let flat = flat.replace("at least", "").replace("least-", "");
+        let mut found = flat.split(|c: char| !c.is_alphanumeric());
+        let found = found.find(|word| private.contains(word) || *word == "least");
+        assert_eq!(found, None, "{words}: {text}");
     }
     line("help nothing").assert_refused("help nothing");
     line("help help --schema").assert_refused("a verb without a schema");
@@ -121,6 +157,50 @@ fn templates_work_as_they_stand() {
         line(&words).assert_done().json()["torque_nm"].clone()
     };
     assert_eq!(wheel(&shown("soil.toml")), wheel("cmu-sand"));
+}
+
+#[test]
+fn installed_examples_are_listed_and_copied() {
+    let folder = Folder::new();
+    let mut names: Vec<String> = ["a.csv", "robots/b.toml"].map(str::to_owned).to_vec();
+    for name in &names {
+        let path = folder.path(format!("usr/share/grouser/examples/{name}"));
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, name).unwrap();
+    }
+    // what pip compiles of an example in Python is none
+    let compiled = folder.path("usr/share/grouser/examples/__pycache__");
+    std::fs::create_dir(&compiled).unwrap();
+    std::fs::write(compiled.join("c.pyc"), "").unwrap();
+    // as a folder of the path in which another program of the same installation is
+    let run = |path: PathBuf, words: &[&str]| {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_grouser"));
+        program.current_dir(folder.path("")).env("PATH", path);
+        program
+            .args(["init", "examples"])
+            .args(words)
+            .output()
+            .unwrap()
+    };
+    let bin = folder.path("usr/bin");
+    let listed = run(bin.clone(), &[]);
+    assert!(listed.status.success(), "{listed:?}");
+    names.sort();
+    let text = String::from_utf8(listed.stdout).unwrap();
+    assert_eq!(text.lines().collect::<Vec<_>>(), names);
+    assert!(run(bin.clone(), &["-o", "copy"]).status.success());
+    for name in &names {
+        let copied = std::fs::read_to_string(folder.path(format!("copy/{name}"))).unwrap();
+        assert_eq!(copied, *name);
+    }
+    let again = run(bin, &["-o", "copy"]);
+    assert_eq!(again.status.code(), Some(2), "{again:?}");
+    let absent = run(folder.path("nowhere"), &[]);
+    let errors = String::from_utf8(absent.stderr).unwrap();
+    assert!(
+        errors.contains("not installed") && errors.contains("hint: "),
+        "{errors}"
+    );
 }
 
 #[test]

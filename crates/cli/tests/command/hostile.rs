@@ -354,7 +354,7 @@ fn a_full_disk_is_reported() {
         .write(true)
         .open("/dev/full")
         .unwrap();
-    let said = Command::new(env!("CARGO_BIN_EXE_grouser"))
+    let said = crate::repository::program()
         .arg("soils")
         .stdout(full)
         .output()

@@ -9,7 +9,7 @@ use super::program::{Folder, Said, wait};
 fn limited(limit: &str, stack: Option<&str>, words: &str) -> Said {
     let line = format!("{limit} && exec {} {words}", env!("CARGO_BIN_EXE_grouser"));
     let mut command = Command::new("sh");
-    command.args(["-c", &line]);
+    command.args(["-c", &line]).env("COLUMNS", "10000");
     if let Some(bytes) = stack {
         command.env("RUST_MIN_STACK", bytes);
     }

@@ -67,6 +67,7 @@ pub(crate) fn start<S: AsRef<OsStr>>(
     input: Stdio,
 ) -> Child {
     Command::new(env!("CARGO_BIN_EXE_grouser"))
+        .env("COLUMNS", "10000")
         .args(arguments)
         .stdin(input)
         .stdout(Stdio::piped())

@@ -85,6 +85,10 @@ const EXAMPLES: &[(&str, &str)] = &[
         "robot",
         "robot examples/robots/five-wheel.toml --stance --pitch-deg 15",
     ),
+    (
+        "fmu",
+        "fmu --soil lunar --radius-m 0.125 --width-m 0.15 --load-n 65 --slip 0.25 -o OUT/wheel.fmu",
+    ),
     ("init", "init robot"),
 ];
 

@@ -324,9 +324,8 @@ fn no_way_is_no_result_and_bad_places_are_refused() {
         ))
         .assert_done();
         let said = found.err;
-        let shown = angle.replace('-', "−");
         let snapped =
-            nearest.map(|nearest| format!("--start-heading-deg {shown} counts as {nearest}, "));
+            nearest.map(|nearest| format!("--start-heading-deg {angle} counts as {nearest}, "));
         assert_eq!(
             said.contains("--start-heading-deg"),
             nearest.is_some(),

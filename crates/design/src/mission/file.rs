@@ -154,7 +154,7 @@ pub fn shares<T>(of: &str, list: Vec<(T, Option<f64>)>) -> Result<Vec<(T, f64)>>
     let given = list.iter().filter(|(_, share)| share.is_some()).count();
     if given != 0 && given != list.len() {
         return Err(Error::Mission(format!(
-            "{given} of {} {of} have a share of the way, but all or none must",
+            "{given} of {} {of} have a share of the distance, but all or none must",
             list.len()
         )));
     }

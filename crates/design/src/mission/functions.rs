@@ -113,7 +113,7 @@ impl<'m> Task<'m> {
     fn inequalities(&self) -> Vec<String> {
         let mut names = match self.aim {
             Aim::Shortage => Vec::new(),
-            _ => self.station_names("reserve of pull"),
+            _ => self.station_names("pull margin"),
         };
         if let Aim::Energy { max_mass: Some(_) } = self.aim {
             names.push("wheel mass".to_owned());

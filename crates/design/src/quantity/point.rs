@@ -7,7 +7,7 @@
 use grouser_real::Real;
 use grouser_real::{Dual, Scalar};
 use grouser_terra::{
-    Cautions, Contact, Forces, Kinematics, Settings, Slip, SlopeOutcome, WheelOnSoil,
+    Cautions, Contact, Forces, Kinematics, ModelError, Settings, Slip, SlopeOutcome, WheelOnSoil,
 };
 
 use super::inputs::Inputs;
@@ -85,6 +85,22 @@ impl Inputs<f64> {
             Ok(Some(point)) => point.cautions,
             Ok(None) | Err(_) => Cautions::default(),
         }
+    }
+
+    /// What the laws miss of measured wheels in the motion of the state, or at the maximum slip of a search; the outer `None` where
+    /// there is no wheel on a soil, the inner one where its laws were not compared.
+    #[allow(
+        clippy::option_option,
+        reason = "a wheel that is not there, or a number that is not known"
+    )]
+    pub(crate) fn model_error(&self) -> Option<Option<ModelError>> {
+        let on_soil = self.wheel_on_soil().ok()?;
+        let slip = if self.has(Parameter::Slip) {
+            self.get(Parameter::Slip)
+        } else {
+            on_soil.settings().max_slip
+        };
+        Some(on_soil.model_error(&Kinematics::straight(Slip::new(slip).ok()?)))
     }
 
     pub(super) fn wheel_on_soil(&self) -> Result<WheelOnSoil, NoValue> {

@@ -94,13 +94,19 @@ impl Block<'_> {
 
     pub(crate) fn sums(&self, delay_s: f64) -> Sums {
         let mut sums = Sums::default();
+        // most readings begin where the one before ended
+        let mut near = [0; 3];
+        let mut last = (f64::NAN, [f64::NAN; 2]);
         for one in &self.passed {
             let (from_s, to_s) = (one.from_s - delay_s, one.to_s - delay_s);
-            let f = self.track.between(from_s, to_s);
-            let h = match self.kind {
-                Kind::Way => self.energy(to_s) - self.energy(from_s),
-                Kind::Turn => to_s - from_s,
+            let from = if last.0 == from_s {
+                last.1
+            } else {
+                self.regressors(from_s, &mut near)
             };
+            let to = self.regressors(to_s, &mut near);
+            last = (to_s, to);
+            let [f, h] = [to[0] - from[0], to[1] - from[1]];
             let y = one.amount;
             sums.ff += f * f;
             sums.fh += f * h;
@@ -112,11 +118,19 @@ impl Block<'_> {
         sums
     }
 
-    /// ½ u |u| of the rims.
-    fn energy(&self, time_s: f64) -> f64 {
-        let way = (self.track).between(time_s - HALF_SPEED_S, time_s + HALF_SPEED_S);
-        let speed = way / (2.0 * HALF_SPEED_S);
-        0.5 * speed * speed.abs()
+    /// The sum up to a time, and the second regressor: ½ u |u| of the rims, or the time.
+    fn regressors(&self, time_s: f64, near: &mut [usize; 3]) -> [f64; 2] {
+        let [here, before, after] = near;
+        let second = match self.kind {
+            Kind::Way => {
+                let way = self.track.at(time_s + HALF_SPEED_S, after)
+                    - self.track.at(time_s - HALF_SPEED_S, before);
+                let speed = way / (2.0 * HALF_SPEED_S);
+                0.5 * speed * speed.abs()
+            }
+            Kind::Turn => time_s,
+        };
+        [self.track.at(time_s, here), second]
     }
 
     /// Sum of squared residuals, with what the priors of a and b add.
@@ -190,16 +204,21 @@ pub(super) fn fit<'a>(
     }
     let everywhere = range(delays.min_s, delays.max_s, delays.step_s);
     set_variances(&mut blocks, stated_s);
-    let first = Costs::new(&blocks, &everywhere, stated_s).least(|_| true);
+    let sums = sums_of(&blocks, &everywhere, stated_s);
+    let first = Costs::new(&blocks, &sums, &everywhere).least(|_| true);
     set_variances(&mut blocks, stated_s + first.delay_s);
-    let mut costs = Costs::new(&blocks, &everywhere, stated_s);
+    let mut costs = Costs::new(&blocks, &sums, &everywhere);
     let coarse = costs.least(|_| true).delay_s;
     let near = range(
         (coarse - FINE_RANGE_S).max(delays.min_s),
         (coarse + FINE_RANGE_S).min(delays.max_s),
         FINE_STEP_S,
     );
-    costs.add(Costs::new(&blocks, &near, stated_s));
+    costs.add(Costs::new(
+        &blocks,
+        &sums_of(&blocks, &near, stated_s),
+        &near,
+    ));
     let least = costs.least(|_| true);
     let dispersion = dispersion(&blocks, stated_s + least.delay_s, least.lag);
     let within = |limit: f64| {
@@ -296,6 +315,15 @@ fn set_variances(blocks: &mut [Block<'_>], delay_s: f64) {
     }
 }
 
+/// The sums of each block at each delay.
+fn sums_of(blocks: &[Block<'_>], delays_s: &[f64], stated_s: f64) -> Vec<Vec<Sums>> {
+    let of = |block: &Block<'_>| {
+        let delays = delays_s.iter();
+        delays.map(|delay| block.sums(stated_s + delay)).collect()
+    };
+    blocks.iter().map(of).collect()
+}
+
 /// Costs of each block at each delay and each lag.
 struct Costs {
     delays_s: Vec<f64>,
@@ -312,17 +340,16 @@ struct Trial {
 }
 
 impl Costs {
-    fn new(blocks: &[Block<'_>], delays_s: &[f64], stated_s: f64) -> Self {
-        let one = |block: &Block<'_>| {
-            let at = |delay_s: &f64| {
-                let sums = block.sums(stated_s + delay_s);
-                std::array::from_fn(|lag| block.cost(&sums, lag as f64 * LAG_STEP_S2_PER_M))
+    fn new(blocks: &[Block<'_>], sums: &[Vec<Sums>], delays_s: &[f64]) -> Self {
+        let one = |(block, sums): (&Block<'_>, &Vec<Sums>)| {
+            let at = |sums: &Sums| {
+                std::array::from_fn(|lag| block.cost(sums, lag as f64 * LAG_STEP_S2_PER_M))
             };
-            delays_s.iter().map(at).collect()
+            sums.iter().map(at).collect()
         };
         Self {
             delays_s: delays_s.to_vec(),
-            of_blocks: blocks.iter().map(one).collect(),
+            of_blocks: blocks.iter().zip(sums).map(one).collect(),
         }
     }
 

@@ -84,7 +84,7 @@ impl fmt::Display for ReferenceDelay {
         if self.is_beyond_correction() {
             return write!(
                 f,
-                ": not applied, too much for a delay. Are the clocks of two computers apart? `time = \"log\"` in `[topics]` \
+                ": not applied, too much for a delay. Do the clocks of two computers disagree? `time = \"log\"` in `[topics]` \
                  takes the recorder's times, `offset_s` in `time` of its table shifts those of a table"
             );
         }

@@ -47,9 +47,10 @@ impl Track {
         self.sums.push(sum);
     }
 
-    /// The sum at a time; NaN where it is not known.
-    fn at(&self, time_s: f64) -> f64 {
-        let next = self.times_s.partition_point(|time| *time <= time_s);
+    /// The sum at a time; NaN where it is not known. It is looked for about the place of the one before, `near`, and sets it.
+    pub(super) fn at(&self, time_s: f64, near: &mut usize) -> f64 {
+        let next = self.after(time_s, *near);
+        *near = next;
         if next == 0 || next == self.times_s.len() {
             return f64::NAN;
         }
@@ -58,9 +59,21 @@ impl Track {
         s0 + (s1 - s0) * (time_s - t0) / (t1 - t0)
     }
 
-    /// What passed between two times; NaN where one of them is not known.
-    pub(crate) fn between(&self, from_s: f64, to_s: f64) -> f64 {
-        self.at(to_s) - self.at(from_s)
+    /// The first sum after a time, by steps that double from a place which is near.
+    fn after(&self, time_s: f64, near: usize) -> usize {
+        let times = &self.times_s;
+        let is_before = |index: usize| times.get(index).is_some_and(|time| *time <= time_s);
+        let (mut low, mut high, mut step) = (near.min(times.len()), near.min(times.len()), 1);
+        while is_before(high) {
+            low = high;
+            high = (high + step).min(times.len());
+            step *= 2;
+        }
+        while low > 0 && !is_before(low) {
+            low = low.saturating_sub(step);
+            step *= 2;
+        }
+        low + times[low..high.max(low)].partition_point(|time| *time <= time_s)
     }
 
     /// Is it known from one time to another?
@@ -86,9 +99,19 @@ mod tests {
         track.add(2.0, 1.0); // another wheel of the same row
         track.interrupt(5.0);
         track.add(6.0, 3.0);
-        assert!((track.between(0.5, 1.5) - 3.5).abs() < 1e-12);
-        assert!((track.between(5.0, 5.5) - 1.5).abs() < 1e-12);
-        assert!(track.between(1.0, 3.0).is_nan() && track.between(-1.0, 1.0).is_nan());
+        let between = |from, to| track.at(to, &mut 0) - track.at(from, &mut 0);
+        assert!((between(0.5, 1.5) - 3.5).abs() < 1e-12);
+        for time in [-1.0, 0.0, 0.7, 1.0, 2.0, 5.0, 5.5, 6.0, 7.0] {
+            let places = (0..9).map(|mut near| track.at(time, &mut near));
+            let expected = track.at(time, &mut 0);
+            assert!(
+                places
+                    .into_iter()
+                    .all(|of| of.to_bits() == expected.to_bits())
+            );
+        }
+        assert!((between(5.0, 5.5) - 1.5).abs() < 1e-12);
+        assert!(between(1.0, 3.0).is_nan() && between(-1.0, 1.0).is_nan());
         assert!(track.is_known(0.5, 1.9) && track.is_known(5.1, 5.9));
         assert!(
             !track.is_known(1.0, 3.0) && !track.is_known(1.0, 5.5) && !track.is_known(5.5, 6.5)

@@ -60,18 +60,14 @@ pub(crate) fn check_together(at: &Place, columns: &[Column]) -> Result<()> {
         if column.frame == Frame::Previous && !is_there(Meaning::DisplacementTurn) {
             return Err(Error::Contradiction {
                 at: at.clone(),
-                message: "`frame = \"previous\"` needs `displacement_turn` beside it".into(),
+                message: "`frame = \"previous\"` needs `displacement_turn` too".into(),
             });
         }
         let mut needs = column.meaning.needs().iter();
         if let Some(needed) = needs.find(|needed| !is_there(**needed)) {
             return Err(Error::Contradiction {
                 at: at.clone(),
-                message: format!(
-                    "`{}` needs `{}` beside it",
-                    column.meaning.name(),
-                    needed.name()
-                ),
+                message: format!("`{}` needs `{}` too", column.meaning.name(), needed.name()),
             });
         }
     }

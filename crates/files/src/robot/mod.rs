@@ -7,7 +7,7 @@
 //!
 //! [estimator]                 # all optional
 //! reference = "free-wheel"    # or displacement, pose, speed, grip
-//! window_s = 0.5
+//! position_sigma_m = 0.001    # standard deviation of a measured position
 //!
 //! [filter]                    # all optional: settings of the slip filter beyond [estimator]
 //! slip_mean = 0.1             # what is believed of the powered wheels' slip before it is measured
@@ -39,9 +39,9 @@ mod write;
 
 use std::path::Path;
 
+use grouser_slip::SensorSettings;
 use grouser_slip::filter::FilterSettings;
 use grouser_slip::onboard::SoilLearnSettings;
-use grouser_slip::window::WindowSettings;
 use grouser_slip::{CounterWidth, Encoder, Measurement, Reference, Robot, Shaft, Wheel, WheelRole};
 use grouser_terra::Angle;
 
@@ -113,9 +113,9 @@ impl WheelSensor {
 pub struct RobotFile {
     /// The robot.
     pub robot: Robot,
-    /// How the estimator is to work; its `reference` counts only where [`RobotFile::reference`] does
+    /// Settings of the means that check the slips, and of the sensors; its `reference` counts only where [`RobotFile::reference`] does
     /// not say otherwise.
-    pub settings: WindowSettings,
+    pub settings: SensorSettings,
     /// Settings of the slip filter, with the values of `settings` where both have one.
     pub filter: FilterSettings,
     /// Does the file state `reference_latency_s`, be it 0? If not, a log may show the delay.
@@ -219,7 +219,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
     document.parse(|root| {
         let name = root.text("name")?;
         let gravity = read_gravity(root)?;
-        let mut settings = WindowSettings::default();
+        let mut settings = SensorSettings::default();
         let mut reference = None;
         let mut wheel_sensor = None;
         let mut corrections = Corrections::default();
@@ -318,9 +318,10 @@ fn read_meanings(root: &Section<'_>) -> Result<(Topics, Option<ColumnMap>)> {
 
 fn read_estimator(
     section: &Section<'_>,
-    settings: &mut WindowSettings,
+    settings: &mut SensorSettings,
 ) -> Result<(Option<Reference>, Corrections)> {
-    read_fields(section, settings, WindowSettings::FIELDS)?;
+    refuse_removed(section, "[estimator]", &REMOVED_ESTIMATOR_KEYS)?;
+    read_fields(section, settings, SensorSettings::FIELDS)?;
     let references = Reference::ALL.map(|reference| (reference.name(), reference));
     let corrections = Corrections::read(section)?;
     let reference = section.optional_choice("reference", &references)?;
@@ -329,7 +330,7 @@ fn read_estimator(
 
 /// The settings of the slip filter without `[filter]`: the defaults, then the values of `[estimator]`, of which that of a position
 /// counts only where the file states it.
-pub(crate) fn filter_of(settings: &WindowSettings, position_sigma: Option<f64>) -> FilterSettings {
+pub(crate) fn filter_of(settings: &SensorSettings, position_sigma: Option<f64>) -> FilterSettings {
     let usual = FilterSettings::default();
     FilterSettings {
         position_sigma: position_sigma.unwrap_or(usual.position_sigma),
@@ -340,6 +341,26 @@ pub(crate) fn filter_of(settings: &WindowSettings, position_sigma: Option<f64>) 
         ..usual
     }
 }
+
+/// Keys that `[estimator]` had, with what replaced each of them.
+const REMOVED_ESTIMATOR_KEYS: [(&str, &str); 4] = [
+    (
+        "window_s",
+        "the slip filter replaces means over windows, and follows wheels by the period of their readings",
+    ),
+    (
+        "max_slip_sigma",
+        "a slip is `Degraded(Quantised)` from a standard deviation of 0.25 on",
+    ),
+    (
+        "yaw_rate_sigma_deg_per_s",
+        "the model of the motion replaces it",
+    ),
+    (
+        "lateral_sigma_m_per_s",
+        "the model of the motion replaces it",
+    ),
+];
 
 /// Keys that `[filter]` had, with what replaced each of them.
 const REMOVED_FILTER_KEYS: [(&str, &str); 10] = [
@@ -385,16 +406,26 @@ const REMOVED_FILTER_KEYS: [(&str, &str); 10] = [
     ),
 ];
 
-/// Reads the keys of `[filter]`; one that it no longer has is refused.
-pub(crate) fn read_filter_fields(section: &Section<'_>, filter: &mut FilterSettings) -> Result<()> {
-    if let Some((key, instead)) = REMOVED_FILTER_KEYS.iter().find(|(key, _)| section.has(key)) {
-        return Err(Error::RemovedKey {
+/// Refuses a key that a section no longer has.
+fn refuse_removed(
+    section: &Section<'_>,
+    name: &'static str,
+    removed: &[(&'static str, &'static str)],
+) -> Result<()> {
+    match removed.iter().find(|(key, _)| section.has(key)) {
+        Some((key, instead)) => Err(Error::RemovedKey {
             at: section.place_of(key),
-            section: "[filter]",
+            section: name,
             key,
             instead,
-        });
+        }),
+        None => Ok(()),
     }
+}
+
+/// Reads the keys of `[filter]`; one that it no longer has is refused.
+pub(crate) fn read_filter_fields(section: &Section<'_>, filter: &mut FilterSettings) -> Result<()> {
+    refuse_removed(section, "[filter]", &REMOVED_FILTER_KEYS)?;
     read_fields(section, filter, FilterSettings::FIELDS)
 }
 

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use grouser_real::Real;
+use grouser_slip::SensorSettings;
 use grouser_slip::WheelRole;
 use grouser_slip::filter::FilterSettings;
-use grouser_slip::window::WindowSettings;
 
 use super::{
     Corrections, REFERENCE_LATENCY_KEY, WheelSensor, parse, read_estimator, read_filter_fields,
@@ -61,7 +61,7 @@ pub fn revised(document: &Document, revision: &Revision) -> Result<String> {
         root.text("name")?;
         let mut corrections = Corrections::default();
         root.section("estimator", |section| {
-            corrections = read_estimator(section, &mut WindowSettings::default())?.1;
+            corrections = read_estimator(section, &mut SensorSettings::default())?.1;
             // The names of sensors are checked where the robot is read, below.
             section.optional_choice("wheel_sensor", &WheelSensor::NAMES)?;
             at = Some(section.place());

@@ -1,6 +1,6 @@
 //! A robot as the text of a robot file.
 
-use grouser_slip::window::WindowSettings;
+use grouser_slip::SensorSettings;
 use grouser_slip::{Shaft, Wheel, WheelRole};
 use grouser_terra::{GrouserRule, Grousers};
 
@@ -8,6 +8,7 @@ use super::{
     POSITION_SIGMA_KEY, REFERENCE_LATENCY_KEY, REFERENCE_PLACE_KEYS, RobotFile,
     default_contact_sigmas, filter_of,
 };
+use crate::actuator::{AXES as ACTUATOR_AXES, ActuatedFile, ActuatorFile};
 use crate::body::{BodyFile, LinkFile, MassFile, MotorFile, WheelBody};
 use crate::columns::{meaning, write_table};
 use crate::fields::write_fields;
@@ -69,8 +70,8 @@ pub fn to_toml(file: &RobotFile) -> String {
     if angle != usual_angle {
         out.degrees("entry_angle_sigma_deg", angle);
     }
-    let usual = WindowSettings::default();
-    write_fields(&mut out, &file.settings, &usual, WindowSettings::FIELDS);
+    let usual = SensorSettings::default();
+    write_fields(&mut out, &file.settings, &usual, SensorSettings::FIELDS);
     let sigma = file.settings.position_sigma;
     if file.topics.position_sigma.is_some() && sigma == usual.position_sigma {
         out.number(POSITION_SIGMA_KEY, sigma);
@@ -227,6 +228,34 @@ fn write_body(out: &mut TomlText, body: &BodyFile) {
     for motor in &body.motors {
         write_motor(out, motor);
     }
+    for actuator in &body.actuators {
+        write_actuator(out, actuator);
+    }
+}
+
+fn write_actuator(out: &mut TomlText, actuator: &ActuatorFile) {
+    out.header("[[actuator]]");
+    out.text("name", &actuator.name);
+    let (min, max) = actuator.range;
+    match &actuator.moves {
+        ActuatedFile::Link(link) => {
+            out.text("kind", "link");
+            out.text("link", link);
+            out.degrees("min_deg", min);
+            out.degrees("max_deg", max);
+            out.degrees("speed_deg_per_s", actuator.speed);
+        }
+        ActuatedFile::Mass { axis, mass } => {
+            out.text("kind", "mass");
+            out.text("along", ACTUATOR_AXES[*axis].0);
+            out.number("mass_kg", *mass);
+            out.number("min_m", min);
+            out.number("max_m", max);
+            out.number("speed_m_per_s", actuator.speed);
+        }
+    }
+    out.number("power_w", actuator.power);
+    out.number("efficiency", actuator.efficiency);
 }
 
 fn write_mass(out: &mut TomlText, mass: &MassFile) {

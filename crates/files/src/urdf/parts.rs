@@ -112,7 +112,7 @@ impl Parts {
                         match lugs(tree, joint.child, &rim) {
                             Found::Lugs(found) => wheel.lugs = Some(found),
                             Found::Uneven(count) => parts.notes.push(format!(
-                                "{count} boxes on the rim of \"{}\" differ in height, thickness or spacing, and are not \
+                                "{count} boxes on the circumference of \"{}\" differ in height, thickness or spacing, and are not \
                                  converted to lugs",
                                 joint.name
                             )),
@@ -206,7 +206,7 @@ impl Parts {
             ));
         }
         if self.wheels.iter().all(|wheel| wheel.lugs.is_none()) {
-            say("no boxes stand around a wheel's rim: wheels with lugs need `grouser_height_m`, `grouser_count` and \
+            say("no boxes are on a wheel's circumference: wheels with lugs need `grouser_height_m`, `grouser_count` and \
                  `grouser_thickness_m`".into());
         }
         say("a URDF has no motors and no encoders: add [[motor]], `motor`, `gear`, `ticks_per_turn`".into());

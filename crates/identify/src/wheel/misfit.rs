@@ -2,7 +2,7 @@
 
 use super::model::Prediction;
 use super::test::{Quantity, Scatter, WheelTest};
-use crate::least_squares::{Loss, NORMAL_MEDIAN_SIZE};
+use crate::least_squares::{Fit, Loss, NORMAL_MEDIAN_SIZE, solve_damped};
 use grouser_real::{Real, median};
 
 /// The normal quantile of a probability of 0.999: of a thousand sound jobs one is called a misfit.
@@ -70,6 +70,41 @@ fn ratio_of_misfit(mut squares: Vec<f64>, loss: Loss, freedom: f64) -> Option<f6
     let limit = Real::powi(1.0 - spread + SIGNIFICANT_SIGMA * spread.sqrt(), 3);
     let ratio = variance.sqrt();
     (variance > limit && ratio > MAX_SCATTER_RATIO).then_some(ratio)
+}
+
+/// How far the zero of the measured sinkages lies from where the `best` fit of `tests` would have it, m, where no datum is
+/// fitted: beyond chance, as in [`misfits`], and by more than [`MAX_SCATTER_RATIO`] of the `scatter`. `variance` is that of the
+/// residuals, with their correlation.
+///
+/// Source: the score test of Rao, Mathematical Proceedings of the Cambridge Philosophical Society 44 (1948): one linear step.
+pub(crate) fn sinkage_shift(
+    tests: &[WheelTest],
+    scatter: f64,
+    best: &Fit,
+    variance: f64,
+) -> Option<f64> {
+    let quantities = |test: &WheelTest| {
+        let read = Quantity::ALL.map(|quantity| test.read(quantity).map(|_| quantity));
+        read.into_iter().flatten()
+    };
+    let is_sinkage = |quantity| f64::from(u8::from(quantity == Quantity::Sinkage));
+    let datum: Vec<f64> = tests.iter().flat_map(quantities).map(is_sinkage).collect();
+    // what no free number makes up for
+    let free: Vec<usize> = (0..best.x.len()).filter(|i| !best.on_bound(*i)).collect();
+    let rows = best.jacobian.iter();
+    let rows: Vec<Vec<f64>> = rows
+        .map(|row| free.iter().map(|i| row[*i]).collect())
+        .collect();
+    let moved = solve_damped(&rows, &datum, &vec![0.0; free.len()])?;
+    let (mut product, mut square) = (0.0, 0.0);
+    for ((row, datum), residual) in rows.iter().zip(&datum).zip(&best.residuals) {
+        let own = datum + row.iter().zip(&moved).map(|(a, b)| a * b).sum::<f64>();
+        product += own * residual;
+        square += own * own;
+    }
+    let shift = -product / square;
+    let is_beyond_chance = shift.abs() > SIGNIFICANT_SIGMA * (variance / square).sqrt();
+    (is_beyond_chance && shift.abs() > MAX_SCATTER_RATIO).then_some(shift * scatter)
 }
 
 /// The errors of one set of laws on tests that were left out of its fit.

@@ -50,7 +50,7 @@ pub fn read_table(path: &Path) -> Result<Vec<WheelTest>> {
     if by_speeds != table.has(TRAVEL) {
         return Err(Error::Content {
             path: path.to_owned(),
-            message: "the rim's and the travel speed are read together, but one of them is absent"
+            message: "wheel speed and travel speed are read together, but one of them is absent"
                 .to_owned(),
         });
     }

@@ -91,6 +91,8 @@ pub enum Format {
     Mcap,
     /// A ROS 1 bag.
     Bag,
+    /// A SQLite database of rosbag2.
+    Rosbag2,
 }
 
 impl Format {
@@ -100,6 +102,7 @@ impl Format {
         match self {
             Self::Mcap => "MCAP",
             Self::Bag => "ROS 1 bag",
+            Self::Rosbag2 => "rosbag2 database",
         }
     }
 }

@@ -152,7 +152,7 @@ impl Container {
                 read?;
                 if section == Section::Summary && opcode == MESSAGE {
                     // One bit parts it from a channel of the summary.
-                    self.lose(offset, 0, "a message stands behind the end of the data");
+                    self.lose(offset, 0, "a message follows the end of the data");
                     return Ok(None);
                 }
                 if section == Section::Indexes && opcode == MESSAGE && is_index(&self.record) {

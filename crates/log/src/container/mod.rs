@@ -1,11 +1,13 @@
-//! MCAP files and ROS 1 bags as a stream of messages, whole or damaged.
+//! MCAP files, ROS 1 bags and databases of rosbag2 as a stream of messages, whole or damaged.
 
 mod bag;
 mod event;
 mod fields;
 mod mcap;
+mod rosbag2;
 mod scan;
 mod spare;
+mod sqlite;
 mod unpack;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -17,6 +19,7 @@ use crate::error::{Error, Result};
 use crate::source::{Source, unfolded_limit};
 pub use event::{Channel, Damage, Encoding, Event, Format, Message};
 use fields::Fields;
+use rosbag2::Rosbag2;
 use scan::Scan;
 use spare::Spare;
 use unpack::{Packing, Unpacker};
@@ -96,6 +99,7 @@ struct Schema {
 pub struct Container {
     format: Format,
     scan: Scan,
+    rosbag2: Option<Rosbag2>,
     channels: Vec<Channel>,
     ids: BTreeMap<u32, usize>,
     schemas: BTreeMap<u16, Schema>,
@@ -106,6 +110,8 @@ pub struct Container {
     unfolded: u64,
     unpacker: Unpacker,
     record: Vec<u8>,
+    /// Room for a message that is expanded.
+    message: Vec<u8>,
     chunk: Chunk,
     damages: VecDeque<Damage>,
     waiting: Option<Waiting>,
@@ -198,6 +204,7 @@ impl Container {
         let (magic, version): (&[u8], _) = match format {
             Format::Mcap => (&mcap::MAGIC, 5..6),
             Format::Bag => (bag::MAGIC, 9..12),
+            Format::Rosbag2 => (sqlite::MAGIC, 0..0),
         };
         let mut start = Vec::new();
         scan.read(magic.len() as u64, &mut start).map_err(failed)?;
@@ -211,9 +218,14 @@ impl Container {
             });
         }
         scan.begin_crc(magic);
-        Ok(Self {
+        let database = match format {
+            Format::Rosbag2 => Some(Rosbag2::of(source)?),
+            Format::Mcap | Format::Bag => None,
+        };
+        let mut own = Self {
             format,
             scan,
+            rosbag2: None,
             channels: Vec::new(),
             ids: BTreeMap::new(),
             schemas: BTreeMap::new(),
@@ -222,6 +234,7 @@ impl Container {
             unfolded: 0,
             unpacker: Unpacker::new(),
             record: Vec::new(),
+            message: Vec::new(),
             chunk: Chunk::default(),
             damages: VecDeque::new(),
             waiting: None,
@@ -240,7 +253,11 @@ impl Container {
             messages: 0,
             attached: 0,
             profile: String::new(),
-        })
+        };
+        if let Some((database, channels)) = database {
+            own.begin_rosbag2(database, channels);
+        }
+        Ok(own)
     }
 
     /// The kind of file.
@@ -282,6 +299,7 @@ impl Container {
         match self.format {
             Format::Mcap => &self.profile,
             Format::Bag => "ros1",
+            Format::Rosbag2 => "ros2",
         }
     }
 
@@ -303,10 +321,10 @@ impl Container {
             }
             if self.chunk.at < self.chunk.content.len() {
                 let found = match self.format {
-                    Format::Mcap => self.mcap_in_chunk(),
                     Format::Bag => self.bag_in_chunk(),
+                    Format::Mcap | Format::Rosbag2 => self.mcap_in_chunk(),
                 };
-                if let Some(found) = found {
+                if let Some(found) = found.and_then(|found| self.expanded(found)) {
                     break found;
                 }
                 continue;
@@ -322,10 +340,14 @@ impl Container {
             let found = match self.format {
                 Format::Mcap => self.mcap_record(),
                 Format::Bag => self.bag_record(),
+                Format::Rosbag2 => self.rosbag2_row(),
             };
             match found {
-                Ok(Some(found)) => break found,
-                Ok(None) => {}
+                Ok(found) => {
+                    if let Some(found) = found.and_then(|found| self.expanded(found)) {
+                        break found;
+                    }
+                }
                 Err(error) => {
                     self.ended = true;
                     self.lose(self.scan.offset(), self.scan.left(), error.to_string());
@@ -557,6 +579,8 @@ fn kind(scan: &mut Scan) -> std::io::Result<Option<Format>> {
         Some(Format::Mcap)
     } else if start.starts_with(b"#ROSBAG") {
         Some(Format::Bag)
+    } else if start == sqlite::MAGIC {
+        Some(Format::Rosbag2)
     } else {
         None
     })

@@ -36,7 +36,7 @@ pub fn finite(text: &str, decimal: u8) -> Result<f64, NotANumber> {
     }
 }
 
-const NO_VALUE: &str = "if it stands for no value, list it under `missing` in the column map";
+const NO_VALUE: &str = "if it means no value, list it under `missing` in the column map";
 
 /// `None`, `null` and the like stand for no value.
 fn word_hint(text: &str) -> Option<&'static str> {
@@ -83,7 +83,7 @@ pub(crate) fn time_ns(text: &str, decimal: u8, unit: TimeUnit) -> Result<i64, No
 /// A time in two columns, ns: a date and the time of day.
 pub(crate) fn time_of_two(day: &str, time: &str) -> Result<i64, NotANumber> {
     date::of_two(day.trim(), time.trim()).ok_or(NotANumber {
-        expected: "a date beside a time of day, such as 2026-03-02 and 09:15:30.25",
+        expected: "a date next to a time of day, such as 2026-03-02 and 09:15:30.25",
         hint: None,
     })
 }

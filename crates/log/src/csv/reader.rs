@@ -353,7 +353,7 @@ fn bad_field(here: &Cell, names: &[String], found: &str, bad: BadField) -> Error
         .is_some_and(|name| name == found.trim())
     {
         hint = Some(
-            "the header is repeated here: two logs stand in one file; split it, or remove the line",
+            "the header is repeated here: the file contains two logs; split it, or remove the line",
         );
     }
     Error::NotANumber {

@@ -299,4 +299,9 @@ impl Measures for Log {
     fn position_sigma(&self) -> Option<f64> {
         self.position_sigma()
     }
+
+    fn speed_place(&self) -> [f64; 2] {
+        let recording = self.recording.as_ref();
+        recording.map_or([0.0; 2], |all| all.choice.speed_place)
+    }
 }

@@ -204,7 +204,7 @@ impl Definition {
                         if depth[index] > DEPTH_LIMIT {
                             let name = &definition.types[index].name;
                             return Err(wrong(format!(
-                                "`{name}` holds itself, or types stand more than {DEPTH_LIMIT} deep"
+                                "`{name}` holds itself, or types are nested more than {DEPTH_LIMIT} deep"
                             )));
                         }
                     }

@@ -30,6 +30,11 @@ pub const TRUTH: &str = "/simulation/truth/";
 /// Topics with this in their names are what the estimator itself publishes: none is ever chosen by type and name.
 pub const OUTPUT: &str = "/grouser/";
 
+/// The messages of `std_msgs` that hold one number.
+const NUMBERS: [&str; 8] = [
+    "Float32", "Float64", "Int16", "Int32", "Int64", "UInt16", "UInt32", "UInt64",
+];
+
 /// Each type's own text, with the types that it holds.
 const TEXTS: &[(&str, &str, &[&str])] = &[
     (
@@ -285,7 +290,7 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
     ),
     (
         DISPLACEMENT,
-        "# Way since the message before, in the robot's frame halfway: m, m, rad (NaN: not measured).\n\
+        "# Displacement since the message before, in the robot's frame halfway: m, m, rad (NaN: not measured).\n\
          std_msgs/Header header\nfloat64 forward\nfloat64 left\nfloat64 turn\n",
         &["std_msgs/Header"],
     ),
@@ -323,6 +328,11 @@ const TEXTS: &[(&str, &str, &[&str])] = &[
 /// ```
 #[must_use]
 pub fn definition(type_name: &str) -> Option<String> {
+    if let Some(number) = type_name.strip_prefix("std_msgs/")
+        && NUMBERS.contains(&number)
+    {
+        return Some(format!("{} data\n", number.to_lowercase()));
+    }
     let entry = |name: &str| TEXTS.iter().find(|(own, _, _)| *own == name);
     let (_, own, needs) = entry(type_name)?;
     let mut text = (*own).to_owned();

@@ -124,9 +124,13 @@ impl Decoder {
         let definition = match channel.encoding {
             Encoding::Json => None,
             Encoding::Ros1 | Encoding::Cdr => {
-                let text = String::from_utf8_lossy(&channel.definition);
+                let mut text = String::from_utf8_lossy(&channel.definition);
                 let language = channel.definition_language.as_str();
                 let name = &channel.type_name;
+                // databases of older releases hold the names of types alone
+                if text.is_empty() && channel.encoding == Encoding::Cdr {
+                    text = known::definition(&short(name)).unwrap_or_default().into();
+                }
                 Some(match language {
                     "ros1msg" => Definition::parse_ros1(name, &text)?,
                     "ros2msg" => Definition::parse(name, &text)?,

@@ -367,4 +367,8 @@ impl Measures for Intake {
     fn position_sigma(&self) -> Option<f64> {
         self.choice.position_sigma
     }
+
+    fn speed_place(&self) -> [f64; 2] {
+        self.choice.speed_place
+    }
 }

@@ -27,8 +27,8 @@ pub(crate) enum Job {
     Pose(Option<Base>),
     /// Transforms, by which [`Intake`](super::Intake) follows the robot's pose.
     Transforms,
-    /// A speed over ground, in the robot's frame.
-    Speed,
+    /// A speed over ground, of the robot or of a sensor that is mounted on it.
+    Speed(Option<Base>),
     /// A speed over ground to the east and north, whose size is the robot's speed.
     SpeedOnEarth,
     /// Fixes of a satellite receiver, whose motion [`Intake`](super::Intake) follows; the largest standard deviation that is
@@ -124,45 +124,25 @@ impl Job {
                 }
             }
             (Job::Pose(base), Some(View::Odometry(odometry))) if usable(&odometry.pose_trust) => {
-                let pose = (odometry.position, odometry.orientation);
-                let [x, y, _] = odometry.position;
-                let pose = match base {
-                    Some(base) => base.pose(pose.0, pose.1),
-                    None => yaw(pose.1).map(|yaw| [x, y, yaw]),
-                };
-                if let Some([x, y, yaw]) = pose {
-                    push(Measurement::Pose { x, y, yaw });
-                }
+                push_pose(base.as_ref(), odometry.position, odometry.orientation, push);
             }
             (
-                Job::Pose(_),
+                Job::Pose(base),
                 Some(View::Pose {
                     position,
                     orientation,
                     trust,
                 }),
-            ) => {
-                if let Some(yaw) = yaw(*orientation).filter(|_| usable(trust)) {
-                    let [x, y, _] = *position;
-                    push(Measurement::Pose { x, y, yaw });
-                }
-            }
+            ) if usable(trust) => push_pose(base.as_ref(), *position, *orientation, push),
             (Job::Place, Some(View::Point([x, y, _]))) => {
                 let (x, y) = (*x, *y);
                 push(Measurement::Pose { x, y, yaw: 0.0 });
             }
-            (Job::Speed, Some(View::Odometry(odometry))) if odometry.twist_trust[0].is_usable() => {
-                let [forward, left, _] = odometry.linear;
-                push(Measurement::Speed {
-                    forward,
-                    left: odometry.twist_trust[1].is_usable().then_some(left),
-                });
+            (Job::Speed(base), Some(View::Odometry(odometry))) => {
+                push_speed(base.as_ref(), odometry.linear, odometry.twist_trust, push);
             }
-            (Job::Speed, Some(View::Twist { linear, trust, .. })) if trust[0].is_usable() => {
-                push(Measurement::Speed {
-                    forward: linear[0],
-                    left: trust[1].is_usable().then_some(linear[1]),
-                });
+            (Job::Speed(base), Some(View::Twist { linear, trust, .. })) => {
+                push_speed(base.as_ref(), *linear, *trust, push);
             }
             (Job::SpeedOnEarth, Some(View::Twist { linear, trust, .. })) if usable(&trust[..2]) => {
                 push(Measurement::Speed {
@@ -217,6 +197,38 @@ impl Job {
             }
             _ => {}
         }
+    }
+}
+
+/// The pose of the robot by that of what is mounted on it.
+fn push_pose(
+    base: Option<&Base>,
+    position: [f64; 3],
+    orientation: [f64; 4],
+    push: &mut dyn FnMut(Measurement),
+) {
+    let pose = match base {
+        Some(base) => base.pose(position, orientation),
+        None => yaw(orientation).map(|yaw| [position[0], position[1], yaw]),
+    };
+    if let Some([x, y, yaw]) = pose {
+        push(Measurement::Pose { x, y, yaw });
+    }
+}
+
+/// The speed along the robot's axes.
+fn push_speed(
+    base: Option<&Base>,
+    linear: [f64; 3],
+    trust: [Trust; 3],
+    push: &mut dyn FnMut(Measurement),
+) {
+    let [x, y, _] = trust.map(Trust::is_usable);
+    let own = Some([linear[0], linear[1]]);
+    let speed = base.map_or(own, |base| base.speed(linear, y));
+    if let Some([forward, left]) = speed.filter(|_| x) {
+        let left = y.then_some(left);
+        push(Measurement::Speed { forward, left });
     }
 }
 

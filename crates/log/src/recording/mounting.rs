@@ -48,15 +48,18 @@ pub(super) fn axes_by_transforms(tree: &Tree, frame: &str) -> Option<[[f64; 3]; 
 /// The robot's base in the frame of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Base {
-    /// Its origin, m, and the direction forwards.
+    /// The sensor's position in the base's frame, m.
+    pub(super) place: [f64; 3],
+    /// The base's origin, m.
     origin: [f64; 3],
-    ahead: [f64; 3],
+    /// The directions forwards, to the left and up.
+    axes: [[f64; 3]; 3],
 }
 
 impl Base {
     /// By the transforms that lead from `frame` to the base; `None` where they do not, or it is the base.
     pub(super) fn of(tree: &Tree, frame: &str) -> Option<Self> {
-        let [ahead, left, up] = axes_by_transforms(tree, frame)?;
+        let axes = axes_by_transforms(tree, frame)?;
         // the sensor's place in the base's frame
         let (mut place, mut frame) = ([0.0; 3], plain(frame));
         while !is_base(frame) {
@@ -65,18 +68,31 @@ impl Base {
             place = std::array::from_fn(|i| place[i] + link.translation[i]);
             frame = &link.parent;
         }
-        let axes = [ahead, left, up];
         let origin = std::array::from_fn(|i| -(0..3).map(|k| place[k] * axes[k][i]).sum::<f64>());
-        let is_other = place != [0.0; 3] || ahead != [1.0, 0.0, 0.0];
-        is_other.then_some(Self { origin, ahead })
+        let is_other = place != [0.0; 3] || axes[0] != [1.0, 0.0, 0.0];
+        is_other.then_some(Self {
+            place,
+            origin,
+            axes,
+        })
     }
 
     /// Place and yaw of the base where the sensor has this pose.
     pub(super) fn pose(&self, position: [f64; 3], orientation: [f64; 4]) -> Option<[f64; 3]> {
         let beside = turned(orientation, self.origin)?;
-        let ahead = turned(orientation, self.ahead)?;
+        let ahead = turned(orientation, self.axes[0])?;
         let yaw = Real::atan2(ahead[1], ahead[0]);
         Some([position[0] + beside[0], position[1] + beside[1], yaw])
+    }
+
+    /// A speed of the sensor in its frame along the base's axes; of a speed along its own axis alone, that forwards of a base
+    /// that does not drift; `None` of one that is to the side.
+    pub(super) fn speed(&self, linear: [f64; 3], is_vector: bool) -> Option<[f64; 2]> {
+        let [ahead, left, _] = self.axes;
+        if is_vector {
+            return Some([dot(ahead, linear), dot(left, linear)]);
+        }
+        (ahead[0].abs() > MAX_LEVEL_SIN).then(|| [linear[0] / ahead[0], 0.0])
     }
 }
 

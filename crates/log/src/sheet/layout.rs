@@ -1,11 +1,12 @@
 //! How a table is laid out, by its first lines.
 
-use std::path::Path;
+use std::sync::Arc;
 
 use grouser_files::columns::TimeUnit;
 
 use crate::csv::{Lines, finite, names, split, time_ns};
 use crate::error::{Error, Result};
+use crate::source::Source;
 
 /// The layout is read from this many lines.
 const LAYOUT_LINES: usize = 64;
@@ -27,9 +28,9 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub(super) fn read(path: &Path) -> Result<Self> {
-        let file = path.display().to_string();
-        let mut lines = Lines::open(path)?;
+    pub(super) fn read(source: &Source) -> Result<Self> {
+        let file = source.name();
+        let mut lines = Lines::from_source(source, &Arc::default())?;
         let mut first = Vec::new();
         while first.len() < LAYOUT_LINES && lines.advance()? {
             match lines.text() {

@@ -131,10 +131,14 @@ impl Sheet {
     ///
     /// # Errors
     /// What does not let it be read as text in lines.
-    pub fn read(path: &Path, mut progress: impl FnMut(u64)) -> Result<Self> {
-        let layout = Layout::read(path)?;
+    pub fn read(path: &Path, progress: impl FnMut(u64)) -> Result<Self> {
+        Self::from_source(&Source::file(path.to_owned()), progress)
+    }
+
+    pub(crate) fn from_source(source: &Source, mut progress: impl FnMut(u64)) -> Result<Self> {
+        let layout = Layout::read(source)?;
         let count = Arc::default();
-        let mut lines = Lines::from_source(&Source::file(path.to_owned()), &count)?;
+        let mut lines = Lines::from_source(source, &count)?;
         let mut sheet = Self::new(&layout);
         for _ in 0..layout.header_lines {
             lines.advance()?;

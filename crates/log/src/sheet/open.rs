@@ -44,7 +44,7 @@ pub(crate) fn perhaps(column: &SheetColumn) -> Option<(Guess, &'static str)> {
                 Some("wheels"),
                 known(Quantity::Length, stated.or(Some("m")))?,
             ),
-            "if it is the way of the wheels since some start: `wheel` names one",
+            "if it is the distance driven by the wheels since some start: `wheel` names one",
         )),
         ["heading" | "yaw" | "theta"] => {
             let by_size = if column.size() > MAX_YAW_RAD {
@@ -124,8 +124,7 @@ pub(crate) fn open_question(column: &SheetColumn) -> Option<(String, &'static st
         && is(&["wheel", "left", "right", "motor"])
         && guess(&column.name, None, column.whole).is_none()
     {
-        let question =
-            "`wheel_distance`, if it is the way of a rim since some start, and its unit?";
+        let question = "`wheel_distance`, if it is the distance driven by a wheel since some start, and its unit?";
         return Some((wheel(&words)?, question));
     }
     if says_unit {

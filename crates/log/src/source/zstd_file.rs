@@ -10,7 +10,7 @@ use zrip_decode::streaming::FrameDecoder;
 use crate::error::Result;
 use crate::source::{Input, unfolded_limit};
 
-const MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
+pub(crate) const MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 const SKIPPED_BYTES: usize = 1 << 16;
 
 /// An expanded file: read from front to back, and from the front again where an earlier place is wanted.
@@ -84,7 +84,7 @@ fn decoder(file: File, limit: u64) -> FrameDecoder<BufReader<File>> {
 }
 
 /// The size of the content that the header of the first frame declares (RFC 8878, section 3.1.1.1).
-fn content_size(head: &[u8; 18]) -> Option<u64> {
+pub(crate) fn content_size(head: &[u8; 18]) -> Option<u64> {
     let descriptor = head[4];
     let is_single = descriptor & 0x20 != 0;
     let of_dictionary = [0, 1, 2, 4][usize::from(descriptor & 3)];

@@ -67,6 +67,7 @@ impl<W: Write + Seek> Writer<W> {
         Ok(match format {
             Format::Mcap => Self::Mcap(McapWriter::new(out, profile)?),
             Format::Bag => Self::Bag(BagWriter::new(out)?),
+            Format::Rosbag2 => return Err(invalid("databases of rosbag2 are not written")),
         })
     }
 

@@ -44,11 +44,11 @@ pub enum Uncertainty {
 pub fn sample(uncertainty: &Uncertainty, count: usize, seed: u64) -> Result<Vec<Vec<f64>>> {
     match uncertainty {
         Uncertainty::Ranges { low, high } => {
-            Error::check_length("the list of greatest values", high.len(), low.len())?;
+            Error::check_length("the list of maximum values", high.len(), low.len())?;
             for (i, (&low, &high)) in low.iter().zip(high).enumerate() {
                 let name = format!("parameter {}", i + 1);
-                Error::check_finite("the least value", &name, low)?;
-                Error::check_finite("the greatest value", &name, high)?;
+                Error::check_finite("the minimum", &name, low)?;
+                Error::check_finite("the maximum", &name, high)?;
                 if low > high {
                     return Err(Error::InconsistentBounds {
                         name,

@@ -62,6 +62,9 @@ pub struct DriveRecorder {
     estimated_speed: Vec<Option<f64>>,
     requested_speed: Vec<f64>,
     energy: Vec<f64>,
+    optimum: Vec<f64>,
+    /// deg; none for a chassis without actuators.
+    tip_over_margin: Vec<Option<f64>>,
     mode: Spans,
     wheels: Vec<WheelColumns>,
 }
@@ -87,6 +90,11 @@ impl DriveRecorder {
             .push(frame.estimated_speed.map(rounded));
         self.requested_speed.push(rounded(frame.requested_speed));
         self.energy.push(rounded(frame.energy));
+        self.optimum.push(rounded(frame.optimum));
+        if !frame.actuators.is_empty() {
+            let margin = frame.tip_over_margin.map(f64::to_degrees);
+            self.tip_over_margin.push(margin.map(rounded));
+        }
         self.wheels
             .resize_with(frame.wheels.len(), WheelColumns::default);
         for (columns, wheel) in self.wheels.iter_mut().zip(frame.wheels) {
@@ -168,6 +176,8 @@ impl DriveRecorder {
             "estimated_speed_m_per_s": self.estimated_speed,
             "requested_speed_m_per_s": self.requested_speed,
             "used_energy_j": self.energy,
+            "slip_setpoint": (drive.pilot != Pilot::OpenLoop).then_some(&self.optimum),
+            "tip_over_margin_deg": (!self.tip_over_margin.is_empty()).then_some(&self.tip_over_margin),
             "mode": self.mode.object(),
             "wheels": wheels,
         })

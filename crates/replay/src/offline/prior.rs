@@ -2,7 +2,7 @@
 
 use grouser_files::robot::RobotFile;
 use grouser_slip::Reference;
-use grouser_slip::motion::{Belief, KINDS, Levels, Noise, Step, Value, start};
+use grouser_slip::motion::{Belief, HEADING, KINDS, Levels, Noise, Step, Value, X, Y, start};
 
 use crate::choice::Inputs;
 
@@ -87,9 +87,19 @@ pub(super) fn begin(steps: &[Step]) -> Belief {
         Value::Heading(heading) => Some(heading),
         Value::Place(_) | Value::Speed(_) => None,
     });
-    start(
+    let mut belief = start(
         place.unwrap_or_default(),
         heading.unwrap_or_default(),
         has_gyro(steps),
-    )
+    );
+    // without a reading of them the start is where it is
+    let known = [
+        (X, place.is_none()),
+        (Y, place.is_none()),
+        (HEADING, heading.is_none() && place.is_none()),
+    ];
+    for (index, _) in known.into_iter().filter(|of| of.1) {
+        belief.covariance[index][index] = 0.0;
+    }
+    belief
 }

@@ -1,40 +1,57 @@
 //! The smoothed steps, as what is known at any time between them.
 
+use std::array;
+
 use grouser_slip::modes::body_motion;
 use grouser_slip::motion::Step;
 use grouser_slip::smooth::{Fit, wheel_slips};
 use grouser_slip::{BodyMotion, Health, Invalid, Slip};
 
 use crate::moment::Moment;
+use crate::odometry::Odometry;
 
 /// What the steps of a block say; each holds in its middle.
 pub(super) struct Smoothed {
     /// Middle and length of the step, s; the robot's motion over it.
     motions: Vec<([f64; 2], BodyMotion)>,
+    /// End and length of the step, s; the path there.
+    path: Vec<([f64; 2], Odometry)>,
     /// For each wheel middle and length of the step, s, slip and its variance.
     slips: Vec<Vec<([f64; 2], [f64; 2])>>,
 }
 
 impl Smoothed {
-    /// `scale_sigma` is that of the scale which all speeds over ground share.
-    pub(super) fn new(found: &Fit, steps: &[Step], scale_sigma: f64) -> Self {
+    /// `path` is where the robot was after each step that is used; `scale_sigma` is that of the scale which all speeds over ground share.
+    pub(super) fn new(
+        found: &Fit,
+        steps: &[Step],
+        path: Vec<Option<Odometry>>,
+        scale_sigma: f64,
+    ) -> Self {
         let middle = |step: &Step| [step.time - 0.5 * step.dt, step.dt];
-        let motions = steps.iter().zip(&found.back.smoothed).zip(&found.common);
+        let motions = steps.iter().zip(&found.smoothed).zip(&found.common);
         let motions = motions
             .map(|((step, belief), common)| (middle(step), body_motion(belief, common, step.dt)));
+        let path = steps.iter().zip(path);
+        let path = path.filter_map(|(step, at)| Some(([step.time, step.dt], at?)));
         let wheels = steps.first().map_or(0, |step| step.wheels.len());
         let slips = (0..wheels).map(|wheel| {
             let slips = wheel_slips(found, steps, wheel).into_iter();
+            let other = found.other.as_ref().map(|of| wheel_slips(of, steps, wheel));
             slips
-                .map(|of| {
+                .enumerate()
+                .map(|(i, of)| {
                     let of_scale = scale_sigma * (1.0 - of.slip.abs());
-                    let variance = of.variance + of_scale * of_scale;
+                    // how the slip changes is not known: what both priors differ by is not either
+                    let off = other.as_ref().map_or(0.0, |other| other[i].slip - of.slip);
+                    let variance = of.variance + of_scale * of_scale + off * off;
                     (middle(&steps[of.step]), [of.slip, variance])
                 })
                 .collect()
         });
         Self {
             motions: motions.collect(),
+            path: path.collect(),
             slips: slips.collect(),
         }
     }
@@ -57,17 +74,19 @@ impl Smoothed {
         }
         if let Some((a, b, share)) = between(&self.motions, time) {
             let blend = |a: f64, b: f64| a + share * (b - a);
-            let velocity = std::array::from_fn(|i| blend(a.velocity[i], b.velocity[i]));
-            let covariance = std::array::from_fn(|i| {
-                std::array::from_fn(|j| blend(a.covariance[i][j], b.covariance[i][j]))
-            });
             moment.motion = Some(BodyMotion {
-                velocity,
-                covariance,
+                velocity: array::from_fn(|i| blend(a.velocity[i], b.velocity[i])),
+                covariance: array::from_fn(|i| {
+                    array::from_fn(|j| blend(a.covariance[i][j], b.covariance[i][j]))
+                }),
             });
         }
-        // the path is that of the smoothed motion
-        moment.odometry = None;
+        let path = between(&self.path, time).map(|(a, b, share)| a.towards(&b, share));
+        moment.odometry = path.zip(moment.motion).map(|(path, motion)| Odometry {
+            velocity: motion.velocity,
+            velocity_covariance: motion.covariance,
+            ..path
+        });
     }
 }
 

@@ -35,11 +35,9 @@ pub(crate) const TWO_SURFACES: [&str; 6] = [
 
 /// Robotino's runs without their first 60 rows, as its data page has them.
 pub(crate) const CUT: Options = Options {
-    method: None,
     offline: false,
     reference: None,
     wheel_sensor: None,
-    window_s: None,
     from_s: Some(1.9),
     to_s: None,
     learn_soil: None,

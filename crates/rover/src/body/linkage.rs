@@ -60,6 +60,8 @@ pub struct Hold {
     pub preload: f64,
     /// rad either way.
     pub range: f64,
+    /// Angle at which an actuator holds the spring, rad; `None` for a freedom that nothing drives: its spring rests at 0.
+    pub driven: Option<f64>,
 }
 
 /// The robot's body.
@@ -262,6 +264,21 @@ impl Linkage {
                 pivot: [link.pivot.x, link.pivot.z],
             })
         })
+    }
+
+    /// Turns the rest of a driven freedom by an angle, rad.
+    pub(crate) fn drive(&mut self, freedom: usize, by: f64) {
+        let hold = &mut self.holds[freedom];
+        hold.driven = Some(hold.driven.unwrap_or(0.0) + by);
+    }
+
+    /// Moves the chassis' centre of gravity. Its inertia remains that of the pose of the description.
+    pub(crate) fn shift(&mut self, by: Vector) {
+        for body in self.bodies.iter_mut().chain(&mut self.joined) {
+            if body.link.is_none() {
+                body.centre += by;
+            }
+        }
     }
 
     /// Moves the chassis' centre of gravity, and stretches everything along x and y.
@@ -502,7 +519,12 @@ impl Hold {
         } else {
             STOP_STIFFNESS_N_M_PER_RAD * beyond + STOP_DAMPING_N_M_S_PER_RAD * rate
         };
-        self.preload - self.stiffness * angle - self.damping * rate - stop
+        self.preload - self.stiffness * self.bent(angle) - self.damping * rate - stop
+    }
+
+    /// How far the spring is bent, rad.
+    pub(crate) fn bent(&self, angle: f64) -> f64 {
+        angle - self.driven.unwrap_or(0.0)
     }
 
     /// Stiffness (N m/rad) and damping (N m s/rad) at an angle, with those of an end stop beyond the range.
@@ -519,7 +541,8 @@ impl Hold {
 
     fn energy(&self, angle: f64) -> f64 {
         let beyond = angle - angle.clamp(-self.range, self.range);
-        0.5 * (self.stiffness * angle * angle + STOP_STIFFNESS_N_M_PER_RAD * beyond * beyond)
+        let bent = self.bent(angle);
+        0.5 * (self.stiffness * bent * bent + STOP_STIFFNESS_N_M_PER_RAD * beyond * beyond)
             - self.preload * angle
     }
 }

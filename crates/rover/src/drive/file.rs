@@ -119,7 +119,7 @@ fn read(
             return Err(grouser_files::Error::Contradiction {
                 at: root.place_of("plan"),
                 message:
-                    "a drive follows its [[leg]]s or plans its way; only one of them can be given"
+                    "a drive follows its [[leg]]s or plans its route; only one of them can be given"
                         .to_owned(),
             }
             .into());

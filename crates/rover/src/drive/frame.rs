@@ -4,6 +4,8 @@ use grouser_slip::Sample;
 use grouser_slip::control::{Mode, WheelObservation};
 use grouser_slip::onboard::SoilEstimate;
 
+use crate::robot::Actuator;
+
 /// A wheel in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -52,8 +54,14 @@ pub struct Frame<'a> {
     pub energy: f64,
     /// Progress along the legs, m.
     pub distance: f64,
+    /// True margin against tipping over, rad, of a chassis with actuators.
+    pub tip_over_margin: Option<f64>,
+    /// The actuators of the chassis, with where they are.
+    pub actuators: &'a [Actuator],
     /// The wheels.
     pub wheels: &'a [WheelFrame],
+    /// The controller's slip setpoint: once soil is learnt, the slip of maximum tractive efficiency on it.
+    pub optimum: f64,
     /// What the robot's computer has learnt of the soil, where it learns.
     pub soil: Option<SoilEstimate>,
     /// The samples that arrived in this period.

@@ -31,6 +31,8 @@ pub enum Outcome {
     OffMap,
     /// The time was over.
     TimeOut,
+    /// It could not begin on the ground of its seed ([`DriveResult::refused`]).
+    Refused,
 }
 
 impl Outcome {
@@ -45,6 +47,7 @@ impl Outcome {
             Self::NoWay => "no-way",
             Self::OffMap => "off-map",
             Self::TimeOut => "time-out",
+            Self::Refused => "refused",
         }
     }
 }
@@ -102,6 +105,8 @@ pub struct DriveResult {
     pub slip: SlipScore,
     /// Greatest load-weighted true slip that lasted a second.
     pub worst_slip: f64,
+    /// Minimum margin against tipping over, rad, of a chassis with actuators.
+    pub min_tip_over_margin: Option<f64>,
     /// Greatest share of the time that a loaded wheel was sunk so deep that the laws lose their grip
     /// ([`Caution::DeepSinkage`](grouser_terra::Caution::DeepSinkage)).
     pub deep_share: f64,
@@ -120,6 +125,38 @@ pub struct DriveResult {
 }
 
 impl DriveResult {
+    /// The row of a drive that could not begin, among others of a sweep: nothing was driven, and nothing estimated.
+    ///
+    /// ```
+    /// use grouser_rover::drive::DriveResult;
+    ///
+    /// let row = DriveResult::refused();
+    /// assert!(row.outcome.name() == "refused" && row.energy_per_metre().is_none());
+    /// ```
+    #[must_use]
+    pub fn refused() -> Self {
+        Self {
+            outcome: Outcome::Refused,
+            duration: 0.0,
+            distance: 0.0,
+            way: 0.0,
+            requested_way: 0.0,
+            energy: 0.0,
+            ledger: Ledger::default(),
+            energy_error: 0.0,
+            slip: SlipScore::default(),
+            worst_slip: 0.0,
+            min_tip_over_margin: None,
+            deep_share: 0.0,
+            undeclared: None,
+            decisions: Vec::new(),
+            decision_count: 0,
+            refused: 0,
+            end: (0.0, 0.0),
+            soil: None,
+        }
+    }
+
     /// Mean speed as a share of the mean requested speed; 1 where the robot did not move.
     #[must_use]
     pub fn pace(&self) -> f64 {

@@ -1,4 +1,4 @@
-//! Who drives: open loop or the controller.
+//! Who drives: open loop or the controller, with or without the chassis' actuators.
 
 use grouser_slip::control::{ControlSettings, Decides};
 
@@ -7,7 +7,8 @@ use grouser_slip::control::{ControlSettings, Decides};
 /// ```
 /// use grouser_rover::drive::Pilot;
 ///
-/// assert_eq!(Pilot::ALL.map(Pilot::name), ["open-loop", "controller"]);
+/// let names = ["open-loop", "controller", "fixed-chassis"];
+/// assert_eq!(Pilot::ALL.map(Pilot::name), names);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
@@ -16,11 +17,13 @@ pub enum Pilot {
     OpenLoop,
     /// The whole controller; it learns the soil where the scenario has it learnt.
     Controller,
+    /// The controller, with a chassis that stays in the pose of its description.
+    FixedChassis,
 }
 
 impl Pilot {
     /// Every pilot.
-    pub const ALL: [Self; 2] = [Self::OpenLoop, Self::Controller];
+    pub const ALL: [Self; 3] = [Self::OpenLoop, Self::Controller, Self::FixedChassis];
 
     /// Its name in tables, files and flags.
     #[must_use]
@@ -28,6 +31,7 @@ impl Pilot {
         match self {
             Self::OpenLoop => "open-loop",
             Self::Controller => "controller",
+            Self::FixedChassis => "fixed-chassis",
         }
     }
 
@@ -40,7 +44,7 @@ impl Pilot {
                 settings.decides = Decides::Nothing;
                 settings.max_feedforward = 0.0;
             }
-            Self::Controller => settings.optimum = optimum,
+            Self::Controller | Self::FixedChassis => settings.optimum = optimum,
         }
         settings
     }

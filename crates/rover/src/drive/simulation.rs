@@ -1,10 +1,10 @@
 //! The loop: ground, robot, sensors, on-board computer, motors.
 
 use grouser_real::Real;
-use grouser_slip::Sample;
 use grouser_slip::control::{Action, Ending, Request, WheelCommand};
 use grouser_slip::filter::SlipFilter;
 use grouser_slip::onboard::{OnBoard, SoilLearnSettings, SoilLearner, SoilTables};
+use grouser_slip::{Measurement, Sample};
 
 use grouser_terra::{Accuracy, OutOfRange, Soil};
 
@@ -20,11 +20,14 @@ use crate::dynamics::{STEP_LIMITS_S, Vehicle, fastest_rate};
 use crate::error::{Error, Result};
 use crate::ground::Ground;
 use crate::sensors::{FaultKind, Sensors, to_ns};
-use crate::statics::wheel_loads;
+use crate::statics::{PostureControl, wheel_loads};
 use crate::vector::Vector;
 
 /// Period of the control loop and of the frames, s: the rate of the shipped robots' sensors.
 const CONTROL_PERIOD_S: f64 = 0.01;
+/// Period of the posture control, s: within it an actuator turns a link by a degree or two, and a robot moves by a part of its
+/// wheels' radius.
+const POSTURE_PERIOD_S: f64 = 0.2;
 /// The robot settles on the ground for this long before motion is requested, s: the wheels sink to rest within half of it,
 /// and the on-board computer is warm.
 const SETTLING_TIME_S: f64 = 1.0;
@@ -69,6 +72,13 @@ pub struct Simulation {
     vehicle: Vehicle,
     sensors: Sensors,
     on_board: OnBoard,
+    /// Chooses the posture of a chassis with actuators, where the driver moves them.
+    posture: Option<PostureControl>,
+    /// The tip-over margin (rad) of a chassis with actuators, and the least so far.
+    margins: Option<[f64; 2]>,
+    posture_due: f64,
+    /// The slip setpoint before soil is learnt.
+    optimum: f64,
     drivers: Vec<MotorDriver>,
     commands: Vec<WheelCommand>,
     truths: Vec<TrueSlip>,
@@ -147,7 +157,7 @@ impl Simulation {
         let known = (loads.as_slice(), tables, scenario.start.2);
         let control = pilot.settings(scenario.control, optimum);
         let spec = scenario.learn.filter(|_| scenario.learns_on_board());
-        let learn = spec.filter(|_| pilot == Pilot::Controller).map(|spec| {
+        let learn = spec.filter(|_| pilot != Pilot::OpenLoop).map(|spec| {
             let mut settings = SoilLearnSettings::default();
             settings.hysteresis = spec.hysteresis;
             // noise and lasting error, as the sensors' data sheets say
@@ -168,6 +178,11 @@ impl Simulation {
             sensors: Sensors::new(&vehicle, scenario.sensors, scenario.faults.clone(), seed),
             ground,
             on_board,
+            posture: (pilot == Pilot::Controller && !model.actuators.is_empty())
+                .then(|| PostureControl::new(model)),
+            margins: None,
+            posture_due: SETTLING_TIME_S,
+            optimum: control.optimum,
             drivers: vec![MotorDriver::default(); count],
             commands: vec![WheelCommand::default(); count],
             truths: vec![TrueSlip::new(window as usize, lag as usize); count],
@@ -315,9 +330,38 @@ impl Simulation {
             self.step();
         }
         let angles = self.vehicle.state().attitude.angles();
+        self.hold_posture();
         let goes_on = self.control(angles.2);
         let frame = self.frame(angles);
         sink(&frame) && goes_on
+    }
+
+    /// The posture control, and the margin, of a chassis with actuators.
+    fn hold_posture(&mut self) {
+        let time = self.vehicle.time();
+        if let Some(control) = &mut self.posture {
+            for sample in &self.samples {
+                if let Measurement::JointAngle { joint, angle } = sample.measurement {
+                    control.set_joint(joint, angle);
+                }
+            }
+        }
+        if time < self.posture_due || self.vehicle.model().actuators.is_empty() {
+            return;
+        }
+        self.posture_due += POSTURE_PERIOD_S;
+        let margin = self.vehicle.tip_over_margin();
+        let least = self.margins.map_or(margin, |[_, least]| least.min(margin));
+        self.margins = Some([margin, least]);
+        if let Some(control) = &mut self.posture {
+            let attitude = self.on_board.attitude();
+            let actuators = self.vehicle.model().actuators.iter();
+            let positions: Vec<f64> = actuators.map(|own| own.position).collect();
+            let setpoints = control.update((attitude.roll(), attitude.pitch()), &positions);
+            for (index, setpoint) in setpoints.iter().enumerate() {
+                self.vehicle.set_actuator(index, *setpoint);
+            }
+        }
     }
 
     fn step(&mut self) {
@@ -467,7 +511,12 @@ impl Simulation {
             requested_speed: self.referee.leg().map_or(0.0, |leg| leg.speed),
             energy: self.electric(),
             distance: self.referee.distance(),
+            tip_over_margin: self.margins.map(|[now, _]| now),
+            actuators: &self.vehicle.model().actuators,
             wheels: &self.frames,
+            optimum: (self.on_board.soil())
+                .and_then(SoilLearner::running_slip)
+                .unwrap_or(self.optimum),
             soil: self.on_board.soil().map(SoilLearner::estimate),
             samples: &self.samples,
         }
@@ -499,6 +548,7 @@ impl Simulation {
             energy_error: (ledger.electric - spent) / turned,
             slip: self.scoring.score(),
             worst_slip: self.worst_slip,
+            min_tip_over_margin: self.margins.map(|[_, least]| least),
             deep_share: {
                 let shares = self.deep.iter().filter(|[loaded, _]| *loaded > 0);
                 shares.fold(0.0, |most, [loaded, deep]| {

@@ -6,21 +6,18 @@
 use grouser_real::Real;
 use grouser_terra::{Accuracy, Settings, Soil, WheelOnSoil};
 
+use super::contact_frame::{CONTACT_REACH_SHARE, ContactFrame};
 use super::wheel_force::{SoilUnder, WheelContact, WheelLoad, WheelMotionNow};
 use crate::body::{BodyState, Leapfrog, MAX_SPEEDS, MotorNow, Pose};
 use crate::error::{Error, Result};
 use crate::ground::{Ground, Track};
-use crate::robot::{RobotModel, WheelMount};
+use crate::robot::{Actuated, RobotModel, WheelMount};
+use crate::statics::tip_over_margin;
 use crate::vector::{Attitude, Axes, Vector};
 
 /// Bearing friction is proportional to the rate below this one, rad/s, so that it does not jump at standstill: 7.5 mm/s at
 /// a rim of 0.15 m.
 pub(super) const BEARING_RATE_RAD_PER_S: f64 = 0.05;
-/// The contact plane passes through the ground this share of the radius before and behind the wheel: acos(0.9), half of the
-/// contact of a wheel sunk by a tenth of its radius.
-const CONTACT_REACH_SHARE: f64 = 0.45;
-/// A wheel that leans further over than to this cosine is treated as one that leans so far, so that its sinkage is finite.
-const MIN_LEAN_COSINE: f64 = 0.2;
 /// A rut ends this many cells behind the wheel's axle: heights are linear between nodes, so that it fades over one cell.
 const RUT_DISTANCE_CELLS: f64 = 1.05;
 
@@ -82,11 +79,8 @@ struct Meeting {
     /// Its centre, m, and in the world.
     at: Vector,
     place: Vector,
-    axle: Vector,
-    /// The contact plane: normal to the ground, along the wheel and to its left.
-    up: Vector,
-    forward: Vector,
-    left: Vector,
+    /// The contact plane.
+    frame: ContactFrame,
     /// Height of the centre in the wheel's plane, m.
     height: f64,
     /// Velocity of the centre, m/s.
@@ -112,6 +106,8 @@ pub struct Ledger {
     pub bearings: f64,
     /// Into dampers.
     pub dampers: f64,
+    /// What of `electric` the actuators of the chassis drew; their heat is part of `motor_heat`.
+    pub actuators: f64,
 }
 
 /// A robot on the ground.
@@ -155,6 +151,8 @@ pub struct Vehicle {
     /// Direction of each wheel's axle at its steering angle, in the pose of the description.
     axles: Vec<Vector>,
     inputs: Vec<WheelInput>,
+    /// Where each actuator of the chassis is to be.
+    setpoints: Vec<f64>,
     /// How each wheel meets the ground in the step under way.
     meetings: Vec<Meeting>,
     /// Acceleration of the origin in the robot's frame with gravity's reaction, m/s².
@@ -213,7 +211,9 @@ impl Vehicle {
             })
             .collect();
         let axles = model.wheels.iter().map(|mount| mount.axle(0.0)).collect();
+        let positions = model.actuators.iter().map(|actuator| actuator.position);
         Ok(Self {
+            setpoints: positions.collect(),
             model,
             axles,
             pairs,
@@ -311,8 +311,58 @@ impl Vehicle {
         }
     }
 
+    /// From now on an actuator of the chassis is to move to `setpoint`, within its range. One that does not exist, or a setpoint
+    /// that is NaN, changes nothing.
+    pub fn set_actuator(&mut self, actuator: usize, setpoint: f64) {
+        let mut slots = self.setpoints.iter_mut().zip(&self.model.actuators);
+        if let Some((slot, own)) = slots.nth(actuator).filter(|_| !setpoint.is_nan()) {
+            *slot = setpoint.clamp(own.range.0, own.range.1);
+        }
+    }
+
+    /// Moves the actuators of the chassis towards their setpoints, as fast as speed and power allow. Their gears lock: without
+    /// power they hold, and the work of a part that sinks becomes heat.
+    fn move_actuators(&mut self) {
+        for index in 0..self.setpoints.len() {
+            let own = &self.model.actuators[index];
+            let left = self.setpoints[index] - own.position;
+            if left == 0.0 {
+                continue;
+            }
+            // against the movement: the bent spring of a link, the weight of a mass
+            let load = left.signum()
+                * match own.moves {
+                    Actuated::Link { freedom, sign } => {
+                        let hold = &self.model.linkage.holds()[freedom];
+                        -sign * hold.stiffness * hold.bent(self.state.joints[freedom])
+                    }
+                    Actuated::Mass { along, mass } => mass * along.dot(self.specific_force),
+                };
+            let by_power = own.power * own.efficiency / load.max(f64::MIN_POSITIVE);
+            let moved = left.abs().min(own.speed.min(by_power) * self.step);
+            let electric = load.max(0.0) * moved / own.efficiency;
+            self.ledger.electric += electric;
+            self.ledger.actuators += electric;
+            self.ledger.motor_heat += electric - load * moved;
+            let position = if moved < left.abs() {
+                own.position + moved * left.signum()
+            } else {
+                self.setpoints[index]
+            };
+            self.model.place_actuator(index, position);
+        }
+    }
+
+    /// The margin against tipping over in the present posture, rad ([`tip_over_margin`]).
+    #[must_use]
+    pub fn tip_over_margin(&self) -> f64 {
+        let down = self.state.attitude.to_robot(-Vector::AXES[2]);
+        tip_over_margin(&self.model, &self.state.joints, down)
+    }
+
     /// Moves on by one step.
     pub fn advance(&mut self, ground: &mut Ground) {
+        self.move_actuators();
         let mut forces = [0.0; MAX_SPEEDS];
         let axes = self.state.attitude.axes();
         // wheel by wheel in three loops, since the contacts of several wheels are computed side by side where nothing of the
@@ -391,29 +441,20 @@ impl Vehicle {
         let [slope_x, slope_y] = spot.slope;
         let steepness = 1.0 / (1.0 + slope_x * slope_x + slope_y * slope_y).sqrt();
         let up = axes.to_robot(Vector::new(-slope_x, -slope_y, 1.0) * steepness);
-        // its length is the cosine of the angle between the wheel's plane and the ground's normal
-        let forward = axle.cross(up);
-        let cosine = forward.length();
-        let per_cosine = 1.0 / cosine.max(f64::MIN_POSITIVE);
-        let forward = forward * per_cosine;
-        let left = up.cross(forward);
+        let frame = ContactFrame::new(axle, up);
         // height of the centre in the wheel's own plane
-        let per_lean = per_cosine.min(1.0 / MIN_LEAN_COSINE);
-        let height = (place.z - spot.height) * steepness * per_lean;
+        let height = (place.z - spot.height) * steepness * frame.per_lean;
         let velocity = linkage.velocity(&self.state.speeds, &self.pose, mount.link, at);
         let motion = WheelMotionNow {
             sinkage: radius - height,
-            sinking: -velocity.dot(up) * per_lean,
-            velocity: [velocity.dot(forward), velocity.dot(left)],
+            sinking: -velocity.dot(up) * frame.per_lean,
+            velocity: [velocity.dot(frame.forward), velocity.dot(frame.left)],
             rim: radius * self.wheels[index].spin,
         };
         Meeting {
             at,
             place,
-            axle,
-            up,
-            forward,
-            left,
+            frame,
             height,
             velocity,
             motion,
@@ -439,15 +480,13 @@ impl Vehicle {
         let Meeting {
             at,
             place,
-            axle,
-            up,
-            forward,
-            left,
+            frame,
             height,
             velocity,
             motion,
             ..
         } = self.meetings[index];
+        let axle = frame.axle;
         // the motor and the bearing work between wheel and link, the soil on the wheel
         let carrier = Vector::AXES[1] * linkage.rate(&self.pose, mount.link);
         let link_rate = (self.state.turning() + carrier).dot(axle);
@@ -463,11 +502,8 @@ impl Vehicle {
         let spin_amid = before + gain;
         self.spins_amid[index] = Some(spin_amid);
         wheel.spin = spin_amid + 0.5 * gain;
-        let force = up * load.normal + forward * load.along + left * load.across;
-        // The contact lies below the centre; moments about the axle are handled by the wheel's spin equation.
-        let arm = up * -height.clamp(0.0, radius);
-        let moment = arm.cross(force);
-        let moment = moment - axle * moment.dot(axle);
+        // moments about the axle are handled by the wheel's spin equation
+        let (force, moment) = frame.force_and_moment(&load, height, radius);
         let at_link = (mount.link, at);
         linkage.push(
             &self.pose,

@@ -138,19 +138,36 @@ impl Craters {
     /// The height at a place, m.
     #[must_use]
     pub fn height(&self, seed: u64, x: f64, y: f64) -> f64 {
-        let mut sum = 0.0;
-        for class in self.classes() {
-            let side = side(class.1);
-            let (column, row) = (cell(x, side), cell(y, side));
-            for column in column - 1..=column + 1 {
-                for row in row - 1..=row + 1 {
-                    self.of_cell(seed, class, (column, row), |crater| {
-                        sum += crater.height(x, y);
-                    });
+        self.along(seed, y)(x)
+    }
+
+    /// The heights along x at one `y`: the craters of the cells around serve until the line leaves their middle.
+    pub(super) fn along(self, seed: u64, y: f64) -> impl FnMut(f64) -> f64 {
+        let mut classes: Vec<_> = self
+            .classes()
+            .map(|class| (class, i64::MIN, Vec::new()))
+            .collect();
+        move |x| {
+            let mut sum = 0.0;
+            for (class, around, craters) in &mut classes {
+                let side = side(class.1);
+                let (column, row) = (cell(x, side), cell(y, side));
+                if column != *around {
+                    *around = column;
+                    craters.clear();
+                    for column in column - 1..=column + 1 {
+                        for row in row - 1..=row + 1 {
+                            let see = |crater| craters.push(crater);
+                            self.of_cell(seed, *class, (column, row), see);
+                        }
+                    }
+                }
+                for crater in &*craters {
+                    sum += crater.height(x, y);
                 }
             }
+            sum
         }
-        sum
     }
 }
 

@@ -175,7 +175,7 @@ impl Shape {
                     height * uneven * smooth * begin * begin * (3.0 - 2.0 * begin)
                 })
             }
-            Self::Craters(craters) => Box::new(move |x| craters.height(seed, x, y)),
+            Self::Craters(craters) => Box::new(craters.along(seed, y)),
             Self::Fractal {
                 height,
                 length,
@@ -276,6 +276,11 @@ mod tests {
                 length,
                 roughness: 0.5,
             },
+            Shape::Craters(Craters {
+                density: Craters::EQUILIBRIUM_DENSITY,
+                min_diameter: 0.5,
+                max_diameter: 6.0,
+            }),
         ];
         for shape in shapes {
             let mut line = shape.along(3, -0.83);

@@ -2,16 +2,17 @@
 
 use std::path::Path;
 
+use grouser_files::Document;
 use grouser_files::body::{BodyFile, MassFile};
 use grouser_files::robot::{self, RobotFile};
-use grouser_files::{Document, nearest};
 use grouser_real::Real;
+use grouser_slip::SensorSettings;
 use grouser_slip::WheelRole;
-use grouser_slip::window::WindowSettings;
 use grouser_terra::RigidWheel;
 
+use super::actuator::{Actuated, Actuator, actuators};
 use crate::body::{Body, Hold, Link, Linkage, MAX_CHAIN, MAX_FREEDOMS, Motor};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, find};
 use crate::vector::{Tensor, Vector};
 
 /// How a wheel is mounted, and what turns it.
@@ -78,13 +79,15 @@ pub struct RobotModel {
     /// What the estimator knows.
     pub robot: grouser_slip::Robot,
     /// How the estimator is to work.
-    pub settings: WindowSettings,
+    pub settings: SensorSettings,
     /// Chassis and links with all masses, those of the wheels included.
     pub linkage: Linkage,
     /// The wheels.
     pub wheels: Vec<WheelMount>,
     /// The names of the links.
     pub links: Vec<String>,
+    /// What reconfigures the chassis.
+    pub actuators: Vec<Actuator>,
 }
 
 impl RobotModel {
@@ -120,11 +123,12 @@ impl RobotModel {
         let (links, holds) = links(body)?;
         let wheels = wheels(file, body)?;
         let bodies = bodies(body, &wheels);
-        let settings = WindowSettings {
+        let settings = SensorSettings {
             reference: file.reference.unwrap_or(file.settings.reference),
             ..file.settings
         };
-        let linkage = Linkage::new(bodies, links, holds);
+        let mut linkage = Linkage::new(bodies, links, holds);
+        let actuators = actuators(body, &mut linkage)?;
         Ok(Self {
             robot: file.robot.clone(),
             settings,
@@ -134,6 +138,7 @@ impl RobotModel {
             },
             wheels,
             links: body.links.iter().map(|link| link.name.clone()).collect(),
+            actuators,
         })
     }
 
@@ -172,6 +177,25 @@ impl RobotModel {
         self.linkage.gravity()
     }
 
+    /// Moves an actuator to a position, whatever its range. One that does not exist moves nothing.
+    pub fn place_actuator(&mut self, actuator: usize, position: f64) {
+        let Some(own) = self.actuators.get_mut(actuator) else {
+            return;
+        };
+        let by = position - own.position;
+        own.position = position;
+        match own.moves {
+            Actuated::Link { freedom, sign } => self.linkage.drive(freedom, sign * by),
+            Actuated::Mass { along, mass } => {
+                let chassis = self.linkage.bodies().iter();
+                let whole: f64 = (chassis.filter(|body| body.link.is_none()))
+                    .map(|body| body.mass)
+                    .sum();
+                self.linkage.shift(along * (by * mass / whole));
+            }
+        }
+    }
+
     /// Weight of the whole, N.
     ///
     /// ```
@@ -185,21 +209,6 @@ impl RobotModel {
     pub fn weight(&self) -> f64 {
         self.linkage.mass() * self.linkage.gravity()
     }
-}
-
-fn find<'a>(
-    of: &str,
-    name: &str,
-    mut names: impl Iterator<Item = &'a str> + Clone,
-) -> Result<usize> {
-    names
-        .clone()
-        .position(|other| other == name)
-        .ok_or_else(|| Error::Unknown {
-            of: of.to_owned(),
-            name: name.to_owned(),
-            meant: nearest(name, names.by_ref()).map(Into::into),
-        })
 }
 
 /// Links that a differential joins share one freedom.
@@ -237,6 +246,7 @@ fn links(body: &BodyFile) -> Result<(Vec<Link>, Vec<Hold>)> {
                 damping: file.damping,
                 preload: file.preload,
                 range: file.range,
+                driven: None,
             });
         }
         out.push(Link {

@@ -38,6 +38,7 @@ pub(super) struct Equations {
     wheels: Vec<WheelColumns>,
     count: usize,
     rows: usize,
+    is_rigid: bool,
     weights: [Column; 3],
     springs: Column,
     pub(super) weight: f64,
@@ -99,7 +100,8 @@ impl Equations {
         Self::new(model, &state, &model.linkage.pose(&state), |_| true)
     }
 
-    /// Of a robot in any pose, on those wheels that touch ground that is level under each; a link at its end stop is fixed.
+    /// Of a robot in any pose, on those wheels that touch ground that is level under each; a link at its end stop is fixed, and
+    /// so is one that an actuator holds.
     pub(super) fn new(
         model: &RobotModel,
         state: &BodyState,
@@ -111,7 +113,9 @@ impl Equations {
         let ahead = (Vector::AXES[0] - up * up.x).unit();
         let axes = [ahead, up.cross(ahead), up];
         let holds = linkage.holds();
-        let is_free = |index: usize| state.joints[index].abs() <= holds[index].range;
+        let is_free = |index: usize| {
+            holds[index].driven.is_none() && state.joints[index].abs() <= holds[index].range
+        };
         let column = |speeds: &Speeds| {
             let moment = Vector::new(speeds[0], speeds[1], speeds[2]);
             let force = Vector::new(speeds[3], speeds[4], speeds[5]);
@@ -161,6 +165,7 @@ impl Equations {
             wheels,
             count: model.wheels.len(),
             rows: 3 + linkage.freedoms(),
+            is_rigid: !(0..linkage.freedoms()).any(is_free),
             weights,
             springs: column(&springs),
             weight: model.weight(),
@@ -169,8 +174,12 @@ impl Equations {
 
     /// The direction of gravity along the ground's axes where the ground is tilted under the robot.
     pub(super) fn down(&self, pitch: f64, roll: f64) -> Vector {
-        let down = Attitude::from_angles(roll, -pitch, 0.0).to_robot(-Vector::AXES[2]);
-        let [x, y, z] = self.axes.map(|axis| axis.dot(down));
+        self.along_ground(Attitude::from_angles(roll, -pitch, 0.0).to_robot(-Vector::AXES[2]))
+    }
+
+    /// A direction in the robot's frame along the ground's axes.
+    pub(super) fn along_ground(&self, direction: Vector) -> Vector {
+        let [x, y, z] = self.axes.map(|axis| axis.dot(direction));
         Vector::new(x, y, z)
     }
 
@@ -366,7 +375,7 @@ impl Equations {
         const ASIDE_RAD: f64 = 0.8;
         let left = |down: Vector| self.left(found, down);
         let own = nearest(left, down, (down, 0.0), within);
-        if self.rows == 3 || own.0 < 0.0 || own.0 <= enough {
+        if self.is_rigid || own.0 < 0.0 || own.0 <= enough {
             return own;
         }
         let ahead = down.cross(Vector::AXES[1]).unit();

@@ -38,11 +38,43 @@ pub struct WheelLoads {
 /// ```
 #[must_use]
 pub fn wheel_loads(model: &RobotModel, pitch: f64, roll: f64) -> WheelLoads {
-    let equations = Equations::on_plane(model);
-    let (loads, stands) = equations.loads(equations.down(pitch, roll));
-    WheelLoads {
-        stands,
-        redundant: loads.len() > 3 + model.linkage.freedoms(),
-        loads,
+    LoadsOnPlanes::new(model).at(pitch, roll)
+}
+
+/// [`wheel_loads`] of one robot on many planes: what no plane changes is computed once.
+///
+/// ```
+/// use grouser_rover::robot::RobotModel;
+/// use grouser_rover::statics::{LoadsOnPlanes, wheel_loads};
+///
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/robots/rocker-bogie.toml");
+/// let model = RobotModel::read(file.as_ref())?;
+/// assert_eq!(LoadsOnPlanes::new(&model).at(0.1, 0.2), wheel_loads(&model, 0.1, 0.2));
+/// # Ok::<(), grouser_rover::Error>(())
+/// ```
+pub struct LoadsOnPlanes {
+    equations: Equations,
+    redundant: bool,
+}
+
+impl LoadsOnPlanes {
+    /// Of a robot.
+    #[must_use]
+    pub fn new(model: &RobotModel) -> Self {
+        Self {
+            equations: Equations::on_plane(model),
+            redundant: model.wheels.len() > 3 + model.linkage.freedoms(),
+        }
+    }
+
+    /// On a plane tilted by `pitch` and `roll`, rad.
+    #[must_use]
+    pub fn at(&self, pitch: f64, roll: f64) -> WheelLoads {
+        let (loads, stands) = self.equations.loads(self.equations.down(pitch, roll));
+        WheelLoads {
+            loads,
+            stands,
+            redundant: self.redundant,
+        }
     }
 }

@@ -54,8 +54,7 @@ pub struct Posture {
 /// The adjustment that stands best on a slope (`pitch` nose up, `roll` left side up, rad): the angle to tipping over
 /// (rad) less half the unevenness of the loads is greatest.
 ///
-/// A pattern search within the limits: each variable in turn by steps that halve, from no adjustment; it never ends
-/// worse than it began. Five variables and a function of some 0.1 ms need no more.
+/// A pattern search within the limits, from no adjustment; it never ends worse than it began.
 ///
 /// ```
 /// use grouser_rover::robot::RobotModel;
@@ -74,7 +73,7 @@ pub fn adjusted_posture(
     (pitch, roll): (f64, f64),
     limits: &PostureLimits,
 ) -> Posture {
-    let value = |x: &[f64; 5], at_best: f64| {
+    let value = |x: &[f64], at_best: f64| {
         let (tip_over, uneven) = quality(&adjusted(model, x), (pitch, roll), at_best);
         tip_over - 0.5 * uneven
     };
@@ -86,30 +85,7 @@ pub fn adjusted_posture(
         (1.0, limits.widen.max(1.0)),
     ];
     let mut best = [0.0, 0.0, 0.0, 1.0, 1.0];
-    let mut at_best = value(&best, f64::NEG_INFINITY);
-    let mut share = 0.5;
-    while share > 1e-4 {
-        let mut moved = false;
-        for i in 0..best.len() {
-            let (low, high) = bounds[i];
-            for sense in [1.0, -1.0] {
-                let mut trial = best;
-                trial[i] = (trial[i] + sense * share * (high - low)).clamp(low, high);
-                if trial == best {
-                    continue;
-                }
-                let at_trial = value(&trial, at_best);
-                if at_trial > at_best + 1e-12 {
-                    best = trial;
-                    at_best = at_trial;
-                    moved = true;
-                }
-            }
-        }
-        if !moved {
-            share *= 0.5;
-        }
-    }
+    maximise(&mut best, &bounds, 1e-4, value);
     let after = adjusted(model, &best);
     let (tip_before, uneven_before) = quality(model, (pitch, roll), f64::NEG_INFINITY);
     let (tip_after, uneven_after) = quality(&after, (pitch, roll), f64::NEG_INFINITY);
@@ -135,9 +111,66 @@ fn quality(model: &RobotModel, (pitch, roll): (f64, f64), at_best: f64) -> (f64,
     (equations.tip_over(down, at_best + 0.5 * uneven), uneven)
 }
 
-fn adjusted(model: &RobotModel, x: &[f64; 5]) -> RobotModel {
+/// Raises the `value` of `best` within `bounds`: by steps along each axis, and along each pair of axes where none helps. Steps
+/// are halved from half of the bounds down to a share `finest` where nothing helps; returns the value that is reached. `value`
+/// receives the value to surpass: below it, any number below it will do.
+///
+/// The margin against tipping over is the least of several: its maximum lies on ridges, along which two axes move together.
+pub(super) fn maximise(
+    best: &mut [f64],
+    bounds: &[(f64, f64)],
+    finest: f64,
+    mut value: impl FnMut(&[f64], f64) -> f64,
+) -> f64 {
+    /// Bounds the work; a search takes two or three passes for each size of step.
+    const MAX_PASSES: usize = 100;
+    const SENSES: [f64; 2] = [1.0, -1.0];
+    let mut at_best = value(best, f64::NEG_INFINITY);
+    let mut share = 0.5;
+    for _ in 0..MAX_PASSES {
+        if share <= finest {
+            break;
+        }
+        let mut helps = |steps: &[(usize, f64)]| {
+            let mut trial = best.to_vec();
+            for (axis, sense) in steps {
+                let (low, high) = bounds[*axis];
+                trial[*axis] = (trial[*axis] + sense * share * (high - low)).clamp(low, high);
+            }
+            if trial == best {
+                return false;
+            }
+            let at_trial = value(&trial, at_best);
+            let is_better = at_trial > at_best + 1e-12;
+            if is_better {
+                best.copy_from_slice(&trial);
+                at_best = at_trial;
+            }
+            is_better
+        };
+        let mut moved = false;
+        for i in 0..bounds.len() {
+            moved = SENSES
+                .iter()
+                .fold(moved, |moved, a| helps(&[(i, *a)]) || moved);
+        }
+        for (i, a) in (0..bounds.len()).flat_map(|i| SENSES.map(|a| (i, a))) {
+            for (j, b) in (0..i).flat_map(|j| SENSES.map(|b| (j, b))) {
+                moved = moved || helps(&[(i, a), (j, b)]);
+            }
+        }
+        if !moved {
+            share *= 0.5;
+        }
+    }
+    at_best
+}
+
+fn adjusted(model: &RobotModel, x: &[f64]) -> RobotModel {
     let mut out = model.clone();
-    let [slide, shift, lower, lengthen, widen] = *x;
+    let &[slide, shift, lower, lengthen, widen] = x else {
+        return out;
+    };
     out.linkage.adjust(
         crate::vector::Vector::new(slide, shift, -lower),
         (lengthen, widen),

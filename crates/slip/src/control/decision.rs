@@ -191,7 +191,7 @@ impl Action {
             Self::End(Ending::Immobilised) => "end: immobilised",
             Self::End(Ending::Tipping) => "end: tipping",
             Self::End(Ending::SensorsLost) => "end: sensors lost",
-            Self::End(Ending::NoWay) => "end: no way on",
+            Self::End(Ending::NoWay) => "end: no route left",
         }
     }
 }
@@ -203,7 +203,7 @@ impl Reason {
         match self {
             Self::SlipHigh => "slip is high",
             Self::SlipUnknown => {
-                "slip is unknown, the rim is limited by the speed over the ground, m/s"
+                "slip is unknown: the wheel speed is limited by the speed over ground, m/s"
             }
             Self::SlipRegained => "slip is back at its setpoint",
             Self::Demanded => "slope and soil demand it, steadily",
@@ -217,7 +217,7 @@ impl Reason {
             Self::AttemptsUsed => "the attempts are used",
             Self::TiltHigh => "the robot leans too far",
             Self::SensorTimeout => "no usable slip or speed",
-            Self::Stall => "the motor pushes, the wheel stands",
+            Self::Stall => "the motor pushes but the wheel is stationary",
             Self::EncoderReversed => "the wheel turns against its command",
             Self::InvalidRequest => "the request has invalid numbers",
         }

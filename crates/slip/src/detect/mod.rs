@@ -82,7 +82,7 @@ struct Watched {
 ///
 /// ```
 /// use grouser_slip::detect::{DetectSettings, Detector, Event};
-/// use grouser_slip::window::{WindowEstimator, WindowSettings};
+/// use grouser_slip::filter::{FilterSettings, SlipFilter};
 /// use grouser_slip::{Measurement, Robot, Sample, Wheel};
 ///
 /// let wheels = vec![
@@ -90,17 +90,16 @@ struct Watched {
 ///     Wheel::free("fifth").at(-0.3, 0.0).radius(0.1).ticks_per_turn(1000),
 /// ];
 /// let robot = Robot::new("bicycle".into(), wheels)?;
-/// // The default reference of the window estimator is the free wheel.
-/// let mut estimator = WindowEstimator::new(&robot, WindowSettings::default())?;
+/// let mut filter = SlipFilter::new(&robot, FilterSettings::default())?;
 /// let mut detector = Detector::new(&robot, DetectSettings::default())?;
 /// let mut seen = Vec::new();
 /// for step in 0..400_u64 {
 ///     let time_ns = step as i64 * 10_000_000;
 ///     // after two seconds the free wheel, and with it the robot, stops
 ///     for (wheel, raw) in [(0, 10 * step), (1, 8 * step.min(200))] {
-///         estimator.update(Sample { time_ns, measurement: Measurement::WheelCount { wheel, raw } })?;
+///         filter.update(Sample { time_ns, measurement: Measurement::WheelCount { wheel, raw } })?;
 ///     }
-///     let latest = estimator.latest().unwrap();
+///     let latest = filter.latest();
 ///     seen.extend(detector.update(time_ns, latest.wheels, &[]).filter(|c| c.begins).map(|c| c.event));
 /// }
 /// assert!(seen.contains(&Event::Immobilised) && seen.contains(&Event::HighSlip { wheel: 0 }));
@@ -359,8 +358,7 @@ impl Detector {
 fn trusted(estimate: &WheelEstimate) -> Option<(f64, f64)> {
     let usable = matches!(
         estimate.health,
-        Health::Ok
-            | Health::Degraded(Degraded::Quantised | Degraded::YawAssumed | Degraded::Suspect)
+        Health::Ok | Health::Degraded(Degraded::Quantised | Degraded::Suspect)
     );
     let (slip, sigma) = (estimate.slip?.value(), estimate.sigma?);
     (usable && sigma.is_finite()).then_some((slip, sigma))

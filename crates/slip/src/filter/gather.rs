@@ -11,6 +11,7 @@ use super::settings::{FilterSettings, SlipPrior};
 use crate::fault::Fault;
 use crate::history::{History, nanoseconds, seconds_between};
 use crate::motion::{MIN_SPEED, Step, WheelStep, turn_by_parallel_wheels};
+use crate::period::GAP_PERIODS;
 use crate::robot::{Robot, Wheel, WheelRole};
 use crate::sample::{Measurement, Sample};
 use crate::wheel_steering::Steering;
@@ -20,15 +21,16 @@ use crate::wheel_track::{TrackSettings, WheelTrack};
 pub(super) const MIN_STEP_S: f64 = 0.05;
 /// Maximum step length, s: one step spans a silence of all sensors.
 const MAX_STEP_S: f64 = 60.0;
-/// Silence of all sensors beyond which a single step spans the gap, s.
+/// Silence of all sensors beyond which a single step spans the gap, s, where it is also more than [`GAP_PERIODS`] steps. A prior: a
+/// robot stops and starts again within a second.
 const SILENCE_S: f64 = 1.0;
-/// A sensor is silent after this number of its periods, or after the dropout time if that is longer. A prior: one lost reading is
-/// usual, two in a row are not.
-const GAP_PERIODS: f64 = 3.0;
-/// Number of readings over which a wheel's period is averaged; half of them give a first value.
-const PERIOD_READINGS: f64 = 8.0;
 /// The step length changes when it differs from the slowest wheel's period by more than this share: stamps scatter by less.
 const PERIOD_SHARE: f64 = 0.05;
+/// A step lasts until this share of its distance is noise of the encoders, but no longer than the time below: the slip, a ratio of
+/// distances, is biased by the square of that share. Derived: 0.0025, a tenth of the noise of the best camera's slip.
+const NOISE_SHARE: f64 = 0.05;
+/// Longest step for coarse encoders, s. A prior: the slip of soft ground changes within half a second.
+const MAX_COARSE_STEP_S: f64 = 0.3;
 /// Noise of a wheel's rate, rad/s, and resolution of an angle without ticks, m, where the robot's description states none.
 const RATE_SIGMA: f64 = 0.01;
 const ANGLE_STEP_M: f64 = 1e-4;
@@ -44,6 +46,8 @@ const MAX_FORCE: f64 = 100.0;
 /// Readings that are kept of a sensor, and over which time, s: two steps at the usual rates.
 const KEPT: usize = 40;
 const KEPT_S: f64 = 0.5;
+/// And over this number of steps. Derived: a step closes up to one of its lengths after its end, and the next is open.
+const KEPT_STEPS: f64 = 3.0;
 
 /// One wheel's sensors.
 #[derive(Clone, Debug)]
@@ -58,9 +62,6 @@ struct WheelInput {
     is_free: bool,
     is_rate: bool,
     has_ticks: bool,
-    /// Sum and number of the times between its readings, s.
-    periods: [f64; 2],
-    last_ns: Option<i64>,
 }
 
 /// Samples since the last step.
@@ -75,9 +76,12 @@ pub(super) struct Gather {
     is_omni: bool,
     dropout: f64,
     skid: SlipPrior,
-    /// Where the open step begins, and its length.
+    /// Where the open step begins, its length, and the period of the slowest wheel.
     from_ns: Option<i64>,
     dt: f64,
+    period: f64,
+    /// The longest that the open step may become.
+    longest: f64,
     origin_ns: i64,
     step: Step,
 }
@@ -99,40 +103,7 @@ impl WheelInput {
             is_free: wheel.role == WheelRole::Free,
             is_rate: false,
             has_ticks: wheel.travel_per_tick().is_some(),
-            periods: [0.0; 2],
-            last_ns: None,
         }
-    }
-
-    fn take(&mut self, time_ns: i64, measurement: &Measurement, dropout: f64) -> Result<(), Fault> {
-        self.track.take(time_ns, measurement)?;
-        self.is_rate = matches!(measurement, Measurement::WheelRate { .. });
-        let last_ns = self.last_ns.replace(time_ns);
-        // the edges of an encoder come as the wheel turns
-        if let (Some(last_ns), false) = (last_ns, self.track.has_edges()) {
-            let passed = seconds_between(last_ns, time_ns);
-            if passed <= self.silence_limit(dropout).max(SILENCE_S) {
-                let [sum, count] = self.periods;
-                let kept = if count >= PERIOD_READINGS { 0.5 } else { 1.0 };
-                self.periods = [kept * sum + passed, kept * count + 1.0];
-            }
-        }
-        Ok(())
-    }
-
-    /// The mean time between its readings, s; 0 while it is not known.
-    fn period(&self) -> f64 {
-        let [sum, count] = self.periods;
-        if count >= 0.5 * PERIOD_READINGS {
-            sum / count
-        } else {
-            0.0
-        }
-    }
-
-    /// Silent for longer than this it has dropped out, s.
-    fn silence_limit(&self, dropout: f64) -> f64 {
-        dropout.max(GAP_PERIODS * self.period())
     }
 
     fn step(&mut self, from_ns: i64, to_ns: i64, skid: SlipPrior, is_omni: bool) -> WheelStep {
@@ -143,7 +114,7 @@ impl WheelInput {
         let speed = self.track.speed(from_ns, to_ns);
         let floor = if self.is_rate {
             let sigma = RATE_SIGMA * self.per_radian;
-            sigma * sigma * dt * self.period().max(1e-3)
+            sigma * sigma * dt * self.track.period().max(1e-3)
         } else if self.has_ticks {
             0.0
         } else {
@@ -193,6 +164,8 @@ impl Gather {
             skid: settings.skid(),
             from_ns: None,
             dt: MIN_STEP_S,
+            period: MIN_STEP_S,
+            longest: MIN_STEP_S,
             origin_ns: 0,
             step: Step {
                 wheels: Vec::with_capacity(wheels.len()),
@@ -252,10 +225,12 @@ impl Gather {
                 wheel.carrier.take(time_ns, [turn, forward, up], gap)?;
             }
             (Measurement::SteeringAngle { angle, .. }, Some(wheel)) => {
+                range("steering angle", angle, -7.0, 7.0, "rad")?;
                 wheel.steering.turn(angle);
             }
             (measurement, Some(wheel)) if measurement.is_rotation() => {
-                wheel.take(time_ns, &measurement, self.dropout)?;
+                wheel.track.take(time_ns, &measurement)?;
+                wheel.is_rate = matches!(measurement, Measurement::WheelRate { .. });
                 if let (Some(travel), Some(index)) = (wheel.track.counted(), measurement.wheel()) {
                     self.checks.count(index, time_ns, travel);
                 }
@@ -284,7 +259,6 @@ impl Gather {
         for wheel in &mut self.wheels {
             wheel.track.restart_clock();
             wheel.carrier.interrupt();
-            wheel.last_ns = None;
         }
         self.checks.restart_clock();
         self.turn.interrupt();
@@ -308,7 +282,7 @@ impl Gather {
         let wheels = self.wheels.iter().all(|wheel| {
             is_complete(
                 wheel.track.known_until(now_ns),
-                wheel.silence_limit(self.dropout),
+                wheel.track.silence_limit(self.dropout),
             )
         });
         let others = [self.turn.newest_ns(), self.force.newest_ns()];
@@ -319,9 +293,13 @@ impl Gather {
         {
             return None;
         }
+        let share = self.noise_share(from_ns, to_ns);
         if open > SILENCE_S.max(GAP_PERIODS * dt) {
             to_ns = now_ns;
             dt = open.min(MAX_STEP_S);
+        } else if share > NOISE_SHARE && dt + self.period <= self.longest {
+            self.dt += self.period;
+            return self.close(now_ns, is_confirmed);
         }
         let (skid, is_omni) = (self.skid, self.is_omni);
         self.step.wheels.clear();
@@ -342,7 +320,7 @@ impl Gather {
         self.step.time = seconds_between(self.origin_ns, to_ns);
         self.step.dt = dt;
         self.from_ns = Some(to_ns);
-        self.follow_periods(now_ns);
+        self.follow_periods(now_ns, share);
         Some((&self.step, to_ns))
     }
 
@@ -366,18 +344,40 @@ impl Gather {
         }
     }
 
-    /// The next step is as long as the period of the slowest wheel.
-    fn follow_periods(&mut self, now_ns: i64) {
+    /// The next step is as long as the period of the slowest wheel, or several of them where the encoders are coarse: how many this
+    /// step would have needed. `share` is its noise.
+    fn follow_periods(&mut self, now_ns: i64, share: f64) {
         let dropout = self.dropout;
-        let alive = self.wheels.iter().filter(|wheel| {
-            wheel
-                .last_ns
-                .is_some_and(|last| seconds_between(last, now_ns) <= wheel.silence_limit(dropout))
+        let alive = (self.wheels.iter().map(|wheel| &wheel.track)).filter(|track| {
+            let newest = track.newest_time();
+            newest.is_some_and(|last| seconds_between(last, now_ns) <= track.silence_limit(dropout))
         });
-        let slowest = alive.map(WheelInput::period).fold(MIN_STEP_S, f64::max);
-        if (slowest - self.dt).abs() > PERIOD_SHARE * self.dt {
-            self.dt = slowest;
+        let slowest = alive.map(WheelTrack::period).fold(MIN_STEP_S, f64::max);
+        if (slowest - self.period).abs() > PERIOD_SHARE * self.period {
+            self.period = slowest;
+            // what the other sensors measured is kept until the slowest wheel is read
+            let kept_ns = nanoseconds(KEPT_S.max(KEPT_STEPS * slowest));
+            self.turn.keep(kept_ns);
+            self.force.keep(kept_ns);
+            for wheel in &mut self.wheels {
+                wheel.carrier.keep(kept_ns);
+            }
         }
+        let needed = (self.dt * share / NOISE_SHARE).min(MAX_COARSE_STEP_S);
+        // wheels that are stationary need nothing
+        self.longest = if share.is_finite() { needed } else { 0.0 };
+        self.dt = self.period;
+    }
+
+    /// The part of the powered wheels' mean distance that is noise of their encoders, one sigma; infinite where none has turned.
+    fn noise_share(&self, from_ns: i64, to_ns: i64) -> f64 {
+        let powered = self.wheels.iter().filter(|wheel| !wheel.is_free);
+        let [speed, variance] = powered
+            .filter_map(|wheel| wheel.track.speed(from_ns, to_ns))
+            .fold([0.0; 2], |sum, of| {
+                [sum[0] + of.value.abs(), sum[1] + of.variance]
+            });
+        Real::sqrt(variance) / speed
     }
 
     /// For how long a wheel has been silent, and from which silence on it counts as dropped out, s; `None` before its first reading.
@@ -386,7 +386,7 @@ impl Gather {
         let known = wheel.track.known_until(now_ns)?;
         Some((
             seconds_between(known, now_ns),
-            wheel.silence_limit(self.dropout),
+            wheel.track.silence_limit(self.dropout),
         ))
     }
 

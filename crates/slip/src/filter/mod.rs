@@ -45,7 +45,6 @@ mod wheel_health;
 
 use crate::error::{Error, Result, check_range};
 use crate::fault::Fault;
-use crate::motion::Step;
 use crate::robot::Robot;
 use crate::sample::Sample;
 use crate::state::Health;
@@ -56,6 +55,7 @@ pub use output::{BodyEstimate, FilterOutput, Odometry};
 use sensor_clocks::ClockOutcome;
 pub use settings::{FilterSettings, SlipPrior};
 use steps::Core;
+pub use steps::Recorder;
 
 /// The largest number of waiting samples that one update uses, so that its cost is bounded.
 const MAX_RELEASED_PER_UPDATE: usize = 4;
@@ -117,18 +117,18 @@ impl SlipFilter {
 
     /// [`SlipFilter::update`] without an output.
     pub(crate) fn push(&mut self, sample: Sample) -> ::core::result::Result<(), Fault> {
-        self.update_recorded(sample, &mut |_, _| {})
+        self.update_recorded(sample, &mut |_, _, _| {})
     }
 
     /// As [`SlipFilter::update`]; `record` is shown each step of the motion once its readings are complete, with the time of its end,
-    /// ns: what [`fit`](crate::smooth::fit) takes for a whole log.
+    /// ns, and the filter after it. The steps are what [`fit`](crate::smooth::fit) takes for a whole log.
     ///
     /// # Errors
     /// As [`SlipFilter::update`].
     pub fn update_recorded(
         &mut self,
         sample: Sample,
-        record: &mut dyn FnMut(i64, &Step),
+        record: &mut Recorder<'_>,
     ) -> ::core::result::Result<(), Fault> {
         let outcome = if sample.measurement.is_raw() {
             Ok(())
@@ -142,7 +142,7 @@ impl SlipFilter {
     }
 
     /// The log is over: `record` is shown the steps that waited for readings.
-    pub fn finish_recorded(&mut self, record: &mut dyn FnMut(i64, &Step)) {
+    pub fn finish_recorded(&mut self, record: &mut Recorder<'_>) {
         self.core.finish(record);
     }
 
@@ -272,7 +272,7 @@ impl SlipFilter {
     fn accept(
         &mut self,
         sample: Sample,
-        record: &mut dyn FnMut(i64, &Step),
+        record: &mut Recorder<'_>,
     ) -> ::core::result::Result<(), Fault> {
         if self.input.check_clock(&sample)? == ClockOutcome::Set {
             self.input.clear();

@@ -24,6 +24,11 @@ impl<const K: usize> Rates<K> {
         }
     }
 
+    /// Keeps its readings for so long.
+    pub(super) fn keep(&mut self, span_ns: i64) {
+        self.totals.keep(span_ns);
+    }
+
     /// Takes a reading; after a silence of more than `gap` (s) the sums restart.
     pub(super) fn take(&mut self, time_ns: i64, rates: [f64; K], gap: f64) -> Result<(), Fault> {
         let passed = self.last.map(|(then, _)| seconds_between(then, time_ns));
@@ -40,7 +45,7 @@ impl<const K: usize> Rates<K> {
             }
             _ => self.totals.clear(),
         }
-        self.repeats.push(time_ns, rates);
+        self.repeats.push(time_ns, rates, true);
         self.last = Some((time_ns, rates));
         self.totals.push(time_ns, self.sums);
         Ok(())

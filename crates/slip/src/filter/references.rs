@@ -7,11 +7,13 @@ use grouser_real::{Real, wrap_angle};
 use super::repeats::Repeats;
 use crate::fault::Fault;
 use crate::history::{nanoseconds, seconds_between, whole};
-use crate::motion::{Belief, HEADING, Reading, Value, X, Y};
+use crate::motion::{Belief, HEADING, NewFrame, Reading, Step, Value, X, Y};
+use crate::period::{GAP_PERIODS, Period};
 use crate::sample::{Measurement, Sample};
 
-/// Readings that can wait: a burst, and those of two references at 100 Hz during the latency. Beyond, the oldest is counted as refused.
-const BURST: usize = 32;
+/// Readings that can wait: a burst, as the memory of a microcontroller allows, and those of two references at 100 Hz during the
+/// latency. Beyond, the oldest two are joined.
+pub(super) const BURST: usize = 16;
 const MAX_RATE_HZ: f64 = 200.0;
 /// Readings older than this are refused, s: a robot of 1 m/s has moved by a metre since.
 pub(super) const MAX_DELAY_S: f64 = 1.0;
@@ -33,8 +35,41 @@ enum Read {
     Moved {
         by: [f64; 2],
         turn: Option<f64>,
+        /// Is it the first one, or the first after a gap? What moved in the gap is not in it.
+        is_first: bool,
     },
     Speed(f64),
+}
+
+impl Read {
+    /// This reading and the next one as one: a place and a speed hold by themselves, displacements add up.
+    fn then(self, next: Self) -> Self {
+        let (
+            Self::Moved { by, turn, is_first },
+            Self::Moved {
+                by: on,
+                turn: turned,
+                is_first: false,
+            },
+        ) = (self, next)
+        else {
+            return next;
+        };
+        let half = 0.5 * (turn.unwrap_or(0.0) + turned.unwrap_or(0.0));
+        // each is in the heading of its middle, and their sum in that of its own
+        let [a, b] = [
+            0.5 * turn.unwrap_or(0.0) - half,
+            half - 0.5 * turned.unwrap_or(0.0),
+        ];
+        let turn_by =
+            |[x, y]: [f64; 2], (sin, cos): (f64, f64)| [cos * x - sin * y, sin * x + cos * y];
+        let [first, second] = [turn_by(by, Real::sin_cos(a)), turn_by(on, Real::sin_cos(b))];
+        Self::Moved {
+            by: [first[0] + second[0], first[1] + second[1]],
+            turn: turn.zip(turned).map(|(turn, on)| turn + on),
+            is_first,
+        }
+    }
 }
 
 /// How the reference's frame lies in that of the start.
@@ -53,13 +88,18 @@ pub(super) struct References {
     waiting: Vec<(i64, Read)>,
     latency: f64,
     frame: Frame,
-    /// The sum of the displacements in the frame of the start; `None` before the first.
+    /// The sum of the displacements since the last gap, in the frame that began there; `None` before the first.
     sum: Option<[f64; 3]>,
+    /// When the last displacement came, and their period.
+    moved_ns: Option<i64>,
+    period: Period,
     has_places: bool,
     /// When it measured a heading or a turn last.
     heading_ns: Option<i64>,
-    /// Displacements and speeds, which are no motion where they repeat themselves.
-    repeats: Repeats,
+    /// Displacements and speeds that go on repeating themselves are no readings, and no place is one that repeats itself where others
+    /// scattered while the wheels were stationary, or that never changed.
+    motions: Repeats,
+    places: Repeats,
     /// Readings that found no room.
     pub(super) lost: u64,
 }
@@ -73,9 +113,12 @@ impl References {
             latency,
             frame: Frame::Unknown,
             sum: None,
+            moved_ns: None,
+            period: Period::default(),
             has_places: false,
             heading_ns: None,
-            repeats: Repeats::default(),
+            motions: Repeats::default(),
+            places: Repeats::default(),
             lost: 0,
         }
     }
@@ -83,11 +126,16 @@ impl References {
     /// The clock was set.
     pub(super) fn restart_clock(&mut self) {
         self.waiting.clear();
-        self.heading_ns = None;
+        (self.heading_ns, self.moved_ns) = (None, None);
     }
 
-    /// Takes a reading; the motion up to `settled_ns` cannot be changed by much any more.
-    pub(super) fn take(&mut self, sample: &Sample, settled_ns: Option<i64>) -> Result<(), Fault> {
+    /// Takes a reading; the motion up to `settled_ns` cannot be changed by much any more. Are the wheels stationary?
+    pub(super) fn take(
+        &mut self,
+        sample: &Sample,
+        settled_ns: Option<i64>,
+        is_stationary: bool,
+    ) -> Result<(), Fault> {
         let range = |field, value: f64, limit: f64, unit| {
             Fault::check_range(field, value, -limit, limit, unit)
         };
@@ -122,7 +170,8 @@ impl References {
                     "rad",
                 )?;
                 let by = [forward, left];
-                Read::Moved { by, turn }
+                let is_first = self.follows_gap(sample.time_ns);
+                Read::Moved { by, turn, is_first }
             }
             Measurement::Speed { forward, left } => {
                 range("speed forward", forward, MAX_DISPLACEMENT, "m/s")?;
@@ -134,39 +183,65 @@ impl References {
         if let Read::Fixed { yaw: Some(_), .. } | Read::Moved { turn: Some(_), .. } = read {
             self.heading_ns = Some(sample.time_ns);
         }
-        let motion = match read {
-            Read::Moved { by, turn } => [by[0], by[1], turn.unwrap_or(0.0)],
-            Read::Speed(speed) => [speed, 0.0, 0.0],
-            Read::Fixed { .. } => [0.0; 3],
-        };
-        if motion != [0.0; 3] {
-            self.repeats.push(sample.time_ns, motion);
-            if self.repeats.has_stopped() {
-                return Ok(());
+        let now_ns = sample.time_ns;
+        let mut of_motion = |motion: [f64; 3]| {
+            // a stationary robot repeats zero, which is no fault
+            let moves = motion != [0.0; 3];
+            if moves {
+                self.motions.push(now_ns, motion, true);
             }
+            moves && self.motions.has_stopped()
+        };
+        let is_repeated = match read {
+            Read::Moved { by, turn, .. } => of_motion([by[0], by[1], turn.unwrap_or(0.0)]),
+            Read::Speed(speed) => of_motion([speed, 0.0, 0.0]),
+            Read::Fixed { place, yaw } => {
+                let reading = [place[0], place[1], yaw.unwrap_or(0.0)];
+                self.places.push(now_ns, reading, is_stationary);
+                !is_stationary && self.places.is_repeated()
+            }
+        };
+        if is_repeated {
+            return Ok(());
         }
         let time_ns = sample.time_ns.saturating_sub(nanoseconds(self.latency));
         if let Some(last_ns) = settled_ns.filter(|of| seconds_between(time_ns, *of) > MAX_DELAY_S) {
             return Err(Fault::NotLater { time_ns, last_ns });
         }
         if self.waiting.len() == self.waiting.capacity() {
-            self.waiting.remove(0);
-            self.lost = self.lost.saturating_add(1);
+            let (_, oldest) = self.waiting.remove(0);
+            self.waiting[0].1 = oldest.then(self.waiting[0].1);
         }
         let after = self.waiting.partition_point(|of| of.0 <= time_ns);
         self.waiting.insert(after, (time_ns, read));
         Ok(())
     }
 
-    /// Gives the readings up to a step's end to it, as the belief before the step has the frame; `sigmas` are those of a place and a
+    /// Does a displacement follow a gap, or is it the first one?
+    fn follows_gap(&mut self, time_ns: i64) -> bool {
+        let period = self.period.mean();
+        let Some(passed) =
+            (self.moved_ns.replace(time_ns)).map(|then| seconds_between(then, time_ns))
+        else {
+            return true;
+        };
+        let is_gap = period > 0.0 && passed > GAP_PERIODS * period;
+        if !is_gap {
+            self.period.push(passed);
+        }
+        is_gap
+    }
+
+    /// Gives the readings up to a step's end to it, and the frame that begins there, as the belief before the step has the frame; `sigmas` are those of a place and a
     /// heading. Where the frame is found, place and heading are known to the variances that it returns.
     pub(super) fn give(
         &mut self,
         end_ns: i64,
         belief: &Belief,
         [place_sigma, yaw_sigma]: [f64; 2],
-        out: &mut Vec<Reading>,
+        step: &mut Step,
     ) -> Option<[f64; 2]> {
+        let out = &mut step.readings;
         let mut found = None;
         let of_place = place_sigma * place_sigma;
         let ripe = self.waiting.partition_point(|of| of.0 <= end_ns);
@@ -192,22 +267,29 @@ impl References {
                 Read::Moved {
                     by: [forward, left],
                     turn,
+                    is_first,
                 } => {
-                    let Some(sum) = self.sum.as_mut() else {
-                        self.sum = Some([here[0], here[1], mean[HEADING]]);
-                        continue;
-                    };
-                    // a sensor that does not measure the turn moves in the heading that is known
-                    let half = match turn {
-                        Some(turn) => sum[2] + 0.5 * turn,
-                        None => mean[HEADING],
-                    };
-                    let (sin, cos) = Real::sin_cos(half);
-                    sum[0] += cos * forward - sin * left;
-                    sum[1] += sin * forward + cos * left;
+                    if is_first {
+                        self.sum = None;
+                    }
+                    let sum = self.sum.get_or_insert_with(|| {
+                        let heading = turn.map(|_| mean[HEADING]);
+                        step.frame = Some(NewFrame {
+                            place: here,
+                            heading,
+                        });
+                        [here[0], here[1], mean[HEADING]]
+                    });
+                    if !is_first {
+                        // a sensor that does not measure the turn moves in the heading that is known
+                        let half = turn.map_or(mean[HEADING], |turn| sum[2] + 0.5 * turn);
+                        let (sin, cos) = Real::sin_cos(half);
+                        sum[0] += cos * forward - sin * left;
+                        sum[1] += sin * forward + cos * left;
+                        sum[2] += turn.unwrap_or(0.0);
+                    }
                     push(Value::Place([sum[0], sum[1]]));
-                    if let Some(turn) = turn {
-                        sum[2] += turn;
+                    if turn.is_some() {
                         push(Value::Heading(sum[2]));
                     }
                 }

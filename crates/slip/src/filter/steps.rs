@@ -6,21 +6,25 @@ use grouser_real::Real;
 
 use super::free_wheel::FreeWheelMonitor;
 use super::gather::{Gather, MIN_STEP_S};
-use super::references::References;
+use super::references::{BURST, References};
 use super::settings::{FilterSettings, SlipPrior, log_prior};
 use super::wheel_health::WheelWatch;
 use crate::fault::Fault;
 use crate::history::{seconds_between, whole};
+use crate::measured_slip::SlipLimits;
 use crate::modes::ModeFilter;
-use crate::motion::{Belief, CommonMotion, HEADING, Levels, Noise, SLIP, Step, X, Y, start};
+use crate::motion::{Belief, CommonMotion, HEADING, Levels, Noise, SLIP, SPEED, Step, X, Y, start};
 use crate::robot::Robot;
 use crate::sample::{Measurement, Sample};
 use crate::wheel_estimate::WheelEstimate;
 
+/// Is shown each step whose readings are complete, with its end, ns, and the filter after it.
+pub type Recorder<'a> = dyn FnMut(i64, &Step, &ModeFilter) + 'a;
+
 /// Steps that one sample closes at most, so that its cost is bounded.
 const MAX_STEPS_PER_SAMPLE: usize = 4;
-/// Readings of references in one step.
-const READINGS: usize = 32;
+/// Readings of references in one step: places and headings of those that can wait.
+const READINGS: usize = 2 * BURST;
 /// A reference is lost after this time without a reading, s, or after this number of its periods if that is longer. A prior: slips of
 /// soft ground change within half a second, and one lost reading is usual.
 const REFERENCE_TIMEOUT_S: f64 = 0.5;
@@ -104,6 +108,7 @@ fn copy(from: &Step, to: &mut Step) {
     (to.time, to.dt, to.turn, to.force) = (from.time, from.dt, from.turn, from.force);
     to.wheels.clear();
     to.wheels.extend_from_slice(&from.wheels);
+    to.frame = None;
     to.readings.clear();
 }
 
@@ -174,14 +179,14 @@ impl Core {
         }
     }
 
-    /// Uses one sample, in the order of time; `record` is shown each step whose readings are complete, with its end.
-    pub(super) fn take(
-        &mut self,
-        sample: &Sample,
-        record: &mut dyn FnMut(i64, &Step),
-    ) -> Result<(), Fault> {
+    /// Uses one sample, in the order of time; `record` is shown each step whose readings are complete.
+    pub(super) fn take(&mut self, sample: &Sample, record: &mut Recorder<'_>) -> Result<(), Fault> {
         if super::input::is_reference(&sample.measurement) {
-            self.references.take(sample, self.settled_ns)?;
+            let still = SlipLimits::default().standstill_speed * self.last.dt;
+            let mut wheels = self.last.wheels.iter();
+            let is_stationary = wheels.all(|of| of.distance.is_none_or(|of| of.abs() <= still));
+            self.references
+                .take(sample, self.settled_ns, is_stationary)?;
         } else if matches!(sample.measurement, Measurement::Command { .. }) {
             return Ok(());
         } else {
@@ -192,7 +197,7 @@ impl Core {
     }
 
     /// Closes the steps that are complete.
-    fn advance(&mut self, now_ns: i64, record: &mut dyn FnMut(i64, &Step)) {
+    fn advance(&mut self, now_ns: i64, record: &mut Recorder<'_>) {
         for _ in 0..MAX_STEPS_PER_SAMPLE {
             if self.count == self.pending.len() {
                 self.settle(record);
@@ -256,19 +261,16 @@ impl Core {
     }
 
     /// Passes over the oldest step with the readings of references in it.
-    fn settle(&mut self, record: &mut dyn FnMut(i64, &Step)) {
+    fn settle(&mut self, record: &mut Recorder<'_>) {
         let first = self.first;
         let end_ns = self.pending[first].end_ns;
         let levels = self.settled.levels();
         let place_sigma = Real::sqrt(levels.of(Noise::Place));
         let sigmas = [place_sigma, self.settings.yaw_sigma];
         let belief = self.settled.belief();
-        let found = self.references.give(
-            end_ns,
-            belief,
-            sigmas,
-            &mut self.pending[first].step.readings,
-        );
+        let found = self
+            .references
+            .give(end_ns, belief, sigmas, &mut self.pending[first].step);
         if let Some([place, heading]) = found {
             self.settled.change(|belief| {
                 belief.add_noise(X, place);
@@ -276,10 +278,6 @@ impl Core {
                 belief.add_noise(HEADING, heading);
             });
         }
-        let Pending { step, force, .. } = &mut self.pending[first];
-        core::mem::swap(&mut step.force, force);
-        record(end_ns, step);
-        core::mem::swap(&mut step.force, force);
         let step = &self.pending[first].step;
         let wander = WANDER[usize::from(self.references.is_by_displacements())];
         self.settled.set_wander(wander * wander);
@@ -297,17 +295,22 @@ impl Core {
             .watch(&before, self.settled.belief(), step, drift);
         let has_free_wheel = (step.wheels.iter()).any(|of| of.is_free && of.distance.is_some())
             && !self.free_wheel.is_doubted();
+        let Pending { step, force, .. } = &mut self.pending[first];
+        let dt = step.dt;
+        core::mem::swap(&mut step.force, force);
+        record(end_ns, step, &self.settled);
         let [readings, good] = self.settled.trusted();
         self.readings = [
             self.readings[0] + readings,
             self.readings[1] + readings - good,
         ];
-        if readings > 0.0 {
-            self.trust += TRUST_WEIGHT * (good / readings - self.trust);
+        let [of_speed, good_of_speed] = self.settled.trusted_of_speed();
+        if of_speed > 0.0 {
+            self.trust += TRUST_WEIGHT * (good_of_speed / of_speed - self.trust);
             if self.trust < MIN_TRUST
                 && age_of(self.begun_ns, end_ns).is_none_or(|age| age > RECOVERY_S)
             {
-                self.begin_again();
+                self.begin_again(dt);
                 self.begun_ns = Some(end_ns);
             }
         }
@@ -337,10 +340,11 @@ impl Core {
         self.count -= 1;
     }
 
-    /// Most readings contradict what is believed, so that it is wrong: all but the place begins anew.
-    fn begin_again(&mut self) {
+    /// Most readings contradict what is believed, so that it is wrong: all but the place begins anew, at the speed of the wheels.
+    fn begin_again(&mut self, dt: f64) {
         let mean = &self.settled.belief().mean;
         let mut begin = start([mean[X], mean[Y]], mean[HEADING], true);
+        begin.mean[SPEED] = self.settled.common().distance / dt;
         reset(&mut begin, SLIP, 0.0, ANY_SLIP * ANY_SLIP);
         self.settled.begin(begin);
     }
@@ -390,14 +394,14 @@ impl Core {
     }
 
     /// No more readings of the open steps come.
-    pub(super) fn finish(&mut self, record: &mut dyn FnMut(i64, &Step)) {
+    pub(super) fn finish(&mut self, record: &mut Recorder<'_>) {
         while self.count > 0 {
             self.settle(record);
         }
     }
 
     /// The clock was set: the motion goes on from where it was.
-    pub(super) fn restart_clock(&mut self, record: &mut dyn FnMut(i64, &Step)) {
+    pub(super) fn restart_clock(&mut self, record: &mut Recorder<'_>) {
         self.finish(record);
         self.free_wheel.restart_clock();
         self.gather.restart_clock();

@@ -13,8 +13,8 @@ use super::table::{MODES, WALKS, mixed, weighed};
 use super::wheel::{OwnSlip, WheelSlip};
 use crate::body::BodyMotion;
 use crate::motion::{
-    Belief, CommonMotion, DRIFT, Evidence, Levels, Motion, Noise, Reading, Record, Row, SIZE, SLOW,
-    SPEED, Step, TURN_BIAS, Value, dot,
+    Belief, CommonMotion, DRIFT, Evidence, Levels, Motion, Noise, Reading, Record, Row, SLOW,
+    SPEED, Step, TURN_BIAS, dot,
 };
 
 /// Turns by wheels in place of a gyro: white noise of the turn, rad/√s, and random walk of its error, rad/s/√s. A prior: wheels of a
@@ -30,8 +30,9 @@ pub struct ModeFilter {
     noise: LearntNoise,
     own: Vec<OwnSlip>,
     scratch: Vec<f64>,
-    /// Number of readings in the last step, and how many of them are probably good.
+    /// Number of readings in the last step, and how many of them are probably good; the same of those that show the speed.
     trusted: [f64; 2],
+    of_speed: [f64; 2],
     /// Length of the last step, and for how much of it the slip may change, s.
     dt: f64,
     moved: f64,
@@ -49,6 +50,7 @@ impl ModeFilter {
             own: vec![OwnSlip::default(); wheels],
             scratch: vec![0.0; wheels],
             trusted: [0.0; 2],
+            of_speed: [0.0; 2],
             dt: 1.0,
             moved: 0.0,
         }
@@ -61,7 +63,8 @@ impl ModeFilter {
         self.belief = other.belief;
         self.noise = other.noise;
         self.own.copy_from_slice(&other.own);
-        (self.trusted, self.dt, self.moved) = (other.trusted, other.dt, other.moved);
+        (self.trusted, self.of_speed) = (other.trusted, other.of_speed);
+        (self.dt, self.moved) = (other.dt, other.moved);
     }
 
     /// Sets the level of the reference's own wandering, m²/s.
@@ -126,21 +129,24 @@ impl ModeFilter {
             self.noise.learn(&evidence, &self.weights);
         }
         self.belief = self.merged(&self.weights);
-        let good = evidence.iter().zip(&self.weights).map(|(of, weight)| {
-            let sum: f64 = READINGS
-                .iter()
-                .map(|kind| of.noise[*kind as usize][0])
-                .sum();
-            weight * sum
-        });
-        let scalars = |of: &Reading| {
-            if matches!(of.value, Value::Place(_)) {
-                2.0
-            } else {
-                1.0
-            }
+        let good = |kind: Noise| -> f64 {
+            let of = evidence.iter().zip(&self.weights);
+            of.map(|(of, weight)| weight * of.noise[kind as usize][0])
+                .sum()
         };
-        self.trusted = [step.readings.iter().map(scalars).sum(), good.sum()];
+        let count = |kind: Noise| -> f64 {
+            let numbers = |of: &Reading| if kind == Noise::Place { 2.0 } else { 1.0 } * f64::from(u8::from(of.value.noise() == kind));
+            step.readings.iter().map(numbers).sum()
+        };
+        (self.trusted, self.of_speed) = ([0.0; 2], [0.0; 2]);
+        for kind in READINGS {
+            let found = [count(kind), good(kind)];
+            let add = |to: &mut [f64; 2]| *to = [to[0] + found[0], to[1] + found[1]];
+            add(&mut self.trusted);
+            if kind != Noise::Heading {
+                add(&mut self.of_speed);
+            }
+        }
         self.dt = step.dt;
         let common = *self.common();
         // without a gyro the turn is that of the wheels themselves
@@ -157,25 +163,8 @@ impl ModeFilter {
 
     /// The Gaussian with the moments of the modes' mixture by weights.
     fn merged(&self, weights: &[f64; MODES]) -> Belief {
-        let mut out = Belief {
-            mean: [0.0; SIZE],
-            covariance: [[0.0; SIZE]; SIZE],
-        };
-        for (weight, motion) in weights.iter().zip(&self.motions) {
-            for (out, of) in out.mean.iter_mut().zip(&motion.belief.mean) {
-                *out += weight * of;
-            }
-        }
-        for (weight, motion) in weights.iter().zip(&self.motions) {
-            let of = &motion.belief;
-            let off: Row = array::from_fn(|i| of.mean[i] - out.mean[i]);
-            for (i, row) in out.covariance.iter_mut().enumerate() {
-                for (j, p) in row.iter_mut().enumerate() {
-                    *p += weight * (of.covariance[i][j] + off[i] * off[j]);
-                }
-            }
-        }
-        out
+        let beliefs = self.motions.iter().map(|motion| &motion.belief);
+        Belief::mixture(weights.iter().copied().zip(beliefs))
     }
 
     /// The belief with the moments of all modes.
@@ -213,6 +202,12 @@ impl ModeFilter {
     #[must_use]
     pub const fn trusted(&self) -> [f64; 2] {
         self.trusted
+    }
+
+    /// The same of places and speeds: a heading says nothing of the speed.
+    #[must_use]
+    pub const fn trusted_of_speed(&self) -> [f64; 2] {
+        self.of_speed
     }
 
     /// For how much of the last step the slip may have changed, s: slow wheels change it by distance.

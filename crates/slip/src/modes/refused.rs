@@ -53,6 +53,10 @@ impl Refused {
         check("turn", "rad", MOTION, step.turn.as_slice())?;
         let force = step.force.as_slice().as_flattened();
         check("specific force", "m/s²", MOTION, force)?;
+        if let Some(frame) = step.frame {
+            check("place", "m", PLACE, &frame.place)?;
+            check("heading", "rad", PLACE, frame.heading.as_slice())?;
+        }
         for reading in &step.readings {
             match reading.value {
                 Value::Place(place) => check("place", "m", PLACE, &place)?,

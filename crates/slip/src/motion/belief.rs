@@ -41,6 +41,29 @@ impl Belief {
         Self { mean, covariance }
     }
 
+    /// The Gaussian with the moments of a mixture of beliefs with these weights.
+    #[must_use]
+    pub fn mixture<'a>(parts: impl Iterator<Item = (f64, &'a Self)> + Clone) -> Self {
+        let mut out = Self {
+            mean: [0.0; SIZE],
+            covariance: [[0.0; SIZE]; SIZE],
+        };
+        for (weight, of) in parts.clone() {
+            for (out, of) in out.mean.iter_mut().zip(&of.mean) {
+                *out += weight * of;
+            }
+        }
+        for (weight, of) in parts {
+            let off: Row = core::array::from_fn(|i| of.mean[i] - out.mean[i]);
+            for (i, row) in out.covariance.iter_mut().enumerate() {
+                for (j, p) in row.iter_mut().enumerate() {
+                    *p += weight * (of.covariance[i][j] + off[i] * off[j]);
+                }
+            }
+        }
+        out
+    }
+
     /// P h.
     #[must_use]
     pub fn spread(&self, row: &Row) -> Row {

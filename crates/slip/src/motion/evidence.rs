@@ -1,11 +1,11 @@
 //! What a step shows of a mode, and readings that may be outliers.
 //!
-//! A reading is good, or an outlier whose noise is [`OUTLIER_SIGMA`] times as large. Both updates change the belief along P h, so the
-//! Gaussian with the moments of their mixture is again one update of rank one. No reading is refused: one that stays is followed.
+//! A reading is good, or an outlier whose noise is [`OUTLIER_SIGMA`] times as large; the belief after it has the moments of both updates.
+//! No reading is refused: one that stays is followed.
 
 use grouser_real::Real;
 
-use super::belief::{Belief, Row, dot};
+use super::belief::{Belief, Row};
 use super::noise::KINDS;
 
 /// Share of outliers among readings of a reference, and their size in sigma: a prior, two of a hundred GNSS fixes or camera poses.
@@ -18,7 +18,8 @@ pub const OUTLIER_SIGMA: f64 = 30.0;
 pub struct Evidence {
     /// The log-likelihood of the innovations, up to a constant that all modes share.
     pub likelihood: f64,
-    /// For each kind of reading the probability that it is good, and its squared noise where it is: both summed over the step.
+    /// For each kind of reading the probability that it is good, and its squared noise where it is: both summed over the numbers read in
+    /// the step.
     pub noise: [[f64; 2]; KINDS],
 }
 
@@ -29,7 +30,7 @@ pub struct Judgement {
     pub likelihood: f64,
     /// Probability that the reading is good.
     pub good: f64,
-    /// The expectation of its squared noise, were it good.
+    /// The expectation of its squared noise, were it good, summed over its numbers.
     pub square: f64,
 }
 
@@ -40,36 +41,34 @@ pub fn log_density(innovation: f64, variance: f64) -> f64 {
 }
 
 impl Belief {
-    /// The update by one scalar reading that is an outlier with a probability of `outliers`.
-    pub fn update_mixed(
-        &mut self,
-        row: &Row,
-        innovation: f64,
-        variance: f64,
-        outliers: f64,
-    ) -> Judgement {
-        let spread = self.spread(row);
-        let own = dot(row, &spread);
-        let total = own + variance;
-        let wide = own + variance * OUTLIER_SIGMA * OUTLIER_SIGMA;
-        let of_good = Real::ln(1.0 - outliers) + log_density(innovation, total);
-        let of_outlier = Real::ln(outliers) + log_density(innovation, wide);
-        let less = Real::exp(-(of_good - of_outlier).abs());
-        let good = if of_good > of_outlier { 1.0 } else { less } / (1.0 + less);
-        let gain = good / total + (1.0 - good) / wide;
-        let between = innovation * (1.0 / total - 1.0 / wide);
-        let taken = gain - good * (1.0 - good) * between * between;
-        for (i, &of) in spread.iter().enumerate() {
-            self.mean[i] += gain * innovation * of;
-            for (p, other) in self.covariance[i].iter_mut().zip(&spread) {
-                *p -= taken * of * other;
+    /// The update by one reading whose numbers are outliers together, with a probability of [`OUTLIERS`]; `variance` is that of the
+    /// noise of each. Judged one after the other, a place that is right across the motion and wrong along it would count as good.
+    pub fn update_mixed(&mut self, rows: &[Row], values: &[f64], variance: f64) -> Judgement {
+        let read = || rows.iter().zip(values);
+        let after = |variance: f64| {
+            let (mut belief, mut density) = (*self, 0.0);
+            for (row, value) in read() {
+                let innovation = value - belief.mean_of(row);
+                let total = belief.update(row, innovation, variance).variance;
+                density += log_density(innovation, total);
             }
-        }
-        let left = innovation * variance / total;
+            (belief, density)
+        };
+        let (good, density) = after(variance);
+        let of_good = Real::ln(1.0 - OUTLIERS) + density;
+        let (outlier, density) = after(variance * OUTLIER_SIGMA * OUTLIER_SIGMA);
+        let of_outlier = Real::ln(OUTLIERS) + density;
+        let less = Real::exp(-(of_good - of_outlier).abs());
+        let share = if of_good > of_outlier { 1.0 } else { less } / (1.0 + less);
+        *self = Self::mixture([(share, &good), (1.0 - share, &outlier)].into_iter());
+        let left = read().map(|(row, value)| {
+            let error = value - good.mean_of(row);
+            error * error + good.variance_of(row)
+        });
         Judgement {
             likelihood: of_good.max(of_outlier) + Real::ln_1p(less),
-            good,
-            square: left * left + own * variance / total,
+            good: share,
+            square: left.sum(),
         }
     }
 }

@@ -25,8 +25,9 @@ pub use evidence::{Evidence, Judgement, OUTLIER_SIGMA, OUTLIERS, log_density};
 pub use model::{CREEP, MAX_ACCELERATION, Motion, Record, SLOW, start};
 pub use noise::{KINDS, Levels, Noise};
 pub use state::*;
-pub use step::{Reading, Step, Value, WheelStep};
+pub use step::{NewFrame, Reading, Step, Value, WheelStep};
 pub use tape::{Entry, Tape};
 pub use wheels::{
-    CommonMotion, JITTER, MIN_SPEED, MIN_SQUARED_SPEED, common_motion, turn_by_parallel_wheels,
+    CommonMotion, JITTER, MIN_SPEED, MIN_SQUARED_SPEED, add_equation, common_motion,
+    turn_by_parallel_wheels,
 };

@@ -1,14 +1,12 @@
 //! The model of the motion: how a belief passes over one step.
 
-use alloc::boxed::Box;
-
 use grouser_real::{Real, wrap_angle};
 
 use super::belief::{Belief, Row};
-use super::evidence::{Evidence, OUTLIERS, log_density};
+use super::evidence::{Evidence, log_density};
 use super::noise::{Levels, Noise};
 use super::state::{DRIFT, FORCE_BIAS, HEADING, MAX_LOG_SLIP, SIZE, SLIP, SPEED, TURN_BIAS, X, Y};
-use super::step::{Reading, Step, Value, WheelStep};
+use super::step::{NewFrame, Reading, Step, Value, WheelStep};
 use super::tape::{Entry, Tape};
 use super::wheels::{CommonMotion, JITTER, common_motion};
 
@@ -32,6 +30,9 @@ const START_SIGMA: [f64; SIZE] = [5.0, 5.0, 3.0, 3.0, 0.4, 0.1, 0.02, 1.0];
 const TURN_SIGMA_BY_WHEELS: f64 = 0.1;
 /// The logarithmic slip before the first step: wheels on soft ground slip by a tenth.
 const START_SLIP: f64 = 0.1;
+
+/// Sigma of the heading in a frame that begins within the step, rad: a robot that turns by a radian a second.
+const FRAME_TURN: f64 = 0.1;
 
 /// What one pass keeps from step to step.
 #[derive(Clone, Debug)]
@@ -76,7 +77,7 @@ pub enum Record<'a> {
 impl Pass<'_> {
     fn write(&mut self, entry: Entry) {
         if let Record::Tape(tape) = &mut self.record {
-            tape.push(entry);
+            tape.entries.push(entry);
         }
     }
 
@@ -159,6 +160,9 @@ impl Motion {
             levels,
             record,
         };
+        if let Some(frame) = step.frame {
+            pass.begin_frame(frame);
+        }
         let common = found.unwrap_or(CommonMotion {
             distance: 0.0,
             turn: None,
@@ -208,9 +212,9 @@ impl Motion {
         }
         let mean = &mut pass.belief.mean;
         mean[SLIP] = mean[SLIP].clamp(-MAX_LOG_SLIP, MAX_LOG_SLIP);
-        if matches!(pass.record, Record::Tape(_)) {
-            let end = Box::new(*pass.belief);
-            pass.write(Entry::End(end));
+        if let Record::Tape(tape) = pass.record {
+            tape.entries.push(Entry::End);
+            tape.ends.push(*pass.belief);
         }
         self.common = CommonMotion {
             turned: turned + bias,
@@ -250,6 +254,18 @@ fn wheel_innovation(measured: f64, predicted: f64, share: impl Fn(f64) -> f64) -
 }
 
 impl Pass<'_> {
+    /// Place and heading lie in a new frame.
+    fn begin_frame(&mut self, frame: NewFrame) {
+        let [x, y] = frame.place;
+        let heading = frame.heading.map(|heading| (HEADING, heading, FRAME_TURN));
+        let place = [(X, x, START_SIGMA[X]), (Y, y, START_SIGMA[Y])];
+        for (index, value, sigma) in place.into_iter().chain(heading) {
+            self.belief.mean[index] = value;
+            self.propagate(index, [0.0; SIZE]);
+            self.noise(Noise::Wander, index, 0.0, sigma * sigma);
+        }
+    }
+
     /// The powered wheels: v = u e^−λ.
     fn wheels(&mut self, common: &CommonMotion, dt: f64) {
         let belief = &*self.belief;
@@ -330,53 +346,50 @@ impl Pass<'_> {
     /// A reading of a reference, taken `since` before the step's end.
     fn read(&mut self, reading: &Reading, index: usize, along: [f64; 2], rate: f64) {
         let mut row = [0.0; SIZE];
-        let mut outliers = OUTLIERS;
         match reading.value {
             Value::Place(place) => {
-                for axis in [X, Y] {
+                let rows = [X, Y].map(|axis| {
                     let mut row = [0.0; SIZE];
                     row[axis] = 1.0;
-                    row[SPEED] = -reading.since * along[axis];
-                    let innovation = place[axis] - self.belief.mean_of(&row);
-                    // both axes are outliers together
-                    let at = (reading.scale, index, outliers);
-                    outliers = self.observe(Noise::Place, &row, innovation, at);
-                }
+                    row[SPEED] = -reading.since * along[axis - X];
+                    row
+                });
+                self.observe(reading, index, &rows, place);
             }
             Value::Heading(heading) => {
                 row[HEADING] = 1.0;
-                let innovation =
-                    wrap_angle(heading - (self.belief.mean[HEADING] - rate * reading.since));
-                let at = (reading.scale, index, outliers);
-                self.observe(Noise::Heading, &row, innovation, at);
+                let now = self.belief.mean[HEADING];
+                let before = now - rate * reading.since;
+                self.observe(reading, index, &[row], [now + wrap_angle(heading - before)]);
             }
             Value::Speed(speed) => {
                 row[SPEED] = 1.0;
-                let innovation = speed - self.belief.mean[SPEED];
-                let at = (reading.scale, index, outliers);
-                self.observe(Noise::SpeedReading, &row, innovation, at);
+                self.observe(reading, index, &[row], [speed]);
             }
         }
     }
 
-    /// One scalar of a reading: its scale, its index and the probability that it is an outlier; returns that probability after it.
-    fn observe(
+    /// The numbers of a reading, each with its row.
+    fn observe<const N: usize>(
         &mut self,
-        noise: Noise,
-        row: &Row,
-        innovation: f64,
-        (scale, index, outliers): (f64, usize, f64),
-    ) -> f64 {
-        let variance = self.levels.of(noise) * scale;
+        reading: &Reading,
+        index: usize,
+        rows: &[Row; N],
+        values: [f64; N],
+    ) {
+        let noise = reading.value.noise();
+        let variance = self.levels.of(noise) * reading.scale;
         let Record::Evidence(evidence) = &mut self.record else {
-            self.correct(noise, row, innovation, variance, Some(index));
-            return outliers;
+            for (row, value) in rows.iter().zip(values) {
+                let innovation = value - self.belief.mean_of(row);
+                self.correct(noise, row, innovation, variance, Some(index));
+            }
+            return;
         };
-        let found = (self.belief).update_mixed(row, innovation, variance, outliers);
+        let found = self.belief.update_mixed(rows, &values, variance);
         evidence.likelihood += found.likelihood;
         let sums = &mut evidence.noise[noise as usize];
-        sums[0] += found.good;
-        sums[1] += found.good * found.square / scale;
-        (1.0 - found.good).clamp(OUTLIERS, 1.0 - OUTLIERS)
+        sums[0] += found.good * N as f64;
+        sums[1] += found.good * found.square / reading.scale;
     }
 }

@@ -57,6 +57,15 @@ impl Value {
     }
 }
 
+/// A frame of the reference that begins: where place and heading lie in it is known by its own readings only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewFrame {
+    /// About where the robot is in it, m.
+    pub place: [f64; 2],
+    /// Its heading in it, rad, to the turn of one step; `None` where the reference measures no heading.
+    pub heading: Option<f64>,
+}
+
 /// One step of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Step {
@@ -70,6 +79,17 @@ pub struct Step {
     pub turn: Option<f64>,
     /// Mean specific force forwards and to the left, m/s².
     pub force: Option<[f64; 2]>,
+    /// The frame in which the readings from this step on are, where it is a new one.
+    pub frame: Option<NewFrame>,
     /// Readings of references in the order of time.
     pub readings: Vec<Reading>,
+}
+
+impl Step {
+    /// Is any powered wheel measured?
+    #[must_use]
+    pub fn has_wheels(&self) -> bool {
+        let mut wheels = self.wheels.iter();
+        wheels.any(|wheel| !wheel.is_free && wheel.distance.is_some())
+    }
 }

@@ -1,6 +1,5 @@
 //! What a pass over the steps did to the belief, for the pass back.
 
-use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use super::belief::{Belief, Correction, Row};
@@ -36,16 +35,23 @@ pub enum Entry {
         /// Which reading of the step; `None` of wheels.
         reading: Option<usize>,
     },
-    /// The end of a step, with the belief there.
-    End(Box<Belief>),
+    /// The end of a step.
+    End,
 }
 
-/// The operations in their order.
+/// The operations in their order, and the belief at each step's end.
 #[derive(Clone, Debug, Default)]
-pub struct Tape(pub Vec<Entry>);
+pub struct Tape {
+    /// The operations.
+    pub entries: Vec<Entry>,
+    /// The beliefs.
+    pub ends: Vec<Belief>,
+}
 
 impl Tape {
-    pub(super) fn push(&mut self, entry: Entry) {
-        self.0.push(entry);
+    /// Empties it and keeps its memory.
+    pub fn clear(&mut self) {
+        self.entries.clear();
+        self.ends.clear();
     }
 }

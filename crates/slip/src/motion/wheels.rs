@@ -110,13 +110,13 @@ pub fn common_motion(
             } else {
                 like / off.abs()
             };
-            add(&mut a, &mut b, wheel.row, level, weight);
+            add_equation(&mut a, &mut b, wheel.row, level, weight);
             if !wheel.is_omni {
-                add(&mut a, &mut b, wheel.across, 0.0, SIDEWAYS_WEIGHT);
+                add_equation(&mut a, &mut b, wheel.across, 0.0, SIDEWAYS_WEIGHT);
             }
         }
         if turn.is_some() {
-            add(&mut a, &mut b, [0.0, 0.0, 1.0], turned, TURN_WEIGHT);
+            add_equation(&mut a, &mut b, [0.0, 0.0, 1.0], turned, TURN_WEIGHT);
         }
         found = solve(a, b)?;
     }
@@ -162,7 +162,13 @@ fn are_parallel<'a>(mut wheels: impl Iterator<Item = &'a WheelStep>) -> bool {
 }
 
 /// Adds an equation row · (x, y, turn) = value to the normal equations.
-fn add(a: &mut [[f64; 3]; 3], b: &mut [f64; 3], row: [f64; 3], value: f64, weight: f64) {
+pub fn add_equation(
+    a: &mut [[f64; 3]; 3],
+    b: &mut [f64; 3],
+    row: [f64; 3],
+    value: f64,
+    weight: f64,
+) {
     for i in 0..3 {
         for j in 0..3 {
             a[i][j] += weight * row[i] * row[j];

@@ -53,8 +53,8 @@ impl FreeWheelSkid {
         doubt: SoilDoubt,
     ) -> Result<Self> {
         for (field, load, low) in [
-            ("least load", loads.0, 1e-3),
-            ("greatest load", loads.1, loads.0),
+            ("minimum load", loads.0, 1e-3),
+            ("maximum load", loads.1, loads.0),
         ] {
             OutOfRange::check(field, load, (low, 1e6), "N")?;
         }

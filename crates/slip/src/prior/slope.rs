@@ -46,7 +46,7 @@ impl SlipDemand {
     ) -> Result<Self> {
         let (from, to) = (slopes.0.rad(), slopes.1.rad());
         OutOfRange::check(
-            "greatest slope",
+            "maximum slope",
             to,
             (from, core::f64::consts::FRAC_PI_2),
             "rad",

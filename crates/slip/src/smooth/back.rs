@@ -26,8 +26,6 @@ pub struct Residual {
 /// What the pass back found.
 #[derive(Clone, Debug)]
 pub struct Back {
-    /// The smoothed belief at each step's end.
-    pub smoothed: Vec<Belief>,
     /// For each kind of noise the sum of r² and of its expectation N (of u² and m for a measurement), each times its exposure:
     /// they are equal where the level is the most likely one.
     pub scores: [[f64; 2]; KINDS],
@@ -96,13 +94,26 @@ impl Gradient {
     }
 }
 
-/// Passes back over the tape.
+/// The smoothed belief at each step's end.
+#[must_use]
+pub fn smoothed(tape: &Tape) -> Vec<Belief> {
+    let mut out = tape.ends.clone();
+    pass(tape, |step, gradient| {
+        out[step] = gradient.smoothed(&out[step]);
+    });
+    out
+}
+
+/// What the pass back over the tape finds.
 #[must_use]
 pub fn back(tape: &Tape) -> Back {
-    let is_end = |entry: &&Entry| matches!(entry, Entry::End(_));
-    let steps = tape.0.iter().filter(is_end).count();
+    pass(tape, |_, _| ())
+}
+
+/// Passes back over the tape; `at_end` is shown r and N at each step's end.
+fn pass(tape: &Tape, mut at_end: impl FnMut(usize, &Gradient)) -> Back {
+    let steps = tape.ends.len();
     let mut out = Back {
-        smoothed: Vec::with_capacity(steps),
         scores: [[0.0; 2]; KINDS],
         shocks: vec![[0.0; 2]; steps],
         residuals: Vec::new(),
@@ -113,11 +124,11 @@ pub fn back(tape: &Tape) -> Back {
         n: [[0.0; SIZE]; SIZE],
     };
     let mut step = steps;
-    for entry in tape.0.iter().rev() {
+    for entry in tape.entries.iter().rev() {
         match entry {
-            Entry::End(belief) => {
+            Entry::End => {
                 step -= 1;
-                out.smoothed.push(gradient.smoothed(belief));
+                at_end(step, &gradient);
             }
             Entry::Update {
                 noise,
@@ -156,6 +167,5 @@ pub fn back(tape: &Tape) -> Back {
             }
         }
     }
-    out.smoothed.reverse();
     out
 }

@@ -1,29 +1,37 @@
 //! Levels of noise by maximum likelihood, jumps of the slip and outliers, over a whole log.
 
+use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use grouser_real::Real;
 
-use super::back::{Back, Residual, back};
+use super::back::{Back, Residual, back, smoothed};
 use super::jumps::Jumps;
+use super::travel::travel;
 use crate::motion::{
     Belief, CommonMotion, KINDS, Levels, Motion, Noise, OUTLIER_SIGMA, OUTLIERS, Step, Tape,
 };
+use crate::speed::Measured;
 
 /// The result of [`fit`].
 #[derive(Clone, Debug)]
 pub struct Fit {
     /// The most likely levels.
     pub levels: Levels,
-    /// The last pass back.
-    pub back: Back,
+    /// The smoothed belief at each step's end.
+    pub smoothed: Vec<Belief>,
     /// The wheels' common motion in each step.
     pub common: Vec<CommonMotion>,
+    /// The distance in the direction in which the wheels ran, over the steps that are counted, m.
+    pub travel: Measured,
     /// Steps at which the slip jumps.
     pub jumps: Vec<usize>,
     /// The log-likelihood less what the jumps cost.
     pub evidence: f64,
+    /// The fit with the other prior of the slip, which has less evidence.
+    pub other: Option<Box<Self>>,
 }
 
 /// A first pass takes readings for this many times as noisy as their prior has them.
@@ -47,20 +55,25 @@ struct Passes<'a> {
     steps: &'a mut [Step],
     start: Belief,
     learn: [bool; KINDS],
+    counted: Range<f64>,
     scratch: Vec<f64>,
+    /// The last pass forward.
+    tape: Tape,
+    common: Vec<CommonMotion>,
 }
 
 impl Passes<'_> {
     /// Over all steps and back.
-    fn run(&mut self, levels: &Levels, jumps: &Jumps) -> (Back, Vec<CommonMotion>) {
-        let mut tape = Tape::default();
+    fn run(&mut self, levels: &Levels, jumps: &Jumps) -> Back {
+        self.tape.clear();
+        self.common.clear();
         let mut motion = Motion::new(self.start);
-        let mut common = Vec::with_capacity(self.steps.len());
         for (step, extra) in self.steps.iter().zip(&jumps.extra) {
-            motion.advance(step, levels, *extra, &mut self.scratch, Some(&mut tape));
-            common.push(motion.common);
+            let tape = Some(&mut self.tape);
+            motion.advance(step, levels, *extra, &mut self.scratch, tape);
+            self.common.push(motion.common);
         }
-        (back(&tape), common)
+        back(&self.tape)
     }
 
     /// First levels of the readings by the median of their errors, from a pass with wide ones: outliers among them drag a first pass
@@ -71,7 +84,7 @@ impl Passes<'_> {
         for kind in Noise::ALL.into_iter().filter(|&kind| is_learnt(kind)) {
             wide.0[kind as usize] *= WIDE * WIDE;
         }
-        let (found, _) = self.run(&wide, jumps);
+        let found = self.run(&wide, jumps);
         let mut levels = *prior;
         let noise_of =
             |steps: &[Step], of: &Residual| steps[of.step].readings[of.reading].value.noise();
@@ -181,7 +194,7 @@ impl Passes<'_> {
 
     /// One pass forward and back, from which outliers and all levels but one are learnt.
     fn round(&mut self, levels: &mut Levels, jumps: &Jumps, kept: Option<Noise>) -> Back {
-        let (found, _) = self.run(levels, jumps);
+        let found = self.run(levels, jumps);
         self.weigh(&found, levels);
         self.learn(&found, levels, kept);
         found
@@ -189,23 +202,37 @@ impl Passes<'_> {
 
     /// The last pass.
     fn end(&mut self, levels: Levels, jumps: Jumps) -> Fit {
-        let (back, common) = self.run(&levels, &jumps);
-        let evidence = jumps.evidence(back.likelihood);
+        let evidence = jumps.evidence(self.run(&levels, &jumps).likelihood);
+        let seconds = |(step, common): (&Step, &CommonMotion)| {
+            let is_counted = self.counted.contains(&step.time) && step.has_wheels();
+            let seconds = if is_counted { step.dt } else { 0.0 };
+            seconds.copysign(common.distance)
+        };
+        let seconds: Vec<f64> = self.steps.iter().zip(&self.common).map(seconds).collect();
         Fit {
             levels,
-            back,
-            common,
+            smoothed: smoothed(&self.tape),
+            common: self.common.clone(),
+            travel: travel(&self.tape, &seconds),
             jumps: jumps.at,
             evidence,
+            other: None,
         }
     }
 }
 
 /// Fits the model to the steps: a slip that wanders, or one that is steady and jumps, whichever has more evidence.
 ///
-/// `learn` says which levels are found; the others keep their prior.
+/// `learn` says which levels are found; the others keep their prior. Steps with measured wheels that end in
+/// `counted` (s) are those of [`Fit::travel`].
 #[must_use]
-pub fn fit(steps: &mut [Step], start: Belief, prior: Levels, learn: [bool; KINDS]) -> Fit {
+pub fn fit(
+    steps: &mut [Step],
+    start: Belief,
+    prior: Levels,
+    learn: [bool; KINDS],
+    counted: Range<f64>,
+) -> Fit {
     let wheels = steps
         .iter()
         .map(|step| step.wheels.len())
@@ -222,13 +249,24 @@ pub fn fit(steps: &mut [Step], start: Belief, prior: Levels, learn: [bool; KINDS
         steps,
         start,
         learn,
+        counted,
         scratch: vec![0.0; wheels],
+        tape: Tape::default(),
+        common: Vec::new(),
     };
     let none = || Jumps::none(times.len(), shown);
     let wandering = passes.wandering(prior, none());
     let level = prior.of(Noise::Slip);
-    match passes.jumping(wandering.levels, level, none(), &times) {
-        Some(jumping) if jumping.evidence > wandering.evidence => jumping,
-        _ => wandering,
+    let Some(jumping) = passes.jumping(wandering.levels, level, none(), &times) else {
+        return wandering;
+    };
+    let (best, other) = if jumping.evidence > wandering.evidence {
+        (jumping, wandering)
+    } else {
+        (wandering, jumping)
+    };
+    Fit {
+        other: Some(Box::new(other)),
+        ..best
     }
 }

@@ -35,7 +35,7 @@ pub fn wheel_slips(fit: &Fit, steps: &[Step], wheel: usize) -> Vec<WheelSlip> {
         else {
             continue;
         };
-        let (belief, common) = (&fit.back.smoothed[index], &fit.common[index]);
+        let (belief, common) = (&fit.smoothed[index], &fit.common[index]);
         let (sin, cos) = Real::sin_cos(common.direction);
         let (speed, drift) = (belief.mean[SPEED], belief.mean[DRIFT]);
         let [along_x, along_y, lever] = this.row;
@@ -62,7 +62,7 @@ pub fn wheel_slips(fit: &Fit, steps: &[Step], wheel: usize) -> Vec<WheelSlip> {
         .into_iter()
         .zip(levels)
         .map(|((step, by_motion), (own, variance))| {
-            let log = fit.back.smoothed[step].mean[SLIP] + own;
+            let log = fit.smoothed[step].mean[SLIP] + own;
             let (slip, variance) = slip_within(log, by_motion + variance);
             WheelSlip {
                 step,

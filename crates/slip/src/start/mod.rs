@@ -283,7 +283,7 @@ impl StartCheck {
             self.find(
                 "yaw rate",
                 rate / MAX_BIAS_RAD_PER_S,
-                "it turns while all wheels stand",
+                "it turns while all wheels are stationary",
             );
         }
     }
@@ -331,7 +331,7 @@ impl StartCheck {
         for index in 0..self.wheels.len() {
             // Ten times the others' speed may be a wheel that spins: a unit has its own factor, whatever the wheel does.
             if let Some((times, guess)) = self.wheels[index].unit() {
-                self.find("rim speed of a wheel", times, guess);
+                self.find("speed of a wheel", times, guess);
             }
         }
     }

@@ -117,7 +117,7 @@ fn at_rest_a_bias_and_a_slope_have_their_limits() {
         fed.window(measurements, &rims(speed, 0.0))
     };
     assert!(at(&[yaw_rate(0.5), force(6.9, -6.9)], 0.0).is_ok());
-    let turning = "it turns while all wheels stand";
+    let turning = "it turns while all wheels are stationary";
     assert_eq!(
         named(at(&[yaw_rate(-0.75)], 0.0)),
         ("yaw rate", -1.5, turning)

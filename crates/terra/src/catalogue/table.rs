@@ -423,7 +423,7 @@ pub(super) static ENTRIES: &[Entry] = &[
             },
         }),
         source: "identified by grouser from trials of Carnegie Mellon's Robomechanics Lab",
-        note: "42 wheel tests at slip angles of 0 and 60 deg, two discs; k_phi is the modulus for a width of 50 mm (k_c and k_phi apart: -157.7 and 9078)",
+        note: "42 wheel tests at slip angles of 0 and 60 deg, two discs; k_phi is the modulus for a width of 50 mm (k_c and k_phi separately: -157.7 and 9078)",
         ..BLANK
     },
 ];

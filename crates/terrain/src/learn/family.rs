@@ -34,12 +34,15 @@ pub struct StrengthFamily {
 }
 
 impl StrengthFamily {
+    /// How many levels there are.
+    pub(crate) const LEVELS: usize = STRENGTHS.len() * STIFFNESSES.len();
+
     /// The levels of `soil` for a robot.
     ///
     /// # Errors
     /// [`Error::Law`] where the laws refuse a level, [`Error::DoesNotStand`].
     pub fn new(model: &RobotModel, soil: &Soil, envelope: Envelope) -> Result<Self> {
-        let mut levels = Vec::with_capacity(STRENGTHS.len() * STIFFNESSES.len());
+        let mut levels = Vec::with_capacity(Self::LEVELS);
         for strength in STRENGTHS {
             for stiffness in STIFFNESSES {
                 let scaled =

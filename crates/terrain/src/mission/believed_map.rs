@@ -7,8 +7,8 @@ use crate::error::{Error, Result};
 use crate::headings::Headings;
 use crate::learn::{LearnSettings, SoilTiles, StrengthFamily};
 use crate::map::{MapLayout, TipOverTable};
-use crate::plan::{PlanMap, PlanSettings};
-use crate::pose::WheelPlane;
+use crate::plan::{PlanMap, PlanSettings, check_place};
+use crate::pose::{SurfacePose, WheelPlane};
 use crate::table::{Envelope, Lookup};
 
 /// Greatest number of cells times headings times levels: two numbers of each are held.
@@ -49,10 +49,13 @@ pub(super) struct BelievedMap {
     tile_of: Vec<u32>,
     /// The cells of each tile.
     cells_of: Vec<Vec<u32>>,
+    /// The poses within the envelope, until the demand of every level is read.
+    poses: Vec<Option<SurfacePose>>,
 }
 
 impl BelievedMap {
-    /// The map of a part of the relief, from `low` to `high` (m).
+    /// The map of a part of the relief, from `low` to `high` (m), of which only poses are known: what the soil demands
+    /// follows by [`BelievedMap::read_levels`].
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a map that is too large.
@@ -60,15 +63,13 @@ impl BelievedMap {
         relief: &HeightMap,
         (low, high): ((f64, f64), (f64, f64)),
         model: &RobotModel,
-        family: &StrengthFamily,
-        tiles: &SoilTiles,
         settings: &MissionSettings,
     ) -> Result<Self> {
         let cell = settings.cell;
         Error::check("[plan]", "cell", cell, (0.01, 100.0), "m")?;
         let count = |from: f64, to: f64| ((to - from) / cell + 1e-9).floor() + 1.0;
         let (columns, rows) = (count(low.0, high.0), count(low.1, high.1));
-        let (headings, levels) = (settings.headings, family.levels().len());
+        let (headings, levels) = (settings.headings, StrengthFamily::LEVELS);
         let numbers = columns * rows * (headings.count() * levels) as f64;
         Error::check(
             "[plan]",
@@ -97,61 +98,79 @@ impl BelievedMap {
             energy: Vec::new(),
             tile_of: Vec::new(),
             cells_of: Vec::new(),
+            poses: Vec::new(),
         };
-        let poses = out.plan_map.cells() * headings.count();
-        out.slip = vec![f32::NAN; poses * levels];
-        out.energy = vec![f32::NAN; poses * levels];
-        out.read_relief(relief, model, family, settings);
-        for index in 0..out.plan_map.cells() {
-            let tile = tiles.tile_at(out.plan_map.place_of(index)).unwrap_or(0);
-            out.tile_of.push(u32::try_from(tile).unwrap_or(0));
-            if out.cells_of.len() <= tile {
-                out.cells_of.resize(tile + 1, Vec::new());
-            }
-            out.cells_of[tile].push(u32::try_from(index).unwrap_or(0));
-            out.fill(index, tiles);
-        }
+        out.read_relief(relief, model, settings);
         Ok(out)
     }
 
-    /// Poses, margins, and the demand of every level.
-    fn read_relief(
-        &mut self,
-        relief: &HeightMap,
-        model: &RobotModel,
-        family: &StrengthFamily,
-        settings: &MissionSettings,
-    ) {
+    /// Poses and margins.
+    fn read_relief(&mut self, relief: &HeightMap, model: &RobotModel, settings: &MissionSettings) {
         let plane = WheelPlane::new(model);
-        let tip_over = TipOverTable::new(model, settings.envelope);
         let headings = settings.headings;
-        for cell in 0..self.plan_map.cells() {
-            let place = self.plan_map.place_of(cell);
+        let map = &mut self.plan_map;
+        self.poses = vec![None; map.cells() * headings.count()];
+        for cell in 0..map.cells() {
+            let place = map.place_of(cell);
             for heading in 0..headings.count() {
                 let Some(at) = plane.pose(relief, place, headings.angle(heading)) else {
                     continue;
                 };
                 let pose = cell * headings.count() + heading;
-                let map = &mut self.plan_map;
                 map.pitch[pose] = to_f32(at.pitch.to_degrees());
-                if !settings.envelope.holds(at.pitch, at.roll) {
-                    continue;
-                }
-                map.tip_over[pose] = to_f32(tip_over.margin(at.pitch, at.roll).to_degrees());
-                for (level, soil) in family.levels().iter().enumerate() {
-                    let table = &soil.table;
-                    let number = pose * self.levels + level;
-                    match table.look_up(at.pitch, table.across(at.roll)) {
-                        Lookup::Drives(spot) => {
-                            self.slip[number] = to_f32(spot.slip);
-                            let driving = table.driving(&spot);
-                            self.energy[number] = to_f32(driving.energy_per_metre());
-                        }
-                        Lookup::Slides => self.slip[number] = f32::NEG_INFINITY,
-                        Lookup::Immobilised | Lookup::Marginal => {}
-                    }
+                if settings.envelope.holds(at.pitch, at.roll) {
+                    self.poses[pose] = Some(at);
                 }
             }
+        }
+        let poses = self.poses.iter().flatten().map(|at| (at.pitch, at.roll));
+        let tip_over = TipOverTable::of_poses(model, settings.envelope, poses);
+        for (margin, at) in map.tip_over.iter_mut().zip(&self.poses) {
+            if let Some(at) = at {
+                *margin = to_f32(tip_over.margin(at.pitch, at.roll).to_degrees());
+            }
+        }
+    }
+
+    /// Refuses a place at which no soil lets the robot be.
+    ///
+    /// # Errors
+    /// [`Error::Place`].
+    pub(super) fn check_place(&self, of: &'static str, at: (f64, f64)) -> Result<()> {
+        let cell = self.plan_map.cell_at(of, at)?;
+        let map = &self.plan_map;
+        check_place(of, map, cell, |pose| map.tip_over[pose] > 0.0)
+    }
+
+    /// The demand of every level, and what is believed of it.
+    pub(super) fn read_levels(&mut self, family: &StrengthFamily, tiles: &SoilTiles) {
+        let poses = std::mem::take(&mut self.poses);
+        self.slip = vec![f32::NAN; poses.len() * self.levels];
+        self.energy = self.slip.clone();
+        for (pose, at) in poses.into_iter().enumerate() {
+            let Some(at) = at else { continue };
+            for (level, soil) in family.levels().iter().enumerate() {
+                let table = &soil.table;
+                let number = pose * self.levels + level;
+                match table.look_up(at.pitch, table.across(at.roll)) {
+                    Lookup::Drives(spot) => {
+                        self.slip[number] = to_f32(spot.slip);
+                        let driving = table.driving(&spot);
+                        self.energy[number] = to_f32(driving.energy_per_metre());
+                    }
+                    Lookup::Slides => self.slip[number] = f32::NEG_INFINITY,
+                    Lookup::Immobilised | Lookup::Marginal => {}
+                }
+            }
+        }
+        for index in 0..self.plan_map.cells() {
+            let tile = tiles.tile_at(self.plan_map.place_of(index)).unwrap_or(0);
+            self.tile_of.push(u32::try_from(tile).unwrap_or(0));
+            if self.cells_of.len() <= tile {
+                self.cells_of.resize(tile + 1, Vec::new());
+            }
+            self.cells_of[tile].push(u32::try_from(index).unwrap_or(0));
+            self.fill(index, tiles);
         }
     }
 

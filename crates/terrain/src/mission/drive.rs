@@ -202,7 +202,7 @@ impl Aboard {
         );
         let soil = &scenario.ground.soils[0].soil;
         Ok(Self {
-            navigator: Navigator::new(relief, area, model, soil, &settings)?,
+            navigator: Navigator::new(relief, (area, [start, plan.goal]), model, soil, &settings)?,
             learns: scenario.learn.is_some(),
             place: start,
             odometry: (0.0, 0.0),

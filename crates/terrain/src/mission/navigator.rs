@@ -44,21 +44,29 @@ pub struct Navigator {
     planning: Replanning,
 }
 
+/// Two opposite corners, m.
+type Area = ((f64, f64), (f64, f64));
+
 impl Navigator {
     /// A navigator that takes the ground for `soil`, known up to the prior of its strength, on the part of the relief from
-    /// the first to the second corner of `area` (m).
+    /// the first to the second corner of `area` (m), for a way between `ends` (m): places at which no soil lets the robot be
+    /// are refused before anything is computed of the soil.
     ///
     /// # Errors
-    /// As [`StrengthFamily::new`] and [`SoilTiles::new`]; [`Error::OutOfRange`] for a map that is too large.
+    /// As [`StrengthFamily::new`] and [`SoilTiles::new`]; [`Error::OutOfRange`] for a map that is too large,
+    /// [`Error::Place`] for a start or goal off the map or on ground that is unknown or too steep.
     pub fn new(
         relief: &HeightMap,
-        area: ((f64, f64), (f64, f64)),
+        (area, ends): (Area, [(f64, f64); 2]),
         model: &RobotModel,
         soil: &Soil,
         settings: &MissionSettings,
     ) -> Result<Self> {
+        let map = BelievedMap::new(relief, area, model, settings)?;
+        map.check_place("the start", ends[0])?;
+        map.check_place("the goal", ends[1])?;
         let family = StrengthFamily::new(model, soil, settings.envelope)?;
-        Self::with_family(relief, area, model, family, settings)
+        Self::on_map(map, area, family, settings)
     }
 
     /// The same with a family that is at hand.
@@ -67,16 +75,25 @@ impl Navigator {
     /// As [`Navigator::new`].
     pub fn with_family(
         relief: &HeightMap,
-        area: ((f64, f64), (f64, f64)),
+        area: Area,
         model: &RobotModel,
         family: StrengthFamily,
         settings: &MissionSettings,
     ) -> Result<Self> {
+        let map = BelievedMap::new(relief, area, model, settings)?;
+        Self::on_map(map, area, family, settings)
+    }
+
+    fn on_map(
+        mut map: BelievedMap,
+        (low, high): ((f64, f64), (f64, f64)),
+        family: StrengthFamily,
+        settings: &MissionSettings,
+    ) -> Result<Self> {
         let half = 0.5 * settings.cell;
-        let (low, high) = area;
         let span = ((low.0 - half, low.1 - half), (high.0 + half, high.1 + half));
         let tiles = SoilTiles::new(&family, settings.learn, span)?;
-        let map = BelievedMap::new(relief, area, model, &family, &tiles, settings)?;
+        map.read_levels(&family, &tiles);
         Ok(Self {
             family,
             tiles,

@@ -11,4 +11,5 @@ mod sources;
 
 pub use lattice::PlanSettings;
 pub use plan_map::{PlanMap, read_map};
+pub(crate) use route::check_place;
 pub use route::{Plan, Route, Waypoint, plan, route_within};

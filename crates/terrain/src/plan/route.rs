@@ -96,14 +96,14 @@ impl Route {
             best
         };
         [
-            ("greatest risk", by(&|point| point.risk)),
-            ("greatest slip", by(&|point| point.slip.abs())),
+            ("maximum risk", by(&|point| point.risk)),
+            ("maximum slip", by(&|point| point.slip.abs())),
             (
-                "greatest energy per metre",
+                "maximum energy per metre",
                 by(&|point| f64::from(map.energy[pose(point)])),
             ),
             (
-                "least tip-over margin",
+                "minimum tip-over margin",
                 by(&|point| -f64::from(map.tip_over[pose(point)])),
             ),
         ]
@@ -210,8 +210,9 @@ fn checked<'a>(
         Error::check("plan", "cell", cell as f64, (0.0, last), "1")?;
     }
     let lattice = Lattice::new(map, settings)?;
-    check_place("the start", &lattice, from)?;
-    check_place("the goal", &lattice, to)?;
+    let drives = |pose: usize| map.energy[pose] >= 0.0;
+    check_place("the start", map, from, drives)?;
+    check_place("the goal", map, to, drives)?;
     Ok(lattice)
 }
 
@@ -240,10 +241,14 @@ fn bounded(lattice: &Lattice<'_>, settings: &PlanSettings, task: &Task) -> Resul
     Ok(way.map(|way| measured(lattice, settings, &way)))
 }
 
-/// A start or a goal must be known ground on which some heading drives at all.
-fn check_place(of: &'static str, lattice: &Lattice<'_>, cell: usize) -> Result<()> {
-    let map = lattice.map();
-    let count = lattice.headings();
+/// A start or a goal must be known ground on which some heading `drives` at all.
+pub(crate) fn check_place(
+    of: &'static str,
+    map: &PlanMap,
+    cell: usize,
+    drives: impl Fn(usize) -> bool,
+) -> Result<()> {
+    let count = map.layout.headings.count();
     let (x, y) = map.place_of(cell);
     let refuse = |why: &str| {
         Err(Error::Place {
@@ -256,7 +261,7 @@ fn check_place(of: &'static str, lattice: &Lattice<'_>, cell: usize) -> Result<(
     if (0..count).all(|heading| map.pitch[cell * count + heading].is_nan()) {
         return refuse("lies on ground whose height is not known");
     }
-    if !(0..count).any(|heading| map.energy[cell * count + heading] >= 0.0) {
+    if !(0..count).any(|heading| drives(cell * count + heading)) {
         return refuse("lies where no heading can be driven");
     }
     Ok(())

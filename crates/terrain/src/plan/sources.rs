@@ -71,7 +71,7 @@ impl PlanMap {
             }
         }
 
-        let relief = "the relief";
+        let relief = "the elevation";
         let (columns, rows) = dem.size();
         let size = |columns: u32, rows: u32| format!("{columns} by {rows} cells");
         let (found, expected) = (size(columns, rows), size(layout.columns, layout.rows));

@@ -38,7 +38,7 @@ impl DemCaution {
     pub fn text(self) -> String {
         match self {
             Self::NoSystem => {
-                "the elevation model names no coordinate system: its coordinates are taken for metres"
+                "the elevation model names no coordinate system: its coordinates are treated as metres"
                     .to_owned()
             }
             Self::UndeclaredNoData(undeclared) => undeclared.to_string(),

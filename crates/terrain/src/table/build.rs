@@ -7,7 +7,7 @@ use grouser_terra::slope::{SlopeSearch, crossing};
 
 use super::check::check;
 use super::{Beyond, Envelope, SLIP_BOUND, Side, SlipTable, TableError};
-use crate::demand::{DemandSolver, Driving, Posed};
+use crate::demand::{DemandSolver, Driving, NodeSpacing, Posed, WheelNodes};
 use crate::error::{Error, Result};
 
 /// Nodes over roll and over t of the coarsest grid, and how often both are doubled at most.
@@ -19,27 +19,27 @@ const PITCH_TOLERANCE_RAD: f64 = 1e-11;
 const BUILD_SHARE: f64 = 0.625;
 /// A node's slip is found to this accuracy, a ten-thousandth of the bound.
 const NODE_TOLERANCE: f64 = 1e-7;
+/// Slips at which the end of the envelope is looked at first: most soils hold it with brakes on a few percent.
+const GENTLE_SLIPS: [f64; 2] = [0.05, 0.15];
 /// The error of a limit is never taken smaller, rad.
 pub(super) const MIN_LIMIT_ERROR_RAD: f64 = 1e-9;
 
 pub(super) fn refined(solver: &DemandSolver, envelope: Envelope) -> Result<SlipTable> {
+    let near = Near::on_nodes(solver, NodeSpacing::FINE);
     let [mut rolls, mut steps] = COARSEST;
     for _ in 0..MAX_DOUBLINGS {
-        let table = built(solver, envelope, [rolls, steps])?;
+        let table = built(&near, envelope, [rolls, steps])?;
         if table.error.slip <= BUILD_SHARE * SLIP_BOUND {
             return Ok(table);
         }
         (rolls, steps) = (2 * rolls - 1, 2 * steps - 1);
     }
-    built(solver, envelope, [rolls, steps])
+    built(&near, envelope, [rolls, steps])
 }
 
 /// The coarsest grid, without a check.
 pub(super) fn coarse(solver: &DemandSolver, envelope: Envelope) -> Result<SlipTable> {
-    let near = Near {
-        solver,
-        skids: RefCell::default(),
-    };
+    let near = Near::on_nodes(solver, NodeSpacing::COARSE);
     let mut table = filled(&near, envelope, COARSEST)?;
     // a table that was not checked has no marginal poses: what it reads is what it says
     for side in [&mut table.climbing, &mut table.braking] {
@@ -53,17 +53,39 @@ pub(super) fn coarse(solver: &DemandSolver, envelope: Envelope) -> Result<SlipTa
     Ok(table)
 }
 
-/// The exact solver, with the skids of the free wheels at the pose before.
+/// The robot on one pose after the other.
 pub(super) struct Near<'a> {
     pub(super) solver: &'a DemandSolver,
-    pub(super) skids: RefCell<Vec<Slip>>,
+    /// The skids of the free wheels at the pose before.
+    skids: RefCell<Vec<Slip>>,
+    nodes: Option<WheelNodes<'a>>,
 }
 
 impl<'a> Near<'a> {
-    pub(super) fn posed(&self, pitch: f64, roll: f64) -> Result<Posed<'a>> {
-        let posed = self
-            .solver
-            .posed_near(pitch, roll, &mut self.skids.borrow_mut())?;
+    /// By the exact laws.
+    pub(super) fn exact(solver: &'a DemandSolver) -> Self {
+        Self {
+            solver,
+            skids: RefCell::default(),
+            nodes: None,
+        }
+    }
+
+    /// By the laws at nodes over load and slip.
+    pub(super) fn on_nodes(solver: &'a DemandSolver, spacing: NodeSpacing) -> Self {
+        Self {
+            nodes: Some(WheelNodes::new(solver, spacing)),
+            ..Self::exact(solver)
+        }
+    }
+
+    pub(super) fn posed(&self, pitch: f64, roll: f64) -> Result<Posed<'_>> {
+        let posed = if let Some(nodes) = &self.nodes {
+            nodes.posed(pitch, roll)?
+        } else {
+            let mut skids = self.skids.borrow_mut();
+            self.solver.posed_near(pitch, roll, &mut skids)?
+        };
         posed.ok_or_else(|| Error::DoesNotStand {
             name: self.solver.model().robot.name().to_owned(),
             load: 0.0,
@@ -77,20 +99,14 @@ pub(super) struct Limit {
     pub(super) pitch: f64,
     /// The slip there; `None` where the envelope ends before the soil.
     slip: Option<f64>,
+    /// A slip that holds it.
+    holding: f64,
 }
 
-fn built(
-    solver: &DemandSolver,
-    envelope: Envelope,
-    [rolls, steps]: [usize; 2],
-) -> Result<SlipTable> {
-    let near = Near {
-        solver,
-        skids: RefCell::default(),
-    };
-    let mut table = filled(&near, envelope, [rolls, steps])?;
+fn built(near: &Near<'_>, envelope: Envelope, [rolls, steps]: [usize; 2]) -> Result<SlipTable> {
+    let mut table = filled(near, envelope, [rolls, steps])?;
     let roll_of = |place: f64| envelope.max_roll * (2.0 * place / (rolls - 1) as f64 - 1.0);
-    check(&mut table, solver, &roll_of)?;
+    check(&mut table, near, &roll_of)?;
     Ok(table)
 }
 
@@ -111,6 +127,11 @@ fn filled(near: &Near<'_>, envelope: Envelope, [rolls, steps]: [usize; 2]) -> Re
             limits.push(found);
         }
     }
+    // the one slope that is printed is that of the exact laws
+    let middle = rolls / 2;
+    let (exact, beside) = (Near::exact(solver), Some(&limits[0][middle]));
+    let straight_on = (roll_of(middle as f64), rolling[middle]);
+    let steepest = limit(&exact, envelope, straight_on, 1.0, beside)?.pitch;
     let mut sides = Vec::with_capacity(2);
     for (limits, sense) in limits.iter().zip([1.0, -1.0]) {
         sides.push(side(
@@ -133,12 +154,14 @@ fn filled(near: &Near<'_>, envelope: Envelope, [rolls, steps]: [usize; 2]) -> Re
         envelope,
         rolls,
         steps,
+        steepest,
         rolling,
         climbing,
         braking,
         error: TableError::default(),
         max_energy,
         is_closed: false,
+        wheel_solves: near.nodes.as_ref().map_or(0, WheelNodes::computed),
     })
 }
 
@@ -214,10 +237,29 @@ pub(super) fn limit(
     sense: f64,
     beside: Option<&Limit>,
 ) -> Result<Limit> {
+    // many slips are tried on one slope
+    let last = RefCell::new(None);
     let surplus = |slope: f64, slip: f64| -> Result<Option<f64>> {
-        let posed = near.posed(sense * slope, roll)?;
-        Ok(posed.surplus(sense * slip)?.map(|surplus| sense * surplus))
+        let mut last = last.borrow_mut();
+        let posed = match last.take() {
+            Some((at, posed)) if at == slope => posed,
+            _ => near.posed(sense * slope, roll)?,
+        };
+        let surplus = posed.surplus(sense * slip)?;
+        *last = Some((slope, posed));
+        Ok(surplus.map(|surplus| sense * surplus))
     };
+    // a gentle slip that holds the whole envelope spares the search, and wheels at high slip
+    for slip in GENTLE_SLIPS {
+        let is_allowed = slip <= near.solver.max_slip();
+        if is_allowed && surplus(envelope.max_pitch, slip)?.is_some_and(|left| left >= 0.0) {
+            return Ok(Limit {
+                pitch: sense * envelope.max_pitch,
+                slip: None,
+                holding: sense * slip,
+            });
+        }
+    }
     let search = SlopeSearch {
         weight: near.solver.model().weight(),
         slopes: (sense * rolling, envelope.max_pitch),
@@ -229,6 +271,7 @@ pub(super) fn limit(
     Ok(Limit {
         pitch: sense * slope,
         slip: (slope < envelope.max_pitch).then_some(sense * slip),
+        holding: sense * slip,
     })
 }
 
@@ -282,14 +325,9 @@ fn side(
             let slip = match own.slip {
                 Some(end) if step == 0 && own.pitch == limit => end,
                 _ if step == steps - 1 => 0.0,
-                end => {
+                _ => {
                     let known = steps - 1 - step;
-                    next_slip(
-                        &here,
-                        (slips, known),
-                        end.unwrap_or(sense * near.solver.max_slip()),
-                        sense,
-                    )?
+                    next_slip(&here, (slips, known), own.holding, sense)?
                 }
             };
             slips = [slip, slips[0], slips[1]];

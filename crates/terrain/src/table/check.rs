@@ -1,14 +1,14 @@
 //! How far a table is from the exact solver between its nodes, and near which limits the exact solver decides.
 
-use std::cell::RefCell;
-
 use super::build::{self, MIN_LIMIT_ERROR_RAD, Near};
 use super::cubic::{Stencil, at};
 use super::{
     Beyond, CHECK_FACTOR, LIMIT_CHECK_FACTOR, MIN_SLIP_ERROR, SLIP_BOUND, Side, SlipTable, Spot,
     TableError,
 };
-use crate::demand::{Demand, DemandSolver, Driving};
+use grouser_terra::slope::HeldSlip;
+
+use crate::demand::Driving;
 use crate::error::Result;
 
 /// The exact solver's slip between the nodes is found to this accuracy.
@@ -27,26 +27,31 @@ fn exact_near(near: &Near<'_>, (pitch, roll): (f64, f64), slip: f64) -> Result<O
         let exact = posed.between(low, high, CHECK_TOLERANCE)?;
         return posed.driving(exact).map(Some);
     }
-    Ok(match near.solver.demand(pitch, roll)? {
-        Demand::Drives(driving) => Some(driving),
+    Ok(match posed.held()? {
+        HeldSlip::Holds(slip) => Some(posed.driving(slip)?),
         _ => None,
     })
 }
 
-/// Compares the table with the exact solver in the middle between its nodes: every cell in roll; in t the first and the
-/// last cells and every fourth.
+/// Compares the table with what it interpolates in the middle between its nodes: every cell in roll; in t the first and the
+/// last cells and every fourth. Two rolls are compared with the exact laws, a quarter of the envelope from either end, all
+/// others with the nodes that the table was built on: what those lack varies less with the roll than what the grid lacks.
 pub(super) fn check(
     table: &mut SlipTable,
-    solver: &DemandSolver,
+    on_nodes: &Near<'_>,
     roll_of: &impl Fn(f64) -> f64,
 ) -> Result<()> {
-    let near = Near {
-        solver,
-        skids: RefCell::default(),
-    };
+    let solver = on_nodes.solver;
+    let exact_laws = Near::exact(solver);
     let mut error = TableError::default();
     let mut limit_errors = [0.0_f64; 2];
+    let quarter = (table.rolls - 1) / 4;
     for index in 0..table.rolls - 1 {
+        let near = if index % (2 * quarter) == quarter {
+            &exact_laws
+        } else {
+            on_nodes
+        };
         let roll = roll_of(index as f64 + 0.5);
         let across = table.across(roll);
         let rolling = across.along(&table.rolling);
@@ -58,7 +63,7 @@ pub(super) fn check(
             };
             let mut limit = across.along(&side.limit);
             if side.beyond == Beyond::Soil {
-                let exact = build::limit(&near, table.envelope, (roll, rolling), sense, None)?;
+                let exact = build::limit(near, table.envelope, (roll, rolling), sense, None)?;
                 limit_errors[which] = limit_errors[which].max((exact.pitch - limit).abs());
                 error.checks += 1;
                 // what lies beyond the true limit is marginal, and has no slip to compare with
@@ -80,7 +85,7 @@ pub(super) fn check(
                     along,
                 };
                 let read = table.driving(&spot);
-                let Some(exact) = exact_near(&near, (pitch, roll), read.slip)? else {
+                let Some(exact) = exact_near(near, (pitch, roll), read.slip)? else {
                     continue;
                 };
                 error.checks += 1;

@@ -1,7 +1,7 @@
 //! The poses that a map answers for.
 
 use grouser_rover::robot::RobotModel;
-use grouser_rover::statics::wheel_loads;
+use grouser_rover::statics::{LoadsOnPlanes, wheel_loads};
 
 use crate::error::{Error, Result};
 
@@ -45,7 +45,8 @@ impl Envelope {
             max_pitch,
             max_roll,
         };
-        while !out.stands(model) {
+        let loads = LoadsOnPlanes::new(model);
+        while !out.stands(model, &loads) {
             out.max_pitch *= SHRINK_SHARE;
             out.max_roll *= SHRINK_SHARE;
             if out.max_pitch < LIMITS_RAD.0 {
@@ -65,13 +66,13 @@ impl Envelope {
         pitch.abs() <= self.max_pitch && roll.abs() <= self.max_roll
     }
 
-    fn stands(&self, model: &RobotModel) -> bool {
+    fn stands(&self, model: &RobotModel, on_planes: &LoadsOnPlanes) -> bool {
         let least = MIN_LOAD_SHARE * model.weight() / model.wheels.len().max(1) as f64;
         let share = |step: i32| f64::from(step) / f64::from(CHECKS / 2) - 1.0;
         (0..=CHECKS).all(|i| {
             (0..=CHECKS).all(|j| {
                 let (pitch, roll) = (share(i) * self.max_pitch, share(j) * self.max_roll);
-                let loads = wheel_loads(model, pitch, roll).loads;
+                let loads = on_planes.at(pitch, roll).loads;
                 loads.iter().all(|load| *load > least)
             })
         })

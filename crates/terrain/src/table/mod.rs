@@ -130,6 +130,8 @@ pub struct SlipTable {
     rolls: usize,
     /// Nodes along t.
     steps: usize,
+    /// The pitch that the robot climbs without roll, rad, by the exact laws.
+    steepest: f64,
     /// The pitch at which the robot drives without slip, for each roll, rad.
     rolling: Vec<f64>,
     climbing: Side,
@@ -139,6 +141,8 @@ pub struct SlipTable {
     max_energy: f64,
     /// It drives nowhere, and no list above has anything in it.
     is_closed: bool,
+    /// Loads and slips at which wheels were solved for its nodes.
+    wheel_solves: usize,
 }
 
 impl SlipTable {
@@ -159,11 +163,13 @@ impl SlipTable {
             rolls: 2,
             steps: 2,
             rolling: Vec::new(),
+            steepest: -envelope.max_pitch,
             climbing: nothing.clone(),
             braking: nothing,
             error: TableError::default(),
             max_energy: 0.0,
             is_closed: true,
+            wheel_solves: 0,
         }
     }
 
@@ -211,13 +217,16 @@ impl SlipTable {
         [self.rolls, self.steps]
     }
 
+    /// At how many loads and slips the laws of a wheel were solved for its nodes: its cost, but for the checks.
+    #[must_use]
+    pub const fn wheel_solves(&self) -> usize {
+        self.wheel_solves
+    }
+
     /// The pitch that the robot climbs without roll, rad; the end of the envelope downhill where it drives nowhere.
     #[must_use]
     pub fn steepest(&self) -> f64 {
-        if self.is_closed {
-            return -self.envelope.max_pitch;
-        }
-        self.climbing.limit[self.rolls / 2]
+        self.steepest
     }
 
     /// The roll's place, the same for every table of one robot and grid.

@@ -26,7 +26,7 @@ use crate::law_error::Names;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::soil_choice::{self, Overrides};
-use crate::verb_report::Report;
+use crate::verb_report::{Medium, Report};
 use crate::wheel_choice::lugs;
 use grouser_log::csv::quoted;
 use grouser_report::{Fields, fields};
@@ -39,11 +39,11 @@ use grouser_report::{Fields, fields};
         grouser_thickness_m (these five optional), and sinkage_m or \
         load_n or both, of which exactly one is filled in each row. Numbers of the soil may differ from row to row: \
         k_c_kn_per_m_n1, k_phi_kn_per_m_n2, n, cohesion_kpa, phi_deg, k_shear_m, c_1 and c_2, as in soil files; \
-        where such a field is empty the soil's own number holds. Every column of the input is kept; sinkage_m \
-        is filled in place, and vertical_force_n, drawbar_pull_n, torque_nm, side_force_n (beside slip_angle_deg), \
-        pull_fluctuation_n and torque_fluctuation_nm (beside lugs), status and cautions (their keys, with spaces between) are \
+        an empty field means the soil's own number. Every column of the input is kept; sinkage_m \
+        is filled in place, and vertical_force_n, drawbar_pull_n, torque_nm, side_force_n (with slip_angle_deg), \
+        pull_fluctuation_n and torque_fluctuation_nm (with lugs), status and cautions (their keys, with spaces between) are \
         added. A column that looks like another \
-        quantity is refused; a remark is called note_… or measured_…. A row that cannot be solved gets a \
+        quantity is refused; remarks begin with note_ or measured_. A row that cannot be solved gets a \
         status and never stops the others. The table is streamed: it may be larger than memory.",
     after_help = "Examples:\n  grouser batch points.csv -o solved.csv\n  grouser batch - -o - < points.csv | head"
 )]
@@ -179,7 +179,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     };
     let text = format!("wrote {}: {}\n", shown(&path), counts.words());
     let mut report = Report::done(fields().object(solved), text);
-    report.is_aside = arguments.output == Path::new(STANDARD);
+    if arguments.output == Path::new(STANDARD) {
+        report.medium = Medium::Aside;
+    }
     report.warnings = columns.warnings();
     let caution =
         |(caution, count): (&Caution, &u64)| format!("caution at {count} rows: {caution}");

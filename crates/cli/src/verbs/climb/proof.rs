@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 /// Time for the proof, s.
 const TIME_LIMIT_S: f64 = 60.0;
 
-/// Least and greatest margin, degrees.
+/// Minimum and maximum of the margin, degrees.
 const MARGIN_LIMITS_DEG: [f64; 2] = [0.001, 30.0];
 
 /// A slope and what is proved about it.
@@ -58,7 +58,8 @@ impl Proved {
         self.proof.is_proved
     }
 
-    pub(super) fn text(&self) -> String {
+    /// `model_error` is that of the steepest slope, rad.
+    pub(super) fn text(&self, model_error: Option<f64>) -> String {
         let slope = rounded(self.slope_deg, 6);
         if !self.proof.is_proved {
             return format!(
@@ -73,9 +74,13 @@ impl Proved {
         let max_slip = shown(self.max_slip);
         let lower = self.proof.certificate.as_ref().map_or(0.0, |c| c.lower);
         format!(
-            "proved: no slip from 0 to {max_slip} holds {slope}°; at least {} N of pull are missing (that the rule of integration is off \
-             by at most 1e-8 of each force is {how})\n",
-            shown(lower)
+            "proved: no slip from 0 to {max_slip} holds {slope}°; at least {} N of pull are missing\n(error of the integrals of at most \
+             1e-8 of each force: {how}){}\n",
+            shown(lower),
+            model_error.map_or_else(String::new, |error| {
+                let degrees = rounded(error.to_degrees(), 2);
+                format!("\n90 % of measurements lie within ±{degrees}° of what the laws say")
+            })
         )
     }
 }

@@ -7,7 +7,6 @@ mod object;
 mod page;
 mod problem;
 mod request;
-mod table;
 mod text;
 
 use std::ops::ControlFlow;
@@ -25,7 +24,7 @@ use crate::progress::Progress;
 use crate::report_file::ReportFlag;
 use crate::session::Session;
 use crate::soil_choice::Overrides;
-use crate::verb_report::Report;
+use crate::verb_report::{Medium, Report};
 use crate::wheel_choice::GravityArgument;
 
 use carrier::Carrier;
@@ -36,7 +35,7 @@ use request::{Bounds, ChoiceName, MeasureName, Request, Shared};
 #[derive(clap::Args, Debug)]
 #[command(
     about = "The wheel of a robot for a mission of slopes and soils: energy per metre against wheel mass",
-    long_about = "The wheels of least energy per metre for their mass that hold every slope on every soil with a reserve of pull, and \
+    long_about = "The wheels of minimum energy per metre for their mass that hold every slope on every soil with a pull margin, and \
         one of them chosen: radius, width, lugs, where the chassis' mass lies, and the slip at which it runs.\n\nAll powered wheels share one slip. Loads follow \
         the slope, the radius and the mass of the new wheel. Each design is checked by the solver of `grouser climb`, which shares \
         no search with it. The model does not decide strength, wear and life of a wheel, obstacles, turning and ruts.",
@@ -52,12 +51,12 @@ pub(crate) struct Arguments {
     /// A mission file (`grouser init mission`); flags precede it
     #[arg(long, value_name = "FILE.toml")]
     mission: Option<PathBuf>,
-    /// Soils with their shares of the way: keys of the catalogue, or files when they contain `/` or `.`
+    /// Soils with their shares of the distance: keys of the catalogue, or files when they contain `/` or `.`
     #[arg(long, value_name = "KEY|FILE[=SHARE]", value_delimiter = ',', value_parser = request::parse_soil)]
     soil: Vec<Shared<String>>,
     #[command(flatten)]
     overrides: Overrides,
-    /// Slopes in degrees with their shares of the way
+    /// Slopes in degrees with their shares of the distance
     #[arg(long, value_name = "DEG[=SHARE]", value_delimiter = ',', value_parser = request::parse_slope, allow_hyphen_values = true)]
     slope_deg: Vec<Shared<f64>>,
     #[command(flatten)]
@@ -74,10 +73,10 @@ pub(crate) struct Arguments {
     /// Bounds of the number of lugs, or one number; 0 for a smooth wheel [default: the present one]
     #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
     grouser_count: Option<Bounds>,
-    /// Thickness of a lug along the rim in m [default: the present one, or 0.002]
+    /// Thickness of a lug along the circumference in m [default: the present one, or 0.002]
     #[arg(long, value_name = "M", value_parser = parse_finite)]
     grouser_thickness_m: Option<f64>,
-    /// Bounds of how far the chassis' mass may be shifted forwards in m, which shares the load out between the axles [default: 0]
+    /// Bounds of the shift of the chassis' mass forwards in m, which distributes the load between the axles [default: 0]
     #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
     mass_shift_m: Option<Bounds>,
     /// Mass of one wheel in kg, a formula over `radius_m`, `width_m`, `grouser_height_m`, `grouser_count` and
@@ -87,16 +86,16 @@ pub(crate) struct Arguments {
     /// How the energies of several soils become one number: of the worst soil, or their mean by the shares [default: worst]
     #[arg(long, value_name = "MEASURE")]
     soil_measure: Option<MeasureName>,
-    /// Least reserve of pull on every slope and soil, share of the weight [default: 0.05]
+    /// Minimum pull margin on every slope and soil, share of the weight [default: 0.05]
     #[arg(long, value_name = "X", value_parser = parse_finite)]
     min_reserve: Option<f64>,
-    /// Greatest slip at which a slope counts as held [default: 0.6]
+    /// Maximum slip at which a slope counts as held [default: 0.6]
     #[arg(long, value_name = "S", value_parser = parse_finite)]
     max_slip: Option<f64>,
     /// Which wheel of the front is chosen [default: knee]
     #[arg(long, value_name = "CHOICE", conflicts_with = "max_wheel_mass_kg")]
     choice: Option<ChoiceName>,
-    /// Choose the wheel of least energy up to this mass of one wheel in kg
+    /// Choose the wheel of minimum energy up to this mass of one wheel in kg
     #[arg(long, value_name = "KG", value_parser = parse_finite)]
     max_wheel_mass_kg: Option<f64>,
     /// Points of the front [default: 12]
@@ -180,7 +179,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     }
     text.push_str(&Output::write_all(
         outputs,
-        || table::csv(&front),
+        || designed.csv(),
         || Ok(figure::draw(&designed)),
     )?);
     let mut warnings = designed.warnings(Request::touching_radius(&carrier, &ranges));
@@ -215,7 +214,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         },
         object: object::fields().object(&designed),
         text,
-        is_aside: false,
+        medium: Medium::Text,
         failure,
         warnings,
     })
@@ -231,11 +230,11 @@ fn of_file(mut params: MissionParams, carrier: &Carrier) -> MissionParams {
 fn why_no_wheel(front: &MissionFront, choice: Choice) -> String {
     match (choice, front.points.first()) {
         (Choice::MaxMass(limit), Some(lightest)) => format!(
-            "no wheel of at most {} kg holds every slope with the reserve; the lightest that does has {} kg",
+            "no wheel of at most {} kg holds every slope with the pull margin; the lightest that does has {} kg",
             shown(limit),
             shown(lightest.wheel_mass)
         ),
-        _ => "no wheel within the bounds holds every slope on every soil with the reserve; the nearest one is printed".to_owned(),
+        _ => "no wheel within the bounds holds every slope on every soil with the pull margin; the nearest one is printed".to_owned(),
     }
 }
 

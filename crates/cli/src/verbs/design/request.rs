@@ -81,7 +81,7 @@ pub(crate) enum ChoiceName {
     Knee,
     /// The lightest wheel
     Lightest,
-    /// The wheel of least energy
+    /// The wheel of minimum energy
     LeastEnergy,
 }
 

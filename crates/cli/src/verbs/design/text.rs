@@ -3,11 +3,12 @@
 use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_design::mission::{MissionFront, SoilMeasure};
-use grouser_report::Table;
 use grouser_report::number::{rounded, shown};
+use grouser_report::{Layout, fields};
 
 use super::check::MAX_DIFFERENCE;
-use super::object::{Designed, Point, station};
+use super::object::{self, Designed, Point, station};
+use crate::model_error;
 
 /// The formula of the mass does not describe the robot's wheels where it is off by more than this share.
 const MAX_MASS_DIFFERENCE: f64 = 0.25;
@@ -19,43 +20,52 @@ impl Designed<'_> {
     pub(super) fn text(&self) -> String {
         let params = self.mission.params();
         let soils: Vec<&str> = params.soils.iter().map(|soil| soil.name.as_str()).collect();
-        let mut text = format!(
-            "{} on {} under {} m/s²: {}\n",
-            self.carrier.name(),
+        let mut text = format!("{}: {}\n", self.carrier.name(), self.headline());
+        if self.is_other_wheel() {
+            let _ = writeln!(text, "WARNING: {}", self.mass_warning());
+        }
+        let _ = writeln!(
+            text,
+            "on {} under {} m/s²\n\n{}",
             soils.join(", "),
             shown(self.carrier.gravity()),
-            self.headline()
+            self.wheels()
         );
-        let _ = writeln!(text, "mass of one wheel, kg: {}", params.mass_formula);
-        let (by_formula, by_file) = self.present_masses();
-        if rounded(by_formula, 3) != rounded(by_file, 3) {
-            let _ = writeln!(
-                text,
-                "that gives the present wheel {} kg, the robot file {} kg",
-                rounded(by_formula, 3),
-                rounded(by_file, 3)
-            );
-        }
-        text.push('\n');
-        text.push_str(&self.wheels());
         if let Some(point) = self.shown() {
             let title = match self.chosen() {
                 Some(_) => "The chosen wheel:",
                 None => "The nearest wheel:",
             };
-            let _ = writeln!(text, "\n{title}");
+            let _ = writeln!(text, "{title}");
             text.push_str(&station().table(Point(point, self).stations()));
-            if self.has_shift() {
+            if !point.held_by.is_empty() {
+                let _ = writeln!(text, "active limits: {}", point.held_by.join(", "));
+            }
+            if let Some(error) = Point(point, self).reserve_error() {
+                let error = rounded(error, 2);
+                let _ = writeln!(
+                    text,
+                    "90 % of measurements lie within ±{error} of a pull margin"
+                );
+            }
+            if Layout::current().details {
                 let loads = self.carrier.all_names().zip(&point.loads);
                 let loads: Vec<String> = loads
-                    .map(|(name, load)| format!("{name} {} N", rounded(*load, 3)))
+                    .map(|(name, load)| format!("{name} {} N", shown(*load)))
                     .collect();
-                let slope = self.mission.params().slopes[0].slope_deg;
-                let _ = writeln!(text, "loads at {} deg: {}", shown(slope), loads.join(", "));
+                let slope = shown(params.slopes[0].slope_deg);
+                let _ = writeln!(text, "loads at {slope} deg: {}", loads.join(", "));
             }
-            if !point.held_by.is_empty() {
-                let _ = writeln!(text, "held by: {}", point.held_by.join(", "));
-            }
+        }
+        let (by_formula, by_file) = self.present_masses();
+        if Layout::current().details || shown(by_formula) != shown(by_file) {
+            let _ = writeln!(
+                text,
+                "mass of one wheel, kg: {}\nit gives the present wheel {} kg, the robot file {} kg",
+                params.mass_formula,
+                shown(by_formula),
+                shown(by_file)
+            );
         }
         text.push_str(
             "Not decided here: strength, wear and life of the wheel, obstacles, turning, ruts, the drive's losses\n",
@@ -70,49 +80,47 @@ impl Designed<'_> {
             SoilMeasure::Mean => " in the mean of the soils",
         };
         let Some(chosen) = self.chosen() else {
-            return "no wheel within the bounds holds every slope with the reserve".to_owned();
+            return "no wheel within the bounds holds every slope with the pull margin".to_owned();
         };
-        let mut out = format!(
-            "a wheel of {} kg takes {} J/m{measure}",
-            rounded(chosen.wheel_mass, 4),
-            rounded(chosen.energy.unwrap_or(f64::NAN), 4),
-        );
-        let _ = match self.present.energy {
+        let doubt = if self.is_other_wheel() {
+            " (masses uncertain)"
+        } else {
+            ""
+        };
+        let present = match self.present.energy {
             Some(energy)
                 if self.present.least_reserve()
                     >= self.mission.params().min_reserve - RESERVE_TOLERANCE =>
             {
-                write!(
-                    out,
-                    ", the present one of {} kg {} J/m",
-                    rounded(self.present.wheel_mass, 4),
-                    rounded(energy, 4)
-                )
+                format!("needs {} J/m", shown(energy))
             }
-            _ => write!(
-                out,
-                "; the present one does not hold every slope with the reserve"
-            ),
+            _ => "does not hold every slope with the pull margin".to_owned(),
         };
-        if self.is_other_wheel() {
-            let (by_formula, by_file) = self.present_masses();
-            let _ = write!(
-                out,
-                "; the masses are doubtful: the formula gives the present wheel {} kg, the robot file {} kg",
-                rounded(by_formula, 3),
-                rounded(by_file, 3)
-            );
-        }
-        out
+        format!(
+            "a wheel of {} kg needs {} J/m{measure}{doubt}; the present one of {} kg {present}",
+            shown(chosen.wheel_mass),
+            shown(chosen.energy.unwrap_or(f64::NAN)),
+            shown(self.present.wheel_mass)
+        )
     }
 
-    /// Of the present wheel, kg: by the formula and by the robot file.
+    fn mass_warning(&self) -> String {
+        let (by_formula, by_file) = self.present_masses();
+        format!(
+            "the formula gives the present wheel a mass of {} kg, the robot file {} kg: it does not describe this robot's wheels \
+             (`--wheel-mass-kg`)",
+            shown(by_formula),
+            shown(by_file)
+        )
+    }
+
+    /// The mass of the present wheel, kg, by the formula and by the robot file.
     fn present_masses(&self) -> (f64, f64) {
         let by_formula = self.mission.wheel_mass(&self.carrier.present);
         (by_formula, self.carrier.present_mass)
     }
 
-    /// Is the formula that of other wheels than the robot's?
+    /// Does the formula describe other wheels than the robot's?
     fn is_other_wheel(&self) -> bool {
         let (by_formula, by_file) = self.present_masses();
         !((by_formula / by_file - 1.0).abs() <= MAX_MASS_DIFFERENCE)
@@ -126,18 +134,19 @@ impl Designed<'_> {
     fn wheels(&self) -> String {
         let has_lugs = self.mission.params().ranges.grouser_count.1 > 0.0
             || self.present.wheel.grouser_count > 0.0;
-        let mut table = Table::new().text("").number("radius m").number("width m");
+        let mut keys = vec!["", "radius_m", "width_m"];
         if has_lugs {
-            table = table.number("lug height mm").number("lugs");
+            keys.extend(["grouser_height_m", "grouser_count"]);
         }
         if self.has_shift() {
-            table = table.number("mass forwards mm");
+            keys.push("mass_shift_m");
         }
-        table = table
-            .number("mass kg")
-            .number("energy J/m")
-            .number("least reserve")
-            .number("saved J/m per kg");
+        keys.extend([
+            "wheel_mass_kg",
+            "energy_j_per_m",
+            "least_reserve",
+            "energy_saved_j_per_m_kg",
+        ]);
         let MissionFront {
             points,
             chosen,
@@ -148,57 +157,38 @@ impl Designed<'_> {
         let front = points.iter().enumerate().map(|(index, point)| {
             let is = |place: Option<usize>| place == Some(index);
             let word = match (is(*chosen), is(*knee)) {
-                (true, true) => "chosen, knee",
+                (true, true) => "chosen, best trade-off",
                 (true, false) => "chosen",
-                (false, true) => "knee",
+                (false, true) => "best trade-off",
                 (false, false) => "",
             };
             (word, point)
         });
         let nearest = nearest.iter().map(|point| ("nearest", point));
         let present = std::iter::once(("present", self.present));
-        for (word, point) in front.chain(nearest).chain(present) {
-            let wheel = &point.wheel;
-            let mut cells = vec![
-                word.to_owned(),
-                rounded(wheel.radius, 4),
-                rounded(wheel.width, 4),
-            ];
-            if has_lugs {
-                cells.push(rounded(1e3 * wheel.grouser_height, 3));
-                cells.push(shown(wheel.grouser_count));
-            }
-            if self.has_shift() {
-                cells.push(rounded(1e3 * wheel.mass_shift, 3));
-            }
-            let or_none = |x: Option<f64>, none: &str, digits| {
-                x.map_or_else(|| none.to_owned(), |x| rounded(x, digits))
-            };
-            cells.push(rounded(point.wheel_mass, 4));
-            cells.push(or_none(point.energy, "none", 4));
-            cells.push(rounded(point.least_reserve(), 3));
-            cells.push(or_none(point.energy_per_mass, "", 3));
-            table.row(cells);
-        }
-        table.render()
+        let columns = fields! { |of: (&'static str, Point<'_>)|
+            remark "" = of.0;
+            join(object::point()) = of.1;
+        };
+        let rows = front.chain(nearest).chain(present);
+        columns
+            .pick(&keys)
+            .table(rows.map(|(word, point)| (word, Point(point, self))))
     }
 
     /// What the numbers do not say by themselves.
     pub(super) fn warnings(&self, touching_radius: Option<f64>) -> Vec<String> {
         let mut list = Vec::new();
+        if Point(self.present, self).reserve_error().is_none() {
+            list.push(model_error::UNKNOWN.to_owned());
+        }
         if self.is_other_wheel() {
-            let (by_formula, by_file) = self.present_masses();
-            list.push(format!(
-                "the formula gives the present wheel a mass of {} kg, the robot file {} kg: it does not describe this robot's wheels \
-                 (`--wheel-mass-kg`)",
-                rounded(by_formula, 3),
-                rounded(by_file, 3)
-            ));
+            list.push(self.mass_warning());
         }
         if let Some(limit) = touching_radius {
             list.push(format!(
                 "the bounds allow wheels that touch each other: from a radius of {} m",
-                rounded(limit, 4)
+                shown(limit)
             ));
         }
         if self.checked.difference > MAX_DIFFERENCE {
@@ -229,7 +219,7 @@ impl Designed<'_> {
         let kept = self.carrier.names(false);
         if !kept.is_empty() {
             list.push(format!(
-                "{} stays as it is and stays on the ground: its mounting must follow where the chassis rises or sinks",
+                "{} stays unchanged and on the ground: its mounting must follow where the chassis rises or sinks",
                 kept.join(", ")
             ));
         }

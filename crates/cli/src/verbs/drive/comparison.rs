@@ -61,13 +61,8 @@ impl Comparison {
     /// Arrivals, then energies.
     pub(super) fn text(&self) -> String {
         let mut text = format!(
-            "arrived: controller {} of {}, open loop {} of {}; the controller alone in {}, open loop alone in {}\n",
-            self.controller,
-            self.seeds,
-            self.open_loop,
-            self.seeds,
-            self.controller_alone,
-            self.open_loop_alone
+            "seeds in which only the controller arrives: {}, only open loop: {}\n",
+            self.controller_alone, self.open_loop_alone
         );
         if let (Some(ratio), Some(gain)) = (self.energy_ratio, self.gain()) {
             let _ = writeln!(

@@ -73,7 +73,8 @@ impl Log {
 }
 
 /// A table: `time_ms`, the counter of each wheel with an encoder, the torque of each with a motor, gyro, accelerometer,
-/// angles of rockers and arms, sinkages, entry angles and encoder edges where they are measured, and the soil where it is learnt.
+/// angles of rockers and arms, sinkages, entry angles and encoder edges where they are measured, the soil where it is learnt, and
+/// tip-over margin, energy and positions of a chassis with actuators.
 struct Table {
     out: OutputFile,
     last_ns: i64,
@@ -136,6 +137,13 @@ impl Table {
         if has_soil {
             names.push_str(",soil_strength,soil_strength_low,soil_strength_high,soil_stiffness,soil_stiffness_low");
             names.push_str(",soil_stiffness_high,soil_phi_deg,soil_phi_low_deg,soil_phi_high_deg");
+        }
+        if !scenario.robot.actuators.is_empty() {
+            names.push_str(",tip_over_margin_deg,used_energy_j");
+            for own in &scenario.robot.actuators {
+                let unit = if own.is_angle() { "deg" } else { "m" };
+                let _ = write!(names, ",{}_{unit}", own.name);
+            }
         }
         let columns = names.matches(',').count() + 1;
         writeln!(out, "{names}")?;
@@ -244,6 +252,7 @@ impl Table {
             .chain(contacts)
             .chain(self.edges.iter().map(|_| None))
             .chain(soil.into_iter().flatten())
+            .chain(posture_columns(frame))
         {
             // a table holds numbers; what a broken sensor shows instead is an empty cell
             match value.filter(|value| value.is_finite()) {
@@ -253,6 +262,20 @@ impl Table {
         }
         self.out.write_all(b"\n")
     }
+}
+
+/// Margin (°), energy (J) and positions (° or m) of a chassis with actuators.
+fn posture_columns(frame: &Frame<'_>) -> impl Iterator<Item = Option<f64>> {
+    let positions = frame.actuators.iter().map(|own| {
+        Some(if own.is_angle() {
+            own.position.to_degrees()
+        } else {
+            own.position
+        })
+    });
+    let margin = frame.tip_over_margin.map(f64::to_degrees);
+    let first = (!frame.actuators.is_empty()).then_some([margin, Some(frame.energy)]);
+    first.into_iter().flatten().chain(positions)
 }
 
 /// Strength, stiffness and friction angle (°), each with its interval.

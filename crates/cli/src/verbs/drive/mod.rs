@@ -47,7 +47,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "SCENARIO.toml")]
     scenario: PathBuf,
     /// Drive the same ground with each of these: `controller`, `open-loop` (constant wheel speed at which the robot has the
-    /// mean speed of the controller's own drive)
+    /// mean speed of the controller's own drive), `fixed-chassis` (the controller, with a chassis that does not move)
     #[arg(
         long,
         value_name = "NAMES",
@@ -58,7 +58,7 @@ pub(crate) struct Arguments {
     /// The seed of ground and noise, instead of the scenario's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Drive with this many seeds, the first one and those after it
+    /// Drive with this many seeds, from the first one on
     #[arg(long, value_name = "N", default_value_t = 1)]
     sweep: u64,
     #[command(flatten)]
@@ -69,7 +69,7 @@ pub(crate) struct Arguments {
     output: Vec<PathBuf>,
 }
 
-/// Most seeds of a sweep.
+/// Maximum of the seeds of a sweep.
 const MAX_SEEDS: u64 = 10_000;
 
 pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
@@ -91,7 +91,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     session.used_file(&scenario.robot_file)?;
     if scenario.plan.is_some() && pilots.iter().any(|pilot| *pilot != Pilot::Controller) {
         return Err(Error::usage(
-            "`--compare` names other drivers, but the scenario plans its way",
+            "`--compare` names other drivers, but the scenario plans its route",
             "a navigator drives it, with the slip loop of `controller`; leave `--compare` out",
         ));
     }
@@ -122,7 +122,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         text.push_str(&log.finish()?);
     }
     if let Some(file) = report {
-        let shown = report::object(&scenario, optimum, &runs);
+        let shown = report::report(&scenario, optimum, &runs);
         text.push_str(&file.write(&scenario.title, shown, session)?);
     }
     Ok(Report {
@@ -138,7 +138,7 @@ fn pilot(name: &str) -> Result<Pilot> {
         .ok_or_else(|| {
             Error::usage(
                 format!("`--compare` names `{name}`, which is no driver"),
-                "drivers are `open-loop` and `controller`",
+                "drivers are `open-loop`, `controller` and `fixed-chassis`",
             )
         })
 }
@@ -158,7 +158,8 @@ struct Jobs<'a> {
 fn drive_all(scenario: &Scenario, jobs: &Jobs<'_>, logs: Vec<Log>) -> Result<(Vec<Run>, Vec<Log>)> {
     let first = jobs.first;
     let has_open_loop = jobs.pilots.contains(&Pilot::OpenLoop);
-    let count = jobs.sweep * if has_open_loop { 2 } else { 1 };
+    let has_fixed = jobs.pilots.contains(&Pilot::FixedChassis);
+    let count = jobs.sweep * (1 + u64::from(has_open_loop) + u64::from(has_fixed));
     let progress = Progress::of_drives(
         scenario.duration * count as f64,
         usize::try_from(count).unwrap_or(usize::MAX),
@@ -213,34 +214,62 @@ fn drive_all(scenario: &Scenario, jobs: &Jobs<'_>, logs: Vec<Log>) -> Result<(Ve
                 pace,
                 seed,
                 result,
+                refusal: None,
                 own_laws: own_laws(scenario, pilot, (jobs.optimum, &tables), seed)?,
                 planned,
                 seen,
             }),
         }
     };
-    let runs = (0..jobs.sweep)
+    let of_seed = |seed: u64| -> Result<Vec<Run>> {
+        let mut runs = vec![drive(Pilot::Controller, 1.0, seed)?];
+        if has_open_loop {
+            let share = equal_speed_share(&runs[0].result, |share| {
+                let slower = scenario.at_pace(share);
+                let optimum = jobs.optimum;
+                Simulation::with_tables(&slower, Pilot::OpenLoop, optimum, seed, &tables)
+                    .map(|mut drive| drive.run(|_| true))
+            })?;
+            runs.push(drive(Pilot::OpenLoop, share, seed)?);
+        }
+        if has_fixed {
+            runs.push(drive(Pilot::FixedChassis, 1.0, seed)?);
+        }
+        Ok(runs)
+    };
+    let runs: Vec<_> = (0..jobs.sweep)
         .into_par_iter()
         .map(|index| {
             let seed = first.wrapping_add(index);
-            let mut of_seed = vec![drive(Pilot::Controller, 1.0, seed)?];
-            if has_open_loop {
-                let share = equal_speed_share(&of_seed[0].result, |share| {
-                    let slower = scenario.at_pace(share);
-                    let optimum = jobs.optimum;
-                    Simulation::with_tables(&slower, Pilot::OpenLoop, optimum, seed, &tables)
-                        .map(|mut drive| drive.run(|_| true))
-                })?;
-                of_seed.push(drive(Pilot::OpenLoop, share, seed)?);
-            }
-            Ok(of_seed)
+            (seed, of_seed(seed))
         })
-        .collect::<Result<Vec<_>>>()?;
-    let mut runs: Vec<Run> = runs.into_iter().flatten().collect();
+        .collect();
+    let mut runs = rows(runs, jobs.pilots)?;
     let place = |run: &Run| jobs.pilots.iter().position(|pilot| *pilot == run.pilot);
     runs.retain(|run| place(run).is_some());
     runs.sort_by_key(place);
     Ok((runs, logs.into_inner().unwrap_or_default()))
+}
+
+/// The runs of all seeds; a seed on whose ground no drive can begin is a row among others, and the error where no seed
+/// has such ground.
+fn rows(of_seeds: Vec<(u64, Result<Vec<Run>>)>, pilots: &[Pilot]) -> Result<Vec<Run>> {
+    let is_any_driven = of_seeds.iter().any(|(_, runs)| runs.is_ok());
+    let mut rows = Vec::new();
+    for (seed, runs) in of_seeds {
+        match runs {
+            Ok(runs) => rows.extend(runs),
+            Err(error) if is_any_driven && !error.is_of_file() => {
+                rows.extend(
+                    pilots
+                        .iter()
+                        .map(|pilot| Run::refused(*pilot, seed, &error)),
+                );
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(rows)
 }
 
 /// The slips of the same drive on ground that obeys the estimator's own laws, for a scenario with `world_laws`.

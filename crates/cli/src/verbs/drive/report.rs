@@ -6,22 +6,23 @@ use grouser_rover::drive::Scenario;
 use serde_json::{Value, json};
 
 use super::comparison::Comparison;
+use super::object;
 use super::run::{Run, pilots, warnings};
 use super::text::summary;
 
-pub(super) fn object(scenario: &Scenario, optimum: f64, runs: &[Run]) -> Object {
+pub(super) fn report(scenario: &Scenario, optimum: f64, runs: &[Run]) -> Object {
     let drive = |run| played(scenario, optimum, run);
     let played: Vec<Value> = runs.iter().filter_map(drive).collect();
-    let drives: Vec<Value> = runs.iter().map(row).collect();
-    let drivers = pilots(runs);
-    let mut summaries: Vec<String> = if runs.len() > drivers.len() {
-        drivers.iter().map(|pilot| summary(runs, *pilot)).collect()
-    } else {
-        Vec::new()
-    };
+    let rows = object::run().pick(&object::COLUMNS);
+    let drives: Vec<Object> = runs
+        .iter()
+        .map(|run| rows.object((scenario, run)))
+        .collect();
+    let drivers = pilots(runs).into_iter();
+    let mut summaries: Vec<String> = drivers.map(|pilot| summary(runs, pilot)).collect();
     let comparison = Comparison::of(runs).map(|comparison| comparison.text());
     let lines = comparison.iter().flat_map(|text| text.lines());
-    summaries.splice(0..0, lines.map(str::to_owned));
+    summaries.extend(lines.map(str::to_owned));
     summaries.extend(warnings(runs));
     let soils: Vec<(String, &str)> = scenario
         .ground
@@ -58,24 +59,8 @@ fn played(scenario: &Scenario, optimum: f64, run: &Run) -> Option<Value> {
     };
     let mut shown = run.seen.as_ref()?.object(&drive);
     if let Some(planned) = &run.planned {
-        shown["planned"] = super::object::planned().object(planned).into();
+        shown["planned"] = object::planned().object(planned).into();
         shown["tile_m"] = scenario.learn.as_ref().map(|learn| learn.tile).into();
     }
     Some(shown)
-}
-
-fn row(run: &Run) -> Value {
-    let result = &run.result;
-    json!({
-        "controller": run.pilot.name(),
-        "seed": run.seed,
-        "outcome": result.outcome.name(),
-        "distance_m": result.distance,
-        "duration_s": result.duration,
-        "energy_j": result.energy,
-        "energy_j_per_m": result.energy_per_metre(),
-        "worst_slip": result.worst_slip,
-        "slip_rmse": result.slip.rmse,
-        "slip_bias": result.slip.bias,
-    })
 }

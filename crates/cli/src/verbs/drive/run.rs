@@ -6,6 +6,8 @@ use grouser_rover::drive::{DriveResult, Outcome, Pilot, SlipScore};
 use grouser_terra::Caution;
 use grouser_terrain::mission::PlannedDrive;
 
+use crate::error::Error;
+
 /// One finished drive.
 pub(super) struct Run {
     pub(super) pilot: Pilot,
@@ -13,12 +15,30 @@ pub(super) struct Run {
     pub(super) pace: f64,
     pub(super) seed: u64,
     pub(super) result: DriveResult,
+    /// Why it could not begin.
+    pub(super) refusal: Option<String>,
     /// The slips of the same drive where the ground obeys the estimator's own laws; `None` where it does anyway.
     pub(super) own_laws: Option<SlipScore>,
-    /// How it planned and what it learnt, for a scenario that plans its way.
+    /// How it planned and what it learnt, for a scenario that plans its route.
     pub(super) planned: Option<PlannedDrive>,
-    /// What was seen on the way, of the first seed.
+    /// What was recorded during the drive, of the first seed.
     pub(super) seen: Option<DriveRecorder>,
+}
+
+impl Run {
+    /// The row of a seed on whose ground a drive cannot begin.
+    pub(super) fn refused(pilot: Pilot, seed: u64, error: &Error) -> Self {
+        Self {
+            pilot,
+            pace: 1.0,
+            seed,
+            result: DriveResult::refused(),
+            refusal: Some(error.to_string()),
+            own_laws: None,
+            planned: None,
+            seen: None,
+        }
+    }
 }
 
 /// How many of the runs of a driver ended so.
@@ -49,8 +69,8 @@ fn bad_balance(runs: &[Run]) -> Option<String> {
         String::new()
     };
     Some(format!(
-        "the energy balance of `{}`, seed {}, is off by {} %{among}: its ways and energies are no better; a shorter `step_s` in the \
-         scenario makes them so",
+        "the energy balance of `{}`, seed {}, is off by {} %{among}: its distances and energies are no more accurate; use a shorter `step_s` in \
+         the scenario",
         worst.pilot.name(),
         worst.seed,
         rounded(100.0 * share(worst), 2)

@@ -6,57 +6,42 @@ use grouser_real::median;
 use grouser_rover::drive::{Outcome, Pilot, Scenario, SlipScore};
 
 use super::comparison::Comparison;
+use super::object;
 use super::optimum::meaning;
 use super::run::{Run, count, pilots};
-use grouser_report::number::rounded;
+use grouser_report::number::{rounded, shown};
+use grouser_report::{Layout, fields};
 
-/// Decisions that are printed; the report and the JSON hold all.
+/// Number of decisions that are printed; the report and the JSON hold all.
 const SHOWN: usize = 20;
 
 pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
-    let mut out = format!(
-        "{}\nrobot {}, slip setpoint {} ({})\n\n",
-        scenario.title,
+    let mut out = format!("{}\n", scenario.title);
+    // writing to a string cannot fail
+    for pilot in pilots(runs) {
+        let _ = writeln!(out, "{}", summary(runs, pilot));
+    }
+    if let Some(comparison) = Comparison::of(runs) {
+        out.push_str(&comparison.text());
+    }
+    let table = object::run().pick(&object::COLUMNS);
+    let _ = writeln!(
+        out,
+        "\n{}",
+        table.table(runs.iter().map(|run| (scenario, run)))
+    );
+    for run in runs {
+        if let Some(reason) = &run.refusal {
+            let _ = writeln!(out, "seed {} could not begin: {reason}", run.seed);
+        }
+    }
+    let _ = writeln!(
+        out,
+        "robot {}, slip setpoint {} ({})",
         scenario.robot.robot.name(),
         rounded(optimum, 3),
         meaning(scenario)
     );
-    // writing to a string cannot fail
-    let _ = writeln!(
-        out,
-        "{:<11} {:>8} {:<13} {:>8} {:>7} {:>9} {:>7} {:>10} {:>9}",
-        "driver",
-        "seed",
-        "outcome",
-        "distance",
-        "time",
-        "energy",
-        "per m",
-        "worst slip",
-        "slip rmse"
-    );
-    let dash = || "—".to_owned();
-    for run in runs {
-        let result = &run.result;
-        let _ = writeln!(
-            out,
-            "{:<11} {:>8} {:<13} {:>6.2} m {:>5.0} s {:>7.0} J {:>7} {:>10.2} {:>9}",
-            run.pilot.name(),
-            run.seed,
-            result.outcome.name(),
-            result.distance,
-            result.duration,
-            result.energy,
-            result
-                .energy_per_metre()
-                .map_or_else(dash, |e| format!("{e:.0}")),
-            result.worst_slip,
-            result
-                .slip
-                .rmse
-                .map_or_else(dash, |rmse| format!("{rmse:.3}")),
-        );
-    }
     let open = runs.iter().filter(|run| run.pilot == Pilot::OpenLoop);
     let paces = open.map(|run| run.pace);
     if let Some(low) = paces.clone().reduce(f64::min) {
@@ -67,54 +52,38 @@ pub(super) fn text(scenario: &Scenario, optimum: f64, runs: &[Run]) -> String {
         }
         let _ = writeln!(
             out,
-            "\nopen loop has the controller's mean speed: wheels at {share} of the requested speed"
+            "open loop has the controller's mean speed: wheels at {share} of the requested speed"
         );
-    }
-    if let Some(comparison) = Comparison::of(runs) {
-        out.push_str(&comparison.text());
     }
     planned(runs, &mut out);
     super::soil::text(runs, &mut out);
     if let Some(law) = scenario.ground.world_laws
         && scenario.plan.is_none()
+        && Layout::current().details
     {
         let _ = writeln!(
             out,
-            "\nThe ground obeys the law `{}`; slip under it and under the estimator's own laws:",
+            "\nThe ground obeys the law `{}`; slip errors under it and under the estimator's own laws:",
             law.key()
         );
-        for run in runs {
-            let Some(own) = &run.own_laws else { continue };
-            let of = |score: &SlipScore| {
-                let number =
-                    |value: Option<f64>| value.map_or_else(dash, |value| format!("{value:.3}"));
-                format!(
-                    "rmse {}, squared error over variance {}",
-                    number(score.rmse),
-                    number(score.nees)
-                )
-            };
-            let (name, foreign) = (run.pilot.name(), of(&run.result.slip));
-            let _ = writeln!(
-                out,
-                "{name:<11} {:>8} {foreign}; own: {}",
-                run.seed,
-                of(own)
-            );
-        }
-    }
-    let drivers = pilots(runs);
-    if runs.len() > drivers.len() {
-        out.push('\n');
-        for pilot in &drivers {
-            let _ = writeln!(out, "{}", summary(runs, *pilot));
-        }
+        let scores = runs
+            .iter()
+            .filter_map(|run| Some((run, run.own_laws.as_ref()?)));
+        let score = fields! { |of: (&Run, &str, SlipScore)|
+            remark "driver" = of.0.pilot.name();
+            "seed" "seed" .shown("") = of.0.seed;
+            remark "laws" = of.1;
+            join(object::score()) = of.2;
+        };
+        let rows =
+            scores.flat_map(|(run, own)| [(run, law.key(), run.result.slip), (run, "own", *own)]);
+        out.push_str(&score.table(rows));
     }
     decisions(scenario, runs, &mut out);
     out
 }
 
-/// Ways planned and soil learnt, of the drives of a scenario with `[plan]`.
+/// Routes planned and soil learnt, of the drives of a scenario with `[plan]`.
 fn planned(runs: &[Run], out: &mut String) {
     for run in runs {
         let Some(planned) = &run.planned else {
@@ -122,44 +91,51 @@ fn planned(runs: &[Run], out: &mut String) {
         };
         let _ = writeln!(
             out,
-            "\nseed {}: {} ways planned after the first, risk of a place that cannot be left again at most {}, backed out {} \
-             times; the goal is {:.2} m away",
+            "\nseed {}: {} routes planned after the first, probability to get stuck on them at most {}, backed out {} times; \
+             {} m left to the goal",
             run.seed,
             planned.planning.count,
             rounded(planned.planning.risk, 3),
             planned.held,
-            planned.to_goal
+            shown(planned.to_goal)
         );
-        for tile in &planned.learnt {
-            let _ = writeln!(
-                out,
-                "soil at ({:6.1}, {:6.1}) m lets the robot climb {:5.1}°, within [{:.1}°, {:.1}°]",
-                tile.place.0,
-                tile.place.1,
-                tile.steepest.to_degrees(),
-                tile.low.to_degrees(),
-                tile.high.to_degrees()
+        if Layout::current().details {
+            out.push_str(
+                "slope that the robot can climb, with its 90 % interval, by tiles of soil:\n",
             );
+            out.push_str(&object::tile().table(&planned.learnt));
         }
     }
 }
 
-/// How a driver fared over all seeds.
+/// The outcomes of a driver over all seeds.
 pub(super) fn summary(runs: &[Run], pilot: Pilot) -> String {
     let own: Vec<&Run> = runs.iter().filter(|run| run.pilot == pilot).collect();
     let mut energies: Vec<f64> = own
         .iter()
         .filter_map(|run| run.result.energy_per_metre())
         .collect();
-    let median = median(&mut energies);
-    format!(
+    let mut text = format!(
         "{}: {} of {} arrived, {} immobilised; median energy {} J/m",
         pilot.name(),
         count(runs, pilot, Outcome::Arrived),
         own.len(),
         count(runs, pilot, Outcome::Immobilised),
-        median.map_or_else(|| "—".to_owned(), |e| format!("{e:.0}")),
-    )
+        median(&mut energies).map_or_else(|| "-".to_owned(), shown),
+    );
+    // a chassis with actuators
+    let margins = own.iter().filter_map(|run| run.result.min_tip_over_margin);
+    if let Some(least) = margins.reduce(f64::min) {
+        let mut drawn: Vec<f64> = own.iter().map(|run| run.result.ledger.actuators).collect();
+        let _ = write!(
+            text,
+            "; actuators {} J;\n  {} tipped over; minimum tip-over margin {} deg",
+            median(&mut drawn).map_or_else(|| "-".to_owned(), shown),
+            count(runs, pilot, Outcome::Tipped),
+            shown(least.to_degrees()),
+        );
+    }
+    text
 }
 
 fn decisions(scenario: &Scenario, runs: &[Run], out: &mut String) {
@@ -170,6 +146,16 @@ fn decisions(scenario: &Scenario, runs: &[Run], out: &mut String) {
     else {
         return;
     };
+    let count = run.result.decision_count;
+    if !Layout::current().details {
+        let _ = writeln!(
+            out,
+            "{count} decisions of the {} (seed {}): -v lists them",
+            run.pilot.name(),
+            run.seed
+        );
+        return;
+    }
     let _ = writeln!(
         out,
         "\nDecisions of the {} (seed {}):",
@@ -182,8 +168,8 @@ fn decisions(scenario: &Scenario, runs: &[Run], out: &mut String) {
         let of = wheel.map_or_else(String::new, |wheel| format!("  {}", wheel.name));
         let _ = writeln!(out, "{:>7.2} s  {}{of}", named.time, named.decision);
     }
-    let more = run.result.decision_count.saturating_sub(SHOWN as u64);
+    let more = count.saturating_sub(SHOWN as u64);
     if more > 0 {
-        let _ = writeln!(out, "  … and {more} more (--json, --report)");
+        let _ = writeln!(out, "  and {more} more (--json, --report)");
     }
 }

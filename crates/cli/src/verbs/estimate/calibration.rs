@@ -27,7 +27,7 @@ use crate::output::OutputFile;
 use crate::session::Session;
 use crate::verb_report::Report;
 
-/// Runs with a shorter way by the wheels in sum do not show a radius well, m: the reference is some millimetres off, and starts and
+/// Runs with a shorter distance by the wheels in sum do not show a radius well, m: the reference is some millimetres off, and starts and
 /// stops some centimetres.
 const MIN_WAY_M: f64 = 2.0;
 /// A radius with a wider interval (95 %, half of it over the radius) is doubtful: slips are then known to no better than that.
@@ -121,7 +121,7 @@ pub(super) fn run(
 struct Runs {
     /// What would make its result doubtful, or a wheel `Invalid`.
     doubts: Vec<String>,
-    /// The way of the wheels of all runs, m.
+    /// The distance driven by the wheels in all runs, m.
     travel_m: f64,
 }
 
@@ -131,7 +131,7 @@ fn doubts_of(logs: &[Log], files: &Files<'_>, request: &Request) -> Result<Runs>
         travel_m: 0.0,
     };
     for (log, path) in logs.iter().zip(files.logs) {
-        let mut watch = RowWatch::new(request);
+        let mut watch = RowWatch::new(request.robot.robot.wheels().len());
         let summary = run_into(log, &request.robot, &request.options, &mut watch)?;
         runs.travel_m += summary.along.travel_wheels.abs();
         let doubts = summary.doubts().into_iter().map(|doubt| doubt.to_string());
@@ -207,7 +207,10 @@ fn radius(logs: &[Log], request: &Request) -> Result<Calibrated> {
         .iter()
         .map(|factor| format!("{factor:.4}"))
         .collect();
-    let mut text = format!("effective radius: {:.4} of the robot file's", found.factor);
+    let mut text = format!(
+        "effective radius: {:.4} × that of the robot file",
+        found.factor
+    );
     if let Some(half) = found.half_spread() {
         let _ = write!(text, " ± {half:.4} (runs: {})", each.join(", "));
     }
@@ -248,10 +251,13 @@ fn geometry(logs: &[Log], request: &Request) -> Result<Calibrated> {
                 half_width: Some(half),
             }) => writeln!(
                 text,
-                "{name}: {value:.4} ± {half:.4} of the robot file's (95 %)"
+                "{name}: {value:.4} ± {half:.4} × that of the robot file (95 %)"
             ),
             Some(Factor { value, .. }) => {
-                writeln!(text, "{name}: {value:.4} of the robot file's (no interval)")
+                writeln!(
+                    text,
+                    "{name}: {value:.4} × that of the robot file (no interval)"
+                )
             }
         };
     }
@@ -267,7 +273,7 @@ fn geometry(logs: &[Log], request: &Request) -> Result<Calibrated> {
             let end = match (clear, value < 0.0) {
                 (None, _) => ", unchanged",
                 (Some(delay), _) if delay.is_beyond_correction() => {
-                    ": too much for a delay, unchanged; are the clocks of two computers apart?"
+                    ": too much for a delay, unchanged; do the clocks of two computers disagree?"
                 }
                 (Some(_), false) => "",
                 (Some(_), true) => {
@@ -335,7 +341,7 @@ struct Written<'a> {
 
 fn written<'a>() -> Fields<'a, Written<'a>> {
     fields! { |written: Written<'a>|
-        "doubts" "why the result is doubtful" = written.doubts.to_vec();
+        "doubts" "why the result is uncertain" = written.doubts.to_vec();
         "output" "the file that was written; null of logs in which something is wrong" =
             written.target.map(|target| target.display().to_string());
     }
@@ -367,7 +373,7 @@ fn of_geometry<'a>() -> Fields<'a, Geometry<'a>> {
         "radius" "radii of the powered wheels" group(factor()) = found.0.radius;
         "track" "distance of left and right wheels; null where it is not observable" group(factor()) = found.0.track;
         "yaw_rate" "yaw rate; null where it is not observable" group(factor()) = found.0.yaw_rate;
-        "reference_delay" "how much later the reference is stamped than wheels and gyro; null where it is not observable"
+        "reference_delay" "delay of the reference's stamps to wheels and gyro; null where it is not observable"
             group(reference_delay()) = found.1;
         join(written()) = found.2;
     }

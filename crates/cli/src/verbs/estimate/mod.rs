@@ -22,7 +22,7 @@ use grouser_files::robot::{self, RobotFile, WheelSensor};
 use grouser_log::{Cell, LOOK_AHEAD, LeftOut, Log, UsedTopic};
 use grouser_page::run::LogRecorder;
 use grouser_replay::{
-    Compared, Doubt, Inputs, Method, Options, Row, Sink, Status, Step, Summary, Truth, check_start,
+    Compared, Doubt, Inputs, Options, Row, Sink, Status, Step, Summary, Truth, check_start,
     run_into, soil_readings, unused_currents,
 };
 use grouser_slip::{Reference, Rejected};
@@ -31,8 +31,7 @@ use self::calibration::Job;
 use self::object::{Found, is_other_reference};
 use self::output::Outputs;
 use self::request::Request;
-use self::reservations::seldom_read;
-use self::row_watch::{RowWatch, WheelRows};
+use self::row_watch::RowWatch;
 use self::text::text;
 use crate::error::{Error, Result};
 use crate::exit::Outcome;
@@ -41,9 +40,9 @@ use crate::report_file::ReportFlag;
 use crate::session::Session;
 use crate::soil_choice::{self, Chosen, Overrides};
 use crate::soil_text;
-use crate::verb_report::Report;
+use crate::verb_report::{Medium, Report};
 use grouser_report::number::parse_finite;
-use grouser_report::{Object, printable};
+use grouser_report::{Layout, Object, printable};
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -59,7 +58,7 @@ pub(crate) struct Arguments {
     /// The robot file
     #[arg(long, value_name = "R.toml")]
     robot: PathBuf,
-    /// The column map of a CSV log [default: the robot file's, or `columns.toml` beside it]
+    /// The column map of a CSV log [default: the robot file's, or `columns.toml` next to it]
     #[arg(long, value_name = "C.toml")]
     map: Option<PathBuf>,
     /// Write slip against time: a table (.csv), a figure (.svg, .png) or messages of ROS 2 with odometry and diagnostics (.mcap); may be given again
@@ -78,20 +77,18 @@ pub(crate) struct Arguments {
     /// What measures how fast the robot travels [default: the robot file's]
     #[arg(long, value_name = "NAME", value_parser = reference)]
     reference: Option<Reference>,
-    /// What estimates the slips: `filter`, or means over windows [default: the filter, up to 8 wheels]
-    #[arg(long, value_name = "filter|window", value_parser = method)]
-    method: Option<Method>,
     /// Slips as the robot would have known them at their time; else each slip uses the whole log
     #[arg(long)]
     online: bool,
     #[arg(long, hide = true, value_parser = smooth, num_args = 0, default_missing_value = "")]
     smooth: Option<()>,
+    #[arg(long, hide = true, value_parser = by_filter)]
+    method: Option<()>,
+    #[arg(long, hide = true, value_parser = by_filter, allow_hyphen_values = true)]
+    window_s: Option<()>,
     /// What measures the wheels [default: the robot file's]
     #[arg(long, value_name = "count|angle|rate", value_parser = sensor)]
     wheel_sensor: Option<WheelSensor>,
-    /// Length of the means' windows in s [default: the robot file's]
-    #[arg(long, value_name = "S", value_parser = parse_finite, allow_hyphen_values = true)]
-    window_s: Option<f64>,
     /// Leave out what comes before this time in s
     #[arg(long, value_name = "S", value_parser = parse_finite, allow_hyphen_values = true)]
     from_s: Option<f64>,
@@ -122,13 +119,14 @@ fn reference(name: &str) -> std::result::Result<Reference, String> {
     )
 }
 
-fn method(name: &str) -> std::result::Result<Method, String> {
-    one_of(name, &Method::NAMES)
-}
-
 /// A flag of the past.
 fn smooth(_: &str) -> std::result::Result<(), String> {
     Err("slips use the whole log without it; `--online` gives those that the robot would have known".into())
+}
+
+/// And two of them.
+fn by_filter(_: &str) -> std::result::Result<(), String> {
+    Err("the slip filter replaces means over windows, and follows wheels by the period of their readings".into())
 }
 
 fn sensor(name: &str) -> std::result::Result<WheelSensor, String> {
@@ -175,7 +173,7 @@ pub(super) fn run_compared(
         outputs: &mut outputs,
         seen: report.as_ref().map(|_| LogRecorder::new(wheels.len())),
         compared: truth::source(arguments, &log, &request.robot, session)?.map(Truth::compare),
-        watch: RowWatch::new(&request),
+        watch: RowWatch::new(wheels.len()),
     };
     let summary = run_into(&log, &request.robot, &request.options, &mut watched);
     let Watched {
@@ -229,9 +227,8 @@ pub(super) fn run_compared(
     text.push_str(&outputs.finish(&request.robot, &summary, &truths)?);
     if let (Some(file), Some(seen)) = (report, seen) {
         let title = title(&log);
-        let mut run = seen.object(&title, &summary);
-        run["known_soil"] = soil.as_ref().map(|known| known.name.as_str()).into();
-        let shown = Object::from_iter([("runs".to_owned(), vec![run].into())]);
+        let known = soil.as_ref().map(|known| known.name.as_str());
+        let shown = on_page(seen.object(&title, &summary), found, known);
         text.push_str(&file.write(&title, shown, session)?);
     }
     let is_implausible = matches!(
@@ -246,11 +243,23 @@ pub(super) fn run_compared(
         },
         object: object::fields().object(found),
         text,
-        is_aside: false,
-        failure: failure(&summary, &rows),
+        medium: Medium::Text,
+        failure: failure(&summary),
         warnings: warnings(found, &request, &arguments.logs),
     };
     Ok((report, compared))
+}
+
+/// The run of a log as the page takes it, with what the log says of the whole of it.
+fn on_page(mut run: serde_json::Value, found: Found<'_>, known_soil: Option<&str>) -> Object {
+    run["known_soil"] = known_soil.into();
+    run["slip_overall"] = found.summary.along.overall.into();
+    run["doubts"] = object::doubts(found).into();
+    let hidden = object::not_observable(found.summary.reference).to_owned();
+    run["reservations"] = [reservations::reservations(found), vec![hidden]]
+        .concat()
+        .into();
+    Object::from_iter([("runs".to_owned(), vec![run].into())])
 }
 
 /// The soil of `--soil`.
@@ -339,11 +348,9 @@ fn request(arguments: &Arguments, session: &mut Session) -> Result<Request> {
         robot,
         map,
         options: Options {
-            method: arguments.method,
             offline: !arguments.online,
             reference: arguments.reference,
             wheel_sensor: arguments.wheel_sensor,
-            window_s: arguments.window_s,
             from_s: arguments.from_s,
             to_s: arguments.to_s,
             learn_soil: None,
@@ -365,7 +372,7 @@ fn column_map(
         None if !Log::needs_columns(&arguments.logs)? => return Ok(None),
         None => {
             return Err(Error::usage(
-                "no column map is given, and there is no `columns.toml` beside the robot file",
+                "no column map is given, and there is no `columns.toml` next to the robot file",
                 "`--map C.toml` says what the log's columns mean; `grouser log info LOG --suggest-robot` \
                  proposes one",
             ));
@@ -380,18 +387,20 @@ fn column_map(
 fn topics(log: &Log, reference: Reference) -> String {
     let one = |used: UsedTopic| {
         let unused = if is_other_reference(&used, reference) {
-            format!(" (not used beside the reference `{}`)", reference.name())
+            format!(" (not used: the reference is `{}`)", reference.name())
         } else {
             String::new()
         };
         format!("{}: {}{unused}\n", printable(&used.topic), used.used_for)
     };
-    let lines: Vec<String> = log.topics().map(one).collect();
+    // a reference that is not used is a reservation
+    let is_seen =
+        |used: &UsedTopic| Layout::current().details || is_other_reference(used, reference);
+    let lines: Vec<String> = log.topics().filter(is_seen).map(one).collect();
     if lines.is_empty() {
-        String::new()
-    } else {
-        format!("\n{}", lines.concat())
+        return String::new();
     }
+    format!("\n{}", lines.concat())
 }
 
 fn start_words(start: &StartOutcome) -> String {
@@ -399,22 +408,20 @@ fn start_words(start: &StartOutcome) -> String {
         StartOutcome::Plausible => "units, signs and axes agree".to_owned(),
         StartOutcome::Contradicted(doubt) => doubt.to_string(),
         StartOutcome::Implausible { fault, time_s } => format!("{fault} (at {time_s:.1} s)"),
-        _ => "not every sensor was seen at work: the robot has to rest, drive, turn and speed up"
+        _ => "not every sensor was exercised: the robot has to rest, drive, turn and speed up"
             .to_owned(),
     }
 }
 
-fn failure(summary: &Summary, rows: &[WheelRows]) -> Option<String> {
+fn failure(summary: &Summary) -> Option<String> {
     let is_unused = summary.doubts().contains(&Doubt::ReferenceUnused);
     (summary.status == Status::NoSlip).then(|| {
-        if let Some(seldom) = seldom_read(summary, rows) {
-            format!("no wheel has a slip: {seldom}")
-        } else if is_unused {
+        if is_unused {
             "no wheel has a slip: no reading of the reference could be used".to_owned()
         } else {
             format!(
-                "no wheel has a slip: in {:.3} s nothing moved enough for a window of {} s",
-                summary.duration_s, summary.window_s
+                "no wheel has a slip: in {:.3} s nothing moved enough",
+                summary.duration_s
             )
         }
     })
@@ -430,7 +437,7 @@ fn warnings(found: Found<'_>, request: &Request, named: &[PathBuf]) -> Vec<Strin
     out.extend(summary.held_reference.map(|held| held.to_string()));
     if summary.reference == Reference::Grip {
         out.push(
-            "slip counts from the wheel that grips best: which wheel slips is not observable here"
+            "the slip common to all wheels is not observable: it is that of the prior, and only differences are measured"
                 .to_owned(),
         );
     } else if request.robot.reference == Some(Reference::Grip)
@@ -444,12 +451,12 @@ fn warnings(found: Found<'_>, request: &Request, named: &[PathBuf]) -> Vec<Strin
     let currents = unused_currents(log, &request.robot);
     if !currents.is_empty() {
         out.push(format!(
-            "the motor currents of {} show changes of ground alone: `torque_per_ampere_nm` of the wheel makes torques of them",
+            "the motor currents of {} show changes of ground only: `torque_per_ampere_nm` of the wheel converts them to torques",
             currents.join(", ")
         ));
     }
     let left_out = log.left_out();
-    let steps = summary.fused.as_ref().map_or(0, |fused| fused.clock_steps);
+    let steps = summary.fused.clock_steps;
     let at_steps = steps.saturating_mul(summary.wheels.len() as u64 + OTHER_SENSORS);
     out.extend(rejected(&summary.rejected, at_steps, &left_out));
     out.extend(log.notes().iter().cloned());

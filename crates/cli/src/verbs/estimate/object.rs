@@ -27,7 +27,7 @@ pub(super) struct Found<'a> {
     pub(super) errors: Option<&'a [TruthError]>,
 }
 
-/// A part of the summary beside the whole, which has the names of the wheels.
+/// A part of the summary with the whole, which has the names of the wheels.
 #[derive(Clone, Copy)]
 struct Part<'a, P> {
     of: &'a Summary,
@@ -53,12 +53,12 @@ pub(super) fn not_observable(reference: Reference) -> &'static str {
             "no sensor measures the robot's motion: a slip common to all wheels is not observable"
         }
         Reference::FreeWheel => {
-            "not observable: an even error of the free wheel's counts, radius or skid, or of all powered wheels' counts, \
-             looks like slip; so does a counter that shows another's"
+            "not observable: a constant scale error of the free wheel (counts, radius, skid) or of all powered \
+             wheels, or exchanged counters: they look like slip"
         }
         _ => {
-            "not observable: an even error of the reference's scale, or of all powered wheels' counts, looks like slip; \
-             so does a counter that shows another's"
+            "not observable: a constant scale error of the reference or of all powered wheels, or exchanged counters: \
+             they look like slip"
         }
     }
 }
@@ -67,32 +67,30 @@ pub(super) fn fields<'a>() -> Fields<'a, Found<'a>> {
     let shown = |path: &std::path::Path| path.display().to_string();
     fields! { |found: Found<'a>|
         "status" "how the job ended" = found.summary.status.name();
-        "method" "what found the slips" = found.summary.method.name();
         "reference" "what measures the speed over ground" = found.summary.reference.name();
         "wheel_sensor" "what measures the wheels" = found.summary.wheel_sensor;
         "duration_s" "length of the log" = found.summary.duration_s;
         "longest_gap_s" "longest time between two samples" = found.summary.longest_gap_s;
-        "window_s" "time over which means are taken" = found.summary.window_s;
         "wheels" "each wheel" named(wheel()) =
             found.summary.wheels.iter().zip(found.rows).map(move |(wheel, rows)| (wheel.name.as_str(), (wheel, rows, found.readings)));
         "along" "slip along the track" group(along()) = &found.summary.along;
-        "yaw" "turn by the wheels beside the turn as measured" group(yaw()) =
+        "yaw" "turn by the wheels compared with the turn as measured" group(yaw()) =
             Part::with(found.summary, found.summary.yaw.as_ref());
-        "exchanged" "wheels of both sides whose encoders show the other side's bends" = exchanged(found.summary);
-        "axes" "how far sensors are turned against the direction in which the wheels drive" group(axes()) = found.summary;
-        "reference_delay" "how much later the reference is stamped than wheels and gyro; null where the log does not show it"
+        "exchanged" "wheels whose encoders are exchanged between the sides" = exchanged(found.summary);
+        "axes" "angles of sensors from the direction in which the wheels drive" group(axes()) = found.summary;
+        "reference_delay" "delay of the reference's stamps to wheels and gyro; null where it is not observable"
             group(reference_delay()) = found.summary.reference_delay;
-        "ground_changes_s" "when torques or motor currents showed another ground" =
+        "ground_changes_s" "times of ground changes, from torques or motor currents" =
             found.summary.ground_changes_s.clone();
         "not_observable" "errors that look like slip and that this log cannot show" =
             not_observable(found.summary.reference);
-        "doubts" "why the result is doubtful" = doubts(found);
-        "reservations" "what holds of parts of the result, or of one wheel" = reservations(found);
+        "doubts" "why the result is uncertain" = doubts(found);
+        "reservations" "what restricts parts of the result, or one wheel" = reservations(found);
         "odometry" "odometry" group(odometry()) = found.summary.odometry.as_ref();
         "soil" "what was learnt of the soil; null without `--learn-soil`" group(soil_text::soil()) =
             found.summary.soil.as_ref();
-        "filter" "the filter's checks and events" group(filter()) = Part::with(found.summary, found.summary.fused.as_ref());
-        "truth" "errors beside the true slips" rows(truth_errors()) = found.errors.unwrap_or_default().iter();
+        "filter" "the filter's checks and events" group(filter()) = Part::with(found.summary, Some(&found.summary.fused));
+        "truth" "errors compared with the true slips" rows(truth_errors()) = found.errors.unwrap_or_default().iter();
         "rejected" "samples that were rejected" group(rejected()) = found.summary;
         "files" "files that were read" = found.log.files().map(shown).collect::<Vec<_>>();
         "unused_files" "files that fit no table of the column map" =
@@ -123,19 +121,17 @@ fn wheel<'a>() -> Fields<'a, (&'a WheelSummary, &'a WheelRows, &'a [SoilReading]
             Some(of.0.healths.iter().map(|(name, share)| (name.as_str(), *share)));
         "healths_moving" "share of the time in which it moves in each health" values =
             Some(of.1.healths_moving().map(|(health, share)| (health.to_string(), share)));
-        "inconsistent_s" "begin and end of the longest span in which it contradicts the others; null without" =
+        "inconsistent_s" "begin and end of the longest span in which it contradicts the others; null if none" =
             of.1.inconsistent_s().map(|span| span.to_vec());
         "period_s" "median time between its readings" = of.1.period_s();
-        "window_slip" "slip by the window estimator, where the filter's is doubtful" group(spread()) =
-            of.0.window_slip.as_ref();
         "side_slip_angle_deg" "side slip angle" group(angle()) = &of.0.side_slip_angle;
-        "is_reference" "whether the others are measured by it" = of.0.is_reference;
+        "is_reference" "whether it measures the speed over ground for the others" = of.0.is_reference;
         "soil" "the wheel at its median slip and load on the soil" group(soil()) =
             of.2.iter().find(|reading| reading.wheel == of.0.name);
     }
 }
 
-/// The errors of one wheel beside its truth.
+/// The errors of one wheel against its truth.
 pub(super) fn truth_errors<'a>() -> Fields<'a, &'a TruthError> {
     fields! { |of: &'a TruthError|
         "wheel" "the wheel" = of.wheel.as_str();
@@ -169,8 +165,10 @@ fn along<'a>() -> Fields<'a, &'a AlongSummary> {
     fields! { |along: &'a AlongSummary|
         join(spread()) = &along.slip;
         "overall" "slip over the total distance" = along.overall;
-        "travel_wheels_m" "way by the wheels, forwards and back added up" = along.travel_wheels;
-        "travel_reference_m" "way by the reference in the direction in which the wheels ran" = along.travel_reference;
+        "overall_90" "its 90 % interval; null online" = along.overall_90.map(Vec::from);
+        "travel_wheels_m" "distance by the wheels, forwards and backwards added up" = along.travel_wheels;
+        "travel_reference_m" "distance over ground in the direction in which the wheels ran" = along.travel_reference;
+        "travel_reference_m_90" "its 90 % interval; null online" = along.travel_reference_90.map(Vec::from);
     }
 }
 
@@ -191,7 +189,7 @@ fn apart<'a>() -> Fields<'a, Part<'a, TurnCheck>> {
         "alarms" "alarms" = turns.part.alarms;
         "wheel" "the wheel that slips" = turns.wheel(turns.part.wheel);
         "says" "the cause" = cause(turns.part, turns.of);
-        "log_likelihood_ratio" "how much likelier that cause is than the next" = turns.part.likelier;
+        "log_likelihood_ratio" "log likelihood ratio of that cause to the next" = turns.part.likelier;
     }
 }
 
@@ -245,14 +243,14 @@ fn odometry<'a>() -> Fields<'a, &'a Odometry> {
         "x_sigma_m" "standard deviation of x_m" = sigma(odometry, 0);
         "y_sigma_m" "standard deviation of y_m" = sigma(odometry, 1);
         "yaw_sigma_rad" "standard deviation of yaw_rad" = sigma(odometry, 2);
-        "distance_m" "way" = odometry.distance;
-        "distance_without_compensation_m" "way by the wheels alone" = odometry.distance_of_wheels;
+        "distance_m" "distance driven" = odometry.distance;
+        "distance_without_compensation_m" "distance by the wheels, without slip compensation" = odometry.distance_of_wheels;
     }
 }
 
 fn filter<'a>() -> Fields<'a, Part<'a, FusedSummary>> {
     fields! { |filter: Part<'a, FusedSummary>|
-        "offline" "whether every slip uses the whole log, and not what the robot would have known" = filter.part.is_offline;
+        "offline" "whether every slip uses the whole log, not only the log before it" = filter.part.is_offline;
         "reference_readings" "readings of the reference" = filter.part.reference.map(|of| of.readings);
         "reference_used" "how many of them changed the filter's state" = filter.part.reference.map(|of| of.used);
         "way_slip" "slip over the total distance by the filter" = filter.part.ways.slip_by_filter();
@@ -319,12 +317,12 @@ fn topic<'a>() -> Fields<'a, (UsedTopic, Reference)> {
         "topic" "topic" = of.0.topic;
         "type" "type" = of.0.type_name;
         "used_for" "what it is used for" = of.0.used_for;
-        "is_other_reference" "whether it measures the motion of the robot, and the estimate uses another reference" =
+        "is_other_reference" "whether it measures the motion of the robot but is not the reference in use" =
             is_other_reference(&of.0, of.1);
     }
 }
 
-/// Does a topic measure the robot's motion alone, beside the reference that is used?
+/// Does a topic measure the robot's motion without being the reference in use?
 pub(super) fn is_other_reference(used: &UsedTopic, reference: Reference) -> bool {
     !used.references.is_empty() && !used.references.contains(&reference)
 }
@@ -344,15 +342,15 @@ fn left_out<'a>() -> Fields<'a, &'a Log> {
 pub(super) fn soil<'a>() -> Fields<'a, &'a SoilReading> {
     fields! { |reading: &'a SoilReading|
         "slip" "slip" .shown("").decimals(3) = reading.slip;
-        "load_n" "load" .shown("N").all_digits() = reading.load;
-        "sinkage_m" "sinkage" .shown("mm").decimals(1) = reading.sinkage;
-        "drawbar_pull_n" "pull" .shown("N").decimals(2) = reading.drawbar_pull;
-        "torque_nm" "torque" .shown("N m").decimals(3) = reading.torque;
+        "load_n" "load" .shown("N") = reading.load;
+        "sinkage_m" "sinkage" .shown("mm") = reading.sinkage;
+        "drawbar_pull_n" "pull" .shown("N") = reading.drawbar_pull;
+        "torque_nm" "torque" .shown("N m") = reading.torque;
         "tractive_efficiency" "efficiency" .shown("").decimals(3) = reading.efficiency;
         "slip_of_best_efficiency" "best slip" .shown("").decimals(3) = reading.best_slip;
         "best_efficiency" "efficiency at the best slip" = reading.best_efficiency;
         "slip_above_best" "above best" .shown("").decimals(3) = reading.above_best;
-        "slip_with_reference_skid" "slip if the reference skids" .shown("").decimals(3) = reading.slip_with_skid;
+        "slip_with_reference_skid" "slip if the reference skids" .shown("").label("slip with skid").decimals(3) = reading.slip_with_skid;
         "cautions" "cautions" = reading.cautions.clone();
     }
 }

@@ -1,4 +1,4 @@
-//! What holds of parts of a result, or of one wheel, and is no doubt about all of it.
+//! Reservations that concern a part of a result, or one wheel.
 
 use std::collections::BTreeMap;
 
@@ -14,8 +14,6 @@ use super::row_watch::WheelRows;
 const MIN_OK_SHARE: f64 = 0.5;
 /// A wheel that contradicts the others for less time is not, s.
 const MIN_INCONSISTENT_S: f64 = 2.0;
-/// Means between readings are taken over this number of periods of the wheels: readings scatter.
-const WINDOW_PERIODS: f64 = 1.2;
 
 /// One line each.
 pub(super) fn reservations(found: Found<'_>) -> Vec<String> {
@@ -29,7 +27,9 @@ pub(super) fn reservations(found: Found<'_>) -> Vec<String> {
         out.extend(mostly_not_ok(summary, rows));
         out.extend(unused_columns(summary, found.log));
     }
-    out.extend(seldom_read(summary, rows));
+    if summary.reference == Reference::Grip {
+        out.extend(differences(summary));
+    }
     out
 }
 
@@ -47,13 +47,13 @@ pub(super) fn inconsistent(summary: &Summary, rows: &[WheelRows]) -> Vec<String>
     if found.len() > 1 && found.len() == powered.count() && last_begin < first_end {
         return vec![format!(
             "every wheel is `Invalid(Inconsistent)` from {last_begin:.1} s to {first_end:.1} s: the robot moves while its wheels \
-             stand or turn against it (is it carried or towed?); the total distance counts that"
+             are stationary or turn backwards (carried or towed?); the total distance includes that"
         )];
     }
     let line = |(name, [from, to]): (String, [f64; 2])| {
         format!(
-            "{name} is `Invalid(Inconsistent)` from {from:.1} s to {to:.1} s: its sensor stands, or turns against the others; \
-             the total distance leaves it out"
+            "{name} is `Invalid(Inconsistent)` from {from:.1} s to {to:.1} s: its sensor is stuck, or contradicts the other wheels; \
+             the total distance excludes it"
         )
     };
     found.into_iter().map(line).collect()
@@ -77,7 +77,7 @@ fn mostly_not_ok(summary: &Summary, rows: &[WheelRows]) -> Vec<String> {
     }
     let line = |(health, (names, share)): (String, (Vec<&str>, f64))| {
         format!(
-            "{}: `Ok` for at most {:.0} % of the time in which the wheel moves, else mostly `{health}`",
+            "{}: `Ok` for at most {:.0} % of the time in motion, otherwise mostly `{health}`",
             names.join(", "),
             100.0 * share
         )
@@ -98,7 +98,7 @@ fn unused_columns(summary: &Summary, log: &Log) -> Vec<String> {
         .filter(|reference| *reference != summary.reference);
     let line = |other: Reference| {
         format!(
-            "`{}` is measured too, and not used beside `{}`: `--reference {}` uses it instead",
+            "`{}` is measured too but not used (reference: `{}`); `--reference {}` selects it",
             other.name(),
             summary.reference.name(),
             other.name()
@@ -107,18 +107,18 @@ fn unused_columns(summary: &Summary, log: &Log) -> Vec<String> {
     unused.map(line).collect()
 }
 
-/// Wheels that are read more seldom than the filter follows them.
-pub(super) fn seldom_read(summary: &Summary, rows: &[WheelRows]) -> Option<String> {
-    let periods = rows.iter().filter_map(WheelRows::period_s);
-    let period = periods.fold(0.0, f64::max);
-    // means over windows bridge up to two of them
-    let windows = if summary.fused.is_some() { 1.0 } else { 2.0 };
-    (period > windows * summary.window_s).then(|| {
+/// The wheels whose slips differ most, which is what a log without a measured speed shows.
+fn differences(summary: &Summary) -> Option<String> {
+    let slips = summary.wheels.iter();
+    let slips = slips.filter_map(|wheel| Some((wheel.slip.median?, &wheel.name)));
+    let by_slip = |a: &(f64, &String), b: &(f64, &String)| a.0.total_cmp(&b.0);
+    let (high, low) = (slips.clone().max_by(by_slip)?, slips.min_by(by_slip)?);
+    (high.1 != low.1).then(|| {
         format!(
-            "wheels are read every {period:.2} s and `window_s` is {} s: `--method window --window-s {:.1}` takes means from \
-             reading to reading, which are closer than the filter there",
-            summary.window_s,
-            (10.0 * WINDOW_PERIODS * period).ceil() / 10.0
+            "slips differ by up to {:.3} (medians of {} and {})",
+            high.0 - low.0,
+            high.1,
+            low.1
         )
     })
 }

@@ -5,8 +5,6 @@ use std::io;
 use grouser_replay::{Quantiles, Row, Sink};
 use grouser_slip::{Health, Invalid, Motion};
 
-use super::request::Request;
-
 /// The longest time between two readings that the median resolves, s.
 const MAX_PERIOD_S: f64 = 10.0;
 
@@ -15,16 +13,12 @@ const MAX_PERIOD_S: f64 = 10.0;
 pub(super) struct RowWatch {
     /// Of each wheel, in the robot's order.
     pub(super) rows: Vec<WheelRows>,
-    /// A longer time without a row is a gap of the log, s.
-    gap_s: f64,
 }
 
 impl RowWatch {
-    pub(super) fn new(request: &Request) -> Self {
-        let window_s = request.options.window_s;
+    pub(super) fn new(wheels: usize) -> Self {
         Self {
-            rows: vec![WheelRows::new(); request.robot.robot.wheels().len()],
-            gap_s: window_s.unwrap_or(request.robot.settings.window),
+            rows: vec![WheelRows::new(); wheels],
         }
     }
 }
@@ -32,7 +26,7 @@ impl RowWatch {
 impl Sink for RowWatch {
     fn row(&mut self, row: &Row<'_>) -> io::Result<()> {
         if let Some(rows) = self.rows.get_mut(row.wheel) {
-            rows.take(row, self.gap_s);
+            rows.take(row);
         }
         Ok(())
     }
@@ -41,7 +35,6 @@ impl Sink for RowWatch {
 /// The rows of one wheel.
 #[derive(Clone, Debug)]
 pub(super) struct WheelRows {
-    last_s: Option<f64>,
     periods_s: Quantiles,
     /// The time in each health while it moves, s.
     healths: Vec<(Health, f64)>,
@@ -52,21 +45,18 @@ pub(super) struct WheelRows {
 impl WheelRows {
     fn new() -> Self {
         Self {
-            last_s: None,
             periods_s: Quantiles::new(0.0, MAX_PERIOD_S),
             healths: Vec::new(),
             inconsistent: [None; 2],
         }
     }
 
-    /// Takes a row; a longer time than `gap_s` since the last is a gap in the log, and no time in a health.
-    fn take(&mut self, row: &Row<'_>, gap_s: f64) {
-        if let Some(last) = self.last_s.replace(row.time_s) {
-            let since = row.time_s - last;
-            self.periods_s.add(since);
-            if row.motion != Some(Motion::Standstill) && row.health != Health::Uninitialised {
-                self.add(row.health, since.min(gap_s));
-            }
+    fn take(&mut self, row: &Row<'_>) {
+        if row.lasts_s > 0.0 {
+            self.periods_s.add(row.lasts_s);
+        }
+        if row.motion != Some(Motion::Standstill) && row.health != Health::Uninitialised {
+            self.add(row.health, row.lasts_s);
         }
         let [now, longest] = &mut self.inconsistent;
         if row.health == Health::Invalid(Invalid::Inconsistent) {
@@ -99,7 +89,6 @@ impl WheelRows {
     pub(super) const fn inconsistent_s(&self) -> Option<[f64; 2]> {
         self.inconsistent[1]
     }
-
     /// The median time between its readings, s.
     pub(super) fn period_s(&self) -> Option<f64> {
         self.periods_s.at(0.5)

@@ -2,14 +2,15 @@
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
-use grouser_doctor::TurnCheck;
+use grouser_doctor::{ReferenceDelay, TurnCheck};
 use grouser_files::robot::RobotFile;
 use grouser_replay::{EventAt, FusedSummary, Options, SoilReading, Spread, Summary, UNKNOWN};
 use grouser_slip::{Motion, Reference};
 
 use super::object::{self, Found, cause, event_name};
 use super::reservations::reservations;
-use grouser_report::{Fields, Table};
+use grouser_report::number::{rounded, shown};
+use grouser_report::{Fields, Layout, Table};
 
 /// At most this many events are printed; a file has all of them.
 const EVENTS: usize = 10;
@@ -22,80 +23,55 @@ pub(super) fn text(
 ) -> String {
     let (summary, readings) = (found.summary, found.readings);
     let mut text = format!(
-        "{}: slip of {}, wheels by {}, reference: {}, {}\n\n",
+        "{}: {}\n{}\n{}",
         robot.robot.name(),
+        headline(summary),
+        reserved(found),
+        wheels(summary)
+    );
+    let _ = writeln!(
+        text,
+        "\n{} of log, wheels by {}, reference: {}, {}",
         span(summary.duration_s, options),
         summary.wheel_sensor,
         summary.reference.name(),
-        match &summary.fused {
-            Some(fused) if fused.is_offline => "by the whole log".to_owned(),
-            Some(_) => "online".to_owned(),
-            None => format!("windows of {} s", summary.window_s),
+        if summary.fused.is_offline {
+            "each slip by the whole log"
+        } else {
+            "each slip by the log before it (online)"
         },
     );
-    text.push_str(&observability(found));
-    text.push_str(&wheels(summary));
-    let along = &summary.along;
-    if let Some((overall, travel_reference)) = along.overall.zip(along.travel_reference) {
-        let _ = writeln!(
-            text,
-            "\ntotal distance: wheels {:.3} m, robot {:.3} m, slip {}",
-            along.travel_wheels,
-            travel_reference,
-            slip(Some(overall)),
-        );
-    } else if along.travel_reference.is_none() && uses_reference(summary) {
-        let _ = writeln!(
-            text,
-            "\ntotal distance: wheels {:.3} m; the positions alone do not show that of the robot",
-            along.travel_wheels,
-        );
-    }
-    if let Some(yaw) = &summary.yaw
-        && let Some(median) = yaw.residual.median
-    {
-        let _ = writeln!(
-            text,
-            "turn by the wheels and turn as measured: {median:.4} rad apart in {} s (median)",
-            yaw.window
-        );
-    }
     let exchanged = object::exchanged(summary);
     if !exchanged.is_empty() {
         let _ = writeln!(
             text,
-            "wheels that show the other side's bends: {}",
+            "encoders of the two sides probably exchanged: {}",
             exchanged.join(", ")
         );
     } else if let Some(turns) = &summary.findings.turns {
-        text.push_str(&apart(turns, summary));
+        text.push_str(&disagreement(turns, summary));
     }
     for time_s in summary.ground_changes_s.iter().take(EVENTS) {
-        let _ = writeln!(text, "another ground from {time_s:.1} s on, by the motors");
+        let _ = writeln!(text, "ground change at {time_s:.1} s (from motor current)");
     }
     if let Some(odometry) = &summary.odometry {
         let [x, y, yaw] = odometry.pose;
         let _ = writeln!(
             text,
-            "{}: {:.3} m driven, {:.3} m without compensation; ends at x {} m, y {} m, {}°",
+            "{}: {} m driven, {} m without slip compensation; ends at x {} m, y {} m, yaw {:.1}°",
             if summary.reference == Reference::Grip {
-                "odometry by the wheel that grips best"
+                "odometry with the prior of the common slip"
             } else {
                 "odometry"
             },
-            odometry.distance,
-            odometry.distance_of_wheels,
-            number(Some(x), 3),
-            number(Some(y), 3),
-            number(Some(yaw.to_degrees()), 1),
+            shown(odometry.distance),
+            shown(odometry.distance_of_wheels),
+            shown(x),
+            shown(y),
+            yaw.to_degrees(),
         );
     }
-    if let Some(fused) = &summary.fused {
-        text.push_str(&filter(fused, summary));
-    }
-    if let Some(offset) = summary.clock_offset_s {
-        let _ = writeln!(text, "the gyro's clock runs {offset:.3} s ahead: aligned");
-    }
+    text.push_str(&filter(&summary.fused, summary));
     if let Some(soil) = soil {
         let _ = writeln!(text, "\non {soil}, at each wheel's median slip and load:");
         let table = Fields::new()
@@ -104,6 +80,34 @@ pub(super) fn text(
         text.push_str(&table.table(readings));
     }
     text
+}
+
+/// Slip over the total distance, or why there is none.
+fn headline(summary: &Summary) -> String {
+    let along = &summary.along;
+    let metres = |distance: f64| rounded(distance, 4);
+    let wheels = metres(along.travel_wheels);
+    match along.overall.zip(along.travel_reference) {
+        _ if summary.reference == Reference::Grip => {
+            "slip differences only, no slip over the total distance".to_owned()
+        }
+        Some((overall, robot)) => format!(
+            "slip {}{}{} over the total distance\nwheels {wheels} m, robot {} m{}",
+            slip(Some(overall)),
+            interval(along.overall_90, |slip| number(Some(slip), 3)),
+            if summary.doubts().is_empty() {
+                ""
+            } else {
+                ", uncertain,"
+            },
+            metres(robot),
+            interval(along.travel_reference_90, metres)
+        ),
+        None if along.travel_reference.is_none() && uses_reference(summary) => {
+            format!("wheels {wheels} m; the positions alone do not show the distance of the robot")
+        }
+        None => format!("wheels {wheels} m, no slip over the total distance"),
+    }
 }
 
 /// How much of a log was estimated.
@@ -119,41 +123,24 @@ fn span(duration_s: f64, options: &Options) -> String {
 
 /// Did a reading of the reference change the filter's state?
 fn uses_reference(summary: &Summary) -> bool {
-    let reference = summary.fused.as_ref().and_then(|fused| fused.reference);
-    reference.is_some_and(|of| of.used > 0)
+    summary.fused.reference.is_some_and(|of| of.used > 0)
 }
 
-/// What the log can show, and why the result is doubtful.
-fn observability(found: Found<'_>) -> String {
-    let summary = found.summary;
-    let doubts = summary.doubts();
+/// Why the result is uncertain, and what the log does not show.
+fn reserved(found: Found<'_>) -> String {
+    let doubts = found.summary.doubts();
     let doubts = doubts.iter().map(|doubt| format!("WARNING: {doubt}\n"));
     let reservations = reservations(found).into_iter();
-    let doubts = doubts.chain(reservations.map(|line| format!("NOTE: {line}\n")));
-    let delay = summary
-        .reference_delay
-        .filter(|delay| delay.is_clear && !delay.is_beyond_correction());
-    let delay = delay.map_or_else(String::new, |delay| format!("{delay}\n"));
-    if summary.reference == Reference::Grip {
-        let differences = format!(
-            "{}; differences only\n\n",
-            object::not_observable(summary.reference)
-        );
-        return doubts.chain([differences]).collect();
-    }
-    let used = summary.fused.as_ref().and_then(|fused| fused.reference);
-    let used = used.map_or_else(String::new, |of| {
-        format!(
-            "{} of {} readings of the reference used\n",
-            of.used, of.readings
-        )
-    });
-    let hidden = format!("{}\n\n", object::not_observable(summary.reference));
-    doubts.chain([delay, used, hidden]).collect()
+    let lines = doubts.chain(reservations.map(|line| format!("NOTE: {line}\n")));
+    let is_corrected = |delay: &ReferenceDelay| delay.is_clear && !delay.is_beyond_correction();
+    let delay = found.summary.reference_delay.filter(is_corrected);
+    let delay = delay.map(|delay| format!("{delay}\n"));
+    let hidden = format!("{}\n", object::not_observable(found.summary.reference));
+    lines.chain(delay).chain([hidden]).collect()
 }
 
 /// Whether wheels and gyro disagree, and the cause.
-fn apart(turns: &TurnCheck, summary: &Summary) -> String {
+fn disagreement(turns: &TurnCheck, summary: &Summary) -> String {
     let Some(alarm) = turns.alarm_s else {
         return String::new();
     };
@@ -167,16 +154,15 @@ fn apart(turns: &TurnCheck, summary: &Summary) -> String {
         )
     };
     format!(
-        "wheels and gyro go apart: first at {alarm:.1} s, {since:.1} s after the robot first drove; {cause}\n",
+        "wheels and gyro disagree: first at {alarm:.1} s, {since:.1} s after the robot first drove; {cause}\n",
     )
 }
 
 fn filter(fused: &FusedSummary, summary: &Summary) -> String {
-    let mut text = format!(
-        "samples rejected {}, missing {}\n",
-        summary.rejected.total(),
-        fused.dropped,
-    );
+    let mut text = String::new();
+    if Layout::current().details {
+        text = checks(fused, summary);
+    }
     let begun = fused.events.iter().filter(|at| at.change.begins);
     for at in begun.clone().take(EVENTS) {
         let (name, wheel) = event_name(at.change.event);
@@ -193,6 +179,36 @@ fn filter(fused: &FusedSummary, summary: &Summary) -> String {
     text
 }
 
+/// How far readings were used, and how well they agree.
+fn checks(fused: &FusedSummary, summary: &Summary) -> String {
+    let mut text = format!(
+        "samples rejected {}, missing {}\n",
+        summary.rejected.total(),
+        fused.dropped,
+    );
+    if let Some(of) = fused.reference {
+        let _ = writeln!(
+            text,
+            "{} of {} readings of the reference used",
+            of.used, of.readings
+        );
+    }
+    if let Some(yaw) = &summary.yaw
+        && let Some(median) = yaw.residual.median
+    {
+        let _ = writeln!(
+            text,
+            "turn by the wheels and turn as measured differ by {} rad in {} s (median)",
+            shown(median),
+            yaw.window
+        );
+    }
+    if let Some(offset) = summary.clock_offset_s {
+        let _ = writeln!(text, "the gyro's clock runs {offset:.3} s ahead: aligned");
+    }
+    text
+}
+
 /// When an event ended, s; `None` where no end is known.
 fn end(begun: &EventAt, events: &[EventAt]) -> Option<f64> {
     let mut later = events.iter().filter(|at| at.time_s >= begun.time_s);
@@ -200,41 +216,25 @@ fn end(begun: &EventAt, events: &[EventAt]) -> Option<f64> {
     Some(later.find(ends)?.time_s)
 }
 
-/// A number with a true minus sign.
-pub(super) fn number(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(
-        || "–".to_owned(),
-        |value| format!("{value:.digits$}").replace('-', "−"),
-    )
+/// A number with these decimals, or a dash.
+pub(super) fn number(value: Option<f64>, decimals: usize) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
 }
 
 fn wheels(summary: &Summary) -> String {
-    let seen = |state: &str| {
-        let mut states = summary.wheels.iter().flat_map(|wheel| &wheel.states);
-        states.any(|(name, _)| *name == state)
-    };
-    let states: Vec<&str> = Motion::ALL
-        .iter()
-        .map(|motion| motion.name())
+    let percent = |share: f64| format!("{:.1}", 100.0 * share);
+    let names = Motion::ALL.iter().map(|motion| motion.name());
+    let states: Vec<&str> = names
         .chain([UNKNOWN])
-        .filter(|state| seen(state))
+        .filter(|_| Layout::current().details)
         .collect();
-    let mut table = Table::new()
-        .text("wheel")
-        .number("median")
-        .number("p5")
-        .number("p95");
-    let doubtful = summary
-        .wheels
-        .iter()
-        .any(|wheel| wheel.window_slip.is_some());
-    if doubtful {
-        table = table.number("by windows");
+    let mut table = Table::new().text("wheel").number("median slip");
+    for header in ["5 %", "95 %", "Ok %"] {
+        table = table.number(header);
     }
     for state in &states {
-        table = table.number(state);
+        table = table.number(&format!("{state} %"));
     }
-    table = table.number("Ok");
     for wheel in &summary.wheels {
         let name = if wheel.is_reference {
             format!("{} (reference)", wheel.name)
@@ -243,17 +243,11 @@ fn wheels(summary: &Summary) -> String {
         };
         let shares = states.iter().map(|state| {
             let share = wheel.states.iter().find(|(name, _)| name == state);
-            share.map_or_else(String::new, |(_, share)| format!("{:.1} %", 100.0 * share))
+            percent(share.map_or(0.0, |(_, share)| *share))
         });
-        let windows = wheel.window_slip.map(|of| slip(of.median));
-        let ok = wheel.healths.get("Ok").copied().unwrap_or(0.0);
-        table.row(
-            std::iter::once(name)
-                .chain(numbers(&wheel.slip))
-                .chain(windows.filter(|_| doubtful))
-                .chain(shares)
-                .chain([format!("{:.1} %", 100.0 * ok)]),
-        );
+        let ok = percent(wheel.healths.get("Ok").copied().unwrap_or(0.0));
+        let cells = std::iter::once(name).chain(numbers(&wheel.slip));
+        table.row(cells.chain([ok]).chain(shares));
     }
     let along = std::iter::once("along the track".to_owned());
     table.row(along.chain(numbers(&summary.along.slip)));
@@ -265,6 +259,13 @@ fn numbers(spread: &Spread) -> [String; 3] {
 }
 
 /// A slip to the third decimal.
+/// A 90 % interval in brackets.
+fn interval(of: Option<[f64; 2]>, shown: impl Fn(f64) -> String) -> String {
+    of.map_or_else(String::new, |[low, high]| {
+        format!(" (90 %: {} to {})", shown(low), shown(high))
+    })
+}
+
 fn slip(value: Option<f64>) -> String {
     number(value, 3)
 }

@@ -1,4 +1,4 @@
-//! `estimate --truth`: the slips beside true ones.
+//! `estimate --truth`: the slips compared with true ones.
 
 use std::fmt::Write as _; // writing to a string cannot fail
 
@@ -71,8 +71,8 @@ pub(super) fn doubts(errors: &[TruthError]) -> Vec<String> {
     };
     let line = |of: &TruthError| {
         format!(
-            "{}: {} of {} estimated slips have a true slip beside them: true slips are from {}, estimates from {} of the log; \
-             is `time_s` counted in s from the log's start?",
+            "{}: {} of {} estimated slips have a true slip at the same time: true slips are from {}, estimates from {} of the \
+             log; is `time_s` counted in s from the log's start?",
             of.wheel,
             of.count,
             of.estimates,
@@ -84,9 +84,9 @@ pub(super) fn doubts(errors: &[TruthError]) -> Vec<String> {
     with_estimates.filter(is_hardly).map(line).collect()
 }
 
-/// The errors beside the truth.
+/// The errors against the truth.
 pub(super) fn text(errors: &[TruthError], summary: &Summary) -> String {
-    let mut text = String::from("\nbeside the true slips:\n");
+    let mut text = String::from("\ncompared with the true slips:\n");
     let doubts = doubts(errors);
     for doubt in &doubts {
         let _ = writeln!(text, "WARNING: {doubt}");
@@ -97,14 +97,14 @@ pub(super) fn text(errors: &[TruthError], summary: &Summary) -> String {
         if doubts.is_empty() && is_partial {
             let _ = writeln!(
                 text,
-                "NOTE: {}: {count} of {all} estimated slips have a true slip beside them",
+                "NOTE: {}: {count} of {all} estimated slips have a true slip at the same time",
                 error.wheel
             );
         }
         if error.is_lag_beyond {
             let _ = writeln!(
                 text,
-                "NOTE: {}: the estimates fit best more than 0.98 s late or early: are log and true slips on one clock?",
+                "NOTE: {}: the estimates fit best with a shift of more than 0.98 s: do log and true slips share a clock?",
                 error.wheel
             );
         }
@@ -118,7 +118,7 @@ pub(super) fn text(errors: &[TruthError], summary: &Summary) -> String {
         let _ = writeln!(text, "NOTE: there is no true slip of {}", printable(name));
     }
     let mut table = Table::new().text("wheel").number("compared");
-    for column in ["rmse", "bias", "nees", "in 90 %", "lag s"] {
+    for column in ["RMSE", "bias", "NEES", "in 90 %", "lag s"] {
         table = table.number(column);
     }
     let compared = || errors.iter().filter(|error| error.count > 0);

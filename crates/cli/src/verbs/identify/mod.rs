@@ -15,6 +15,7 @@ use crate::exit::Outcome;
 use crate::figure_file::{Target, ending};
 use crate::law_error::Names;
 use crate::output::OutputFile;
+use crate::progress::Progress;
 use crate::session::Session;
 use crate::verb_report::Report;
 
@@ -23,8 +24,8 @@ use crate::verb_report::Report;
     about = "Find a soil's numbers from plate, shear and wheel tests",
     long_about = "Find a soil's numbers from plate, shear and wheel tests, with their 95 % intervals, and write a \
         soil file that every other verb reads.\n\nThe file names the tests (tables with units in their column names, \
-        or a bag with the force and a text file with the depth), what is known besides, and which numbers the wheel \
-        tests are to tell. What the data cannot tell is said by name. docs/bevameter.md goes through one.",
+        or a bag with the force and a text file with the depth), what else is known, and which numbers the wheel \
+        tests determine. Numbers that the data do not determine are reported by name. docs/bevameter.md goes through one.",
     after_help = "Example:\n  grouser identify examples/bevameter/tests.toml -o sand.toml --figure residuals.svg\n  \
         grouser wheel --soil sand.toml --radius-m 0.1 --width-m 0.06 --load-n 60 --slip 0.2"
 )]
@@ -55,10 +56,12 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if let Some(wheel) = &job.wheel {
         session.used_seed(wheel.starts.seed);
     }
+    let progress = Progress::of_work("fitting the soil's numbers");
     let mut found = identify(&job)?;
     if arguments.compare_laws {
         found.comparison = compare_laws(&job)?;
     }
+    drop(progress);
     let mut text = text::text(&found);
     if let Some(output) = output {
         text.push_str(&output.write_whole(soil_text(&job, &found)?.as_bytes())?);

@@ -37,7 +37,7 @@ pub(super) struct Arguments {
     /// The topic that becomes a table; needed where there are several
     #[arg(long, value_name = "TOPIC")]
     topic: Option<String>,
-    /// What the columns of a table mean [default: `columns.toml` beside the log]
+    /// What the columns of a table mean [default: `columns.toml` next to the log]
     #[arg(long, value_name = "C.toml")]
     map: Option<PathBuf>,
 }
@@ -249,7 +249,7 @@ fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     if arguments.map.is_none() && !beside.exists() {
         return Err(Error::usage(
             format!(
-                "{} is a table, but no column map is given and there is no `columns.toml` beside it",
+                "{} is a table, but no column map is given and there is no `columns.toml` next to it",
                 shown(file)
             ),
             "`--map C.toml` says what the log's columns mean",
@@ -265,7 +265,7 @@ fn readings(arguments: &Arguments, session: &mut Session) -> Result<Report> {
                 "`{}` of wheel `{wheel}` is in no unit of a joint: radius and motor are in the robot file",
                 meaning.name()
             ),
-            "`grouser estimate` reads the table as it stands",
+            "`grouser estimate` reads the table without conversion",
         ));
     }
     let mut output = OutputFile::create(path)?;

@@ -10,7 +10,7 @@ use grouser_report::{Fields, fields, printable};
 use crate::error::{Error, Result, shown};
 use crate::figure_file::ending;
 
-/// Places that are listed for people.
+/// Maximum number of damaged places that are listed.
 const MAX_DAMAGES_SHOWN: usize = 20;
 
 /// A place that could not be read.
@@ -104,9 +104,13 @@ pub(super) fn fields<'a>() -> Fields<'a, Copy<'a>> {
 
 /// What was copied, as text.
 pub(super) fn text(copied: &Copied, output: &Path) -> String {
-    let mut text = topics().table(&copied.channels);
-    text.push('\n');
-    text.push_str(&damages_text(&copied.damages));
+    let mut text = format!(
+        "wrote {}: {} messages, verified by reading them again\n{} damaged places in the input, {} bytes lost\n",
+        shown(output),
+        copied.messages,
+        copied.damage_count,
+        copied.bytes_lost
+    );
     if copied.attached > 0 {
         let _ = writeln!(
             text,
@@ -114,14 +118,6 @@ pub(super) fn text(copied: &Copied, output: &Path) -> String {
             copied.attached
         );
     }
-    let _ = writeln!(
-        text,
-        "wrote {}: {} messages, read again and found the same; {} places of the input are damaged, {} \
-         bytes are lost in them",
-        shown(output),
-        copied.messages,
-        copied.damage_count,
-        copied.bytes_lost
-    );
-    text
+    let _ = write!(text, "\n{}", topics().table(&copied.channels));
+    text + &damages_text(&copied.damages)
 }

@@ -13,7 +13,7 @@ use super::sheet;
 use crate::error::{Error, Result, shown};
 use crate::progress::Progress;
 use crate::session::Session;
-use crate::verb_report::Report;
+use crate::verb_report::{Medium, Report};
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -29,9 +29,8 @@ pub(super) struct Arguments {
     suggest_robot: bool,
 }
 
-/// Endings of names of tables: in a folder, other text is not read as one. A database of rosbag2 is no table; it is
-/// listed so that its error names the command that converts it.
-const TABLES: [&str; 4] = ["csv", "tsv", "txt", "db3"];
+/// Endings of names of tables: in a folder, other text is not read as one.
+const TABLES: [&str; 3] = ["csv", "tsv", "txt"];
 
 pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report> {
     let (run, unread) = Run::read(&arguments.log)?;
@@ -45,6 +44,7 @@ pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if arguments.suggest_robot {
         let robot = run.suggestion();
         report.text.clone_from(&robot);
+        report.medium = Medium::File;
         report.object.insert("suggested_robot".into(), robot.into());
     }
     Ok(report)
@@ -172,7 +172,7 @@ fn lacks(survey: &Survey) -> Vec<&'static str> {
         ),
         (
             &[Use::Motion, Use::Position, Use::Transforms],
-            "a pose, place or speed over ground (nav_msgs/Odometry, geometry_msgs/PoseStamped, PointStamped, …)",
+            "a pose, place or speed over ground (nav_msgs/Odometry, geometry_msgs/PoseStamped, PointStamped or others)",
         ),
     ];
     let missing =
@@ -189,7 +189,7 @@ fn topic<'a>() -> Fields<'a, &'a Topic> {
                 let frames = moves.map(|(base, fixed)| format!(" ({base} in {fixed})"));
                 format!("{}{}", use_for.words(), frames.unwrap_or_default())
             }
-            (None, None) => "–".to_owned(),
+            (None, None) => "-".to_owned(),
         }
     }
     fields! { |topic: &'a Topic|
@@ -197,9 +197,9 @@ fn topic<'a>() -> Fields<'a, &'a Topic> {
         "encoding" "encoding of its messages" = topic.channel.encoding_name.as_str();
         "messages" "messages" .shown("") = topic.messages;
         "bytes" "bytes" = topic.bytes;
-        "rate_hz" "rate" .shown("").label("Hz").decimals(2) = topic.rate_hz;
+        "rate_hz" "rate" .shown("Hz") = topic.rate_hz;
         "intervals_of" "what intervals are measured by" = if topic.stamped { "header.stamp" } else { "log_time" };
-        "longest_interval_s" "longest interval" .shown("s").label("longest").decimals(3) = topic.longest_s;
+        "longest_interval_s" "longest interval" .shown("s").label("longest") = topic.longest_s;
         "gaps" "gaps" .shown("") = topic.gaps;
         "clock_jumps" "clock jumps" .shown("").label("jumps") = topic.jumps;
         "undecoded" "messages that could not be decoded" = topic.undecoded;
@@ -258,29 +258,27 @@ fn text(survey: &Survey) -> String {
     let duration = survey
         .duration_s()
         .map_or_else(|| "no messages".to_owned(), |s| format!("{s:.3} s"));
-    let mut lines = vec![
-        format!("{}, {duration}", survey.format.name()),
-        String::new(),
-    ];
-    lines.push(
-        topic()
-            .pick(&[
-                "topic",
-                "type",
-                "messages",
-                "rate_hz",
-                "longest_interval_s",
-                "gaps",
-                "clock_jumps",
-                "use",
-            ])
-            .table(&survey.topics),
-    );
     let missing = lacks(survey);
-    if missing.is_empty() {
-        lines.push("has wheels, turn and motion".to_owned());
+    let verdict = if missing.is_empty() {
+        "slip can be estimated: wheels, turn and motion are there".to_owned()
     } else {
-        lines.push(format!("for slip it lacks {}", missing.join("; ")));
-    }
-    lines.join("\n") + "\n" + &damages_text(&survey.damages)
+        format!("for slip this log lacks {}", missing.join("; "))
+    };
+    let format = survey.format.name();
+    let table = topic()
+        .pick(&[
+            "topic",
+            "type",
+            "messages",
+            "rate_hz",
+            "longest_interval_s",
+            "gaps",
+            "clock_jumps",
+            "use",
+        ])
+        .table(&survey.topics);
+    format!(
+        "{verdict}\n{format}, {duration}\n\n{table}{}",
+        damages_text(&survey.damages)
+    )
 }

@@ -48,7 +48,7 @@ fn lacks(sheet: &Sheet) -> Vec<&'static str> {
     ];
     let needs = [
         (sheet.time.is_some(), "a column of time"),
-        (has(&wheels), "wheel counts, angles, ways or rates"),
+        (has(&wheels), "wheel counts, angles, distances or rates"),
         (has(&turn), "a yaw rate or a heading"),
         (
             has(&motion),
@@ -117,8 +117,8 @@ fn column<'a>() -> Fields<'a, Column<'a>> {
         "numbers" "cells with a number" = column.of().numbers;
         "empty" "empty" .shown("") = column.of().empty;
         "others" "cells with something else" = column.of().others;
-        "least" "least" .shown("").all_digits() = column.bound(column.of().min);
-        "greatest" "greatest" .shown("").all_digits() = column.bound(column.of().max);
+        "least" "minimum" .shown("").label("min").all_digits() = column.bound(column.of().min);
+        "greatest" "maximum" .shown("").label("max").all_digits() = column.bound(column.of().max);
         "probably" "probably" .shown("").missing("") = column.meaning();
     }
 }
@@ -145,7 +145,17 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Sheet> {
 }
 
 fn text(sheet: &Sheet) -> String {
-    let mut out = format!(
+    let missing = lacks(sheet);
+    let mut out = if missing.is_empty() {
+        "slip can be estimated: time, wheels, turn and motion are there, by the names of the columns\n".to_owned()
+    } else {
+        format!(
+            "for slip this log lacks, by the names of its columns: {}\n",
+            missing.join("; ")
+        )
+    };
+    let _ = write!(
+        out,
         "CSV, {} rows of {} columns",
         sheet.rows,
         sheet.columns.len()
@@ -162,16 +172,5 @@ fn text(sheet: &Sheet) -> String {
     }
     out.push_str("\n\n");
     let seen = column().pick(&["column", "first", "least", "greatest", "empty", "probably"]);
-    out.push_str(&seen.table(Column::all(sheet)));
-    let missing = lacks(sheet);
-    if missing.is_empty() {
-        out.push_str("\nhas time, wheels, turn and motion, by the names of its columns\n");
-    } else {
-        let _ = writeln!(
-            out,
-            "\nfor slip it lacks, by the names of its columns, {}",
-            missing.join("; ")
-        );
-    }
-    out
+    out + &seen.table(Column::all(sheet))
 }

@@ -22,6 +22,7 @@ use grouser_terrain::{Envelope, Headings, MapLayout, MapMaker, MapSettings, MapS
 use crate::error::Result;
 use crate::exit::Outcome;
 use crate::input;
+use crate::model_error;
 use crate::session::Session;
 use crate::soil_choice::SoilArguments;
 use crate::verb_report::Report;
@@ -37,7 +38,7 @@ use work::Shard;
     long_about = "Slip, sinkage, energy per metre, tip-over margin and the probability of immobilisation of a robot on every \
         cell of an elevation model, for 8 or 16 headings, as a GeoTIFF with the model's own place and coordinate system.\n\n\
         The exact solver fills a table over pitch and roll, whose error between the nodes is checked and reported. Without \
-        --soil-intervals the soil is taken for exactly known, and every probability is 0 or 1. An interrupted job goes on \
+        --soil-intervals the soil is treated as exactly known, and every probability is 0 or 1. An interrupted job goes on \
         where it ended when the same command runs again.",
     after_help = "Examples:\n  grouser map dem.tif --robot rover.toml --soil dry-sand -o map.tif -o map.svg\n  \
         grouser map dem.tif --robot rover.toml --soil sand.toml --soil-intervals intervals.toml -o map.tif -o costmap.yaml\n  \
@@ -72,10 +73,10 @@ pub(crate) struct Arguments {
     /// Directions: 4, 8 or 16
     #[arg(long, value_name = "N", default_value = "8")]
     headings: u8,
-    /// Greatest pitch that is computed, in degrees; steeper cells are `steep`
+    /// Maximum pitch that is computed, in degrees; steeper cells are `steep`
     #[arg(long, value_name = "DEG", value_parser = parse_finite, default_value = "30")]
     max_pitch_deg: f64,
-    /// Greatest roll that is computed, in degrees
+    /// Maximum roll that is computed, in degrees
     #[arg(long, value_name = "DEG", value_parser = parse_finite, default_value = "25")]
     max_roll_deg: f64,
     /// Size of a cell in m, where the file does not give it
@@ -88,7 +89,7 @@ pub(crate) struct Arguments {
     gravity: GravityArgument,
     #[command(flatten)]
     max_slip: MaxSlip,
-    /// Compute only part I of N of the map, into a file beside the output
+    /// Compute only part I of N of the map, into a file next to the output
     #[arg(long, value_name = "I/N", value_parser = work::parse_shard)]
     shard: Option<Shard>,
     /// Join the parts of N shards
@@ -131,6 +132,11 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     layout.soils.extend(names);
     layout.cvar_level = arguments.cvar;
     outputs.check(&layout)?;
+    let model_error = model_error::pull_per_load(
+        std::iter::once(&chosen.soil).chain(legend.iter().map(|entry| &entry.soil)),
+        arguments.max_slip.max_slip,
+        model_error::has_lugs(&model),
+    );
     let settings = MapSettings::new(headings, envelope).with_cvar_level(arguments.cvar)?;
     let soils_with_draws: Vec<_> = std::iter::once((&chosen.soil, drawn.as_slice()))
         .chain(
@@ -186,7 +192,31 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         soil: &chosen.name,
         gravity: layout.gravity,
         resumed: made.resumed,
+        model_error,
     };
+    warnings.extend(doubts(&result));
+    Ok(report(&result, summary.known == 0, &written, warnings))
+}
+
+/// What is doubtful before the map is made.
+fn warnings(requested: [f64; 2], envelope: &Envelope) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if envelope.max_pitch < requested[0] {
+        warnings.push(format!(
+            "a wheel loses the ground within the requested pitch and roll: the map ends at {:.1}° and {:.1}°",
+            envelope.max_pitch.to_degrees(),
+            envelope.max_roll.to_degrees()
+        ));
+    }
+    warnings
+}
+
+/// What is doubtful about the map.
+fn doubts(result: &object::Mapped<'_>) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if result.model_error.is_none() {
+        warnings.push(model_error::UNKNOWN.to_owned());
+    }
     if result.error().slip > grouser_terrain::SLIP_BOUND {
         warnings.push(format!(
             "the table differs from the exact solver by up to {:.1e} in slip, more than {:.0e}",
@@ -199,19 +229,6 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             "caution at {} % of the cells and headings that drive: {}",
             shown(100.0 * share),
             Caution::DeepSinkage
-        ));
-    }
-    Ok(report(&result, summary.known == 0, &written, warnings))
-}
-
-/// What is doubtful before the map is made.
-fn warnings(requested: [f64; 2], envelope: &Envelope) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if envelope.max_pitch < requested[0] {
-        warnings.push(format!(
-            "a wheel loses the ground within the requested pitch and roll: the map ends at {:.1}° and {:.1}°",
-            envelope.max_pitch.to_degrees(),
-            envelope.max_roll.to_degrees()
         ));
     }
     warnings

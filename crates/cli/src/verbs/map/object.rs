@@ -16,6 +16,8 @@ pub(super) struct Mapped<'a> {
     pub(super) soil: &'a str,
     pub(super) gravity: f64,
     pub(super) resumed: u32,
+    /// Half of the interval about a slope that holds 90 % of measurements, rad; `None` where that is not known.
+    pub(super) model_error: Option<f64>,
 }
 
 impl Mapped<'_> {
@@ -45,17 +47,22 @@ impl Mapped<'_> {
     pub(super) fn text(&self) -> String {
         let summary = self.summary;
         let certainty = if self.layout.draws == 0 {
-            "the soil is taken for exactly known: probabilities are 0 or 1".to_owned()
+            "the soil is treated as exactly known: probabilities are 0 or 1".to_owned()
         } else {
-            format!("{} soils drawn from its intervals", self.layout.draws)
+            format!(
+                "probabilities by {} soils drawn from the intervals of the soil",
+                self.layout.draws
+            )
         };
         let percent = |part: u64| match mean(part as f64, summary.known) {
             Some(share) => format!("{} %", shown(100.0 * share)),
             None => "none".to_owned(),
         };
         format!(
-            "{} x {} cells of {} m, {} headings; {} under {} m/s², {certainty}\n\
-             every heading can be driven on {} of the known cells, none on {}\n{}",
+            "every heading can be driven on {} of the known cells, none on {}\n{certainty}\n\
+             {} x {} cells of {} m, {} headings; {} under {} m/s²\n\n{}",
+            percent(summary.open),
+            percent(summary.closed),
             self.layout.columns,
             self.layout.rows,
             shown(self.layout.cell),
@@ -66,8 +73,6 @@ impl Mapped<'_> {
                 _ => self.soil.to_owned(),
             },
             shown(self.gravity),
-            percent(summary.open),
-            percent(summary.closed),
             fields().lines(self)
         )
     }
@@ -87,41 +92,43 @@ pub(super) fn fields<'a>() -> Fields<'a, &'a Mapped<'a>> {
         "soils" "all soils, by their numbers in the map" rows(soil()) =
             map.layout.soils.iter().zip(map.maker.soils()).collect::<Vec<_>>();
         "gravity_m_per_s2" "gravity" = map.gravity;
-        "soil_draws" "soils drawn from the intervals; 0: the soil is taken for exactly known" = map.layout.draws;
-        "turning_radius_m" "least turning radius of the robot" .shown("m") = map.layout.turning_radius;
-        "max_pitch_deg" "greatest pitch that was computed" .shown("deg") = map.envelope.max_pitch.to_degrees();
-        "max_roll_deg" "greatest roll that was computed" .shown("deg") = map.envelope.max_roll.to_degrees();
-        "known_cells" "cells whose ground is known" .shown("") = map.summary.known;
+        "soil_draws" "soils drawn from the intervals; 0: the soil is treated as exactly known" = map.layout.draws;
+        "turning_radius_m" "minimum turning radius of the robot" .shown("m").detail() = map.layout.turning_radius;
+        "max_pitch_deg" "maximum pitch computed" .shown("deg").detail() = map.envelope.max_pitch.to_degrees();
+        "max_roll_deg" "maximum roll computed" .shown("deg").detail() = map.envelope.max_roll.to_degrees();
+        "known_cells" "cells with known ground" .shown("") = map.summary.known;
         "open_cells" "known cells that every heading can drive" = map.summary.open;
         "closed_cells" "known cells that no heading can drive" = map.summary.closed;
-        "drives" "share of cells and headings: read from the table" .shown("%") = map.share(State::Drives);
-        "marginal" "near a limit, solved exactly" .shown("%").digits(2) = map.share(State::Marginal);
+        "drives" "share of cells and headings: drives, by the table" .shown("%") = map.share(State::Drives);
+        "marginal" "near a limit (drives or not), solved exactly" .shown("%") = map.share(State::Marginal);
         "immobilised" "no slip gives the pull" .shown("%") = map.share(State::Immobilised);
         "slides" "slides downhill" .shown("%") = map.share(State::Slides);
-        "steep" "steeper than was computed" .shown("%") = map.share(State::Steep);
+        "steep" "steeper than computed" .shown("%") = map.share(State::Steep);
         "slip_median" "median slip where it drives" .shown("").decimals(3) = map.summary.slip_quantile(0.5);
         "slip_95" "95 % quantile of the slip" .shown("").decimals(3) = map.summary.slip_quantile(0.95);
         "energy_mean_j_per_m" "mean energy where it drives" .shown("J/m") =
             mean(map.summary.energy_sum, map.summary.driving());
-        "energy_max_j_per_m" "greatest energy" .shown("J/m") =
+        "energy_max_j_per_m" "maximum energy" .shown("J/m") =
             (map.summary.driving() > 0).then_some(map.summary.energy_max);
-        "sinkage_max_m" "greatest sinkage" .shown("mm") =
+        "sinkage_max_m" "maximum sinkage" .shown("mm") =
             (map.summary.driving() > 0).then_some(map.summary.sinkage_max);
-        "deep" "a wheel sinks by more than a sixth of its diameter, where the laws lose their grip" .shown("%") =
+        "deep" "a wheel sinks by more than a sixth of its diameter (laws uncertain)" .shown("%") =
             map.deep_share();
-        "tip_over_min_deg" "least tip-over margin" .shown("deg") =
+        "tip_over_min_deg" "minimum tip-over margin" .shown("deg") =
             (map.summary.driving() > 0).then_some(map.summary.tip_over_min);
         "immobilisation_mean" "mean probability of immobilisation, at most" .shown("%") =
             mean(map.summary.risk_sum, map.summary.poses());
-        "steepest_deg" "slope that is climbed straight on" .shown("deg") = map.steepest()[0].to_degrees();
-        "steepest_weakest_draw_deg" "on the weakest soil draw" .shown("deg") = map.steepest()[1].to_degrees();
-        "steepest_strongest_draw_deg" "on the strongest soil draw" .shown("deg") =
+        "steepest_deg" "slope climbed straight on" .shown("deg") = map.steepest()[0].to_degrees();
+        "steepest_model_error_deg" "90 % of measurements lie within this of it" .shown("deg") =
+            map.model_error.map(f64::to_degrees);
+        "steepest_weakest_draw_deg" "slope climbed on the weakest soil draw" .shown("deg").detail() = map.steepest()[1].to_degrees();
+        "steepest_strongest_draw_deg" "slope climbed on the strongest soil draw" .shown("deg").detail() =
             map.steepest()[2].to_degrees();
-        "slip_error" "table against exact solver: slip" .shown("").digits(2) = map.error().slip;
-        "limit_error_deg" "the slope at which it stops" .shown("deg").digits(2) = map.error().limit.to_degrees();
-        "energy_error" "energy" .shown("%").digits(2) = map.error().energy;
-        "sinkage_error_m" "sinkage" .shown("mm").digits(2) = map.error().sinkage;
-        "tip_over_error_deg" "tip-over margin" .shown("deg").digits(2) = map.maker.tip_over_error().to_degrees();
+        "slip_error" "table against exact solver: slip" .shown("").detail() = map.error().slip;
+        "limit_error_deg" "table against exact solver: maximum slope" .shown("deg").detail() = map.error().limit.to_degrees();
+        "energy_error" "table against exact solver: energy" .shown("%").detail() = map.error().energy;
+        "sinkage_error_m" "table against exact solver: sinkage" .shown("mm").detail() = map.error().sinkage;
+        "tip_over_error_deg" "table against exact solver: tip-over margin" .shown("deg").detail() = map.maker.tip_over_error().to_degrees();
         "error_checks" "places where table and solver were compared" = map.error().checks;
         "resumed_strips" "strips that an earlier run had computed" = map.resumed;
         "strips" "strips" = map.layout.strips();

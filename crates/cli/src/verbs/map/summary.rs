@@ -2,7 +2,7 @@
 
 use grouser_terrain::{Band, MapLayout, Quantity, State};
 
-/// Greatest side of the picture of a map, cells.
+/// Maximum side of the picture of a map, cells.
 const MAX_SIDE: u32 = 800;
 /// Bins of a slip from −1 to 1, for its quantiles.
 const SLIP_BINS: usize = 2000;
@@ -10,12 +10,12 @@ const SLIP_BINS: usize = 2000;
 /// The worst of a cell's headings, and of the cells that share a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::verbs) struct Worst {
-    /// Of greatest magnitude; NaN where none drives.
+    /// The slip of maximum magnitude; NaN where none drives.
     pub(super) slip: f32,
     /// Headings that cannot be driven, and headings.
     pub(super) blocked: u32,
     pub(super) headings: u32,
-    /// The greatest probability of immobilisation.
+    /// The maximum probability of immobilisation.
     pub(super) risk: f32,
 }
 

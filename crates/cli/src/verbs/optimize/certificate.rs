@@ -7,10 +7,12 @@ use std::path::PathBuf;
 
 use grouser_design::{Answer, Design, ForceRemainder, FrontProof, Task};
 use grouser_opt::{Certificate, CertifyProgress, CertifySettings, CertifyStatus, WrittenProblem};
-use grouser_report::number::shown;
+use grouser_report::number::{rounded, shown};
+use grouser_terra::ModelError;
 
 use crate::error::{Error, Result};
 use crate::interrupt::Search;
+use crate::model_error;
 use crate::output::OutputFile;
 use crate::terminal::remark;
 
@@ -71,6 +73,10 @@ pub(super) struct Certified {
     pub(super) remainder: Option<ForceRemainder>,
     /// The line that names the log.
     written: Option<String>,
+    /// What the laws miss of measured wheels at the best point, where there is a wheel ([`Design::model_error`]).
+    model_error: Option<ModelError>,
+    /// Is there a wheel on a soil whose laws were not compared with measured wheels?
+    is_not_compared: bool,
     /// What a lone maximised objective is called, and its scale: its bounds are then of its own sign.
     maximised: Option<(String, f64)>,
 }
@@ -193,6 +199,14 @@ impl Certification {
             Proof::Optimum(certificate) => better(design, answer, certificate, gap)?,
             Proof::Front(_) => None,
         };
+        let best = match (&proof, answer) {
+            (Proof::Optimum(certificate), _) => certificate.x.as_deref(),
+            (Proof::Front(_), Answer::Trade(trade)) => {
+                trade.points.first().map(|point| &point.x[..])
+            }
+            _ => None,
+        };
+        let model_error = best.and_then(|x| design.model_error(x));
         let maximised = match design.objectives.as_slice() {
             [one] if one.maximise && design.task == Task::Minimax => {
                 Some((one.name.clone(), one.scale))
@@ -204,6 +218,8 @@ impl Certification {
             proof,
             gap,
             remainder: design.force_remainder(),
+            model_error: model_error.flatten(),
+            is_not_compared: model_error == Some(None),
             written,
             maximised,
         }))
@@ -218,6 +234,9 @@ impl Certification {
 fn bytes(size_mb: f64) -> u64 {
     (1e6 * size_mb) as u64
 }
+
+/// Significant digits of a proved bound.
+const PROOF_DIGITS: usize = 6;
 
 fn progress_line(progress: &CertifyProgress) -> String {
     format!(
@@ -299,13 +318,20 @@ impl Certified {
         if let Some(remainder) = self.remainder {
             let _ = writeln!(
                 text,
-                "forces: a rule of integration that is off by at most {} of each force ({})",
+                "forces: error of the integrals at most {} of each force ({})",
                 shown(remainder.share),
                 if remainder.is_proved {
                     "proved"
                 } else {
                     "measured, not proved"
                 }
+            );
+        }
+        if let Some(error) = self.pull_error() {
+            let share = rounded(error, 2);
+            let _ = writeln!(
+                text,
+                "laws: 90 % of measurements lie within ±{share} of the load of a pull that is proved"
             );
         }
         if let Some(written) = &self.written {
@@ -317,8 +343,8 @@ impl Certified {
     fn optimum_text(&self, text: &mut String, c: &Certificate) {
         // a maximised objective has its own sign
         let level = |utility: f64| match &self.maximised {
-            Some((_, scale)) => shown(-utility / scale),
-            None => shown(utility),
+            Some((_, scale)) => rounded(-utility / scale, PROOF_DIGITS),
+            None => rounded(utility, PROOF_DIGITS),
         };
         let claim = match &self.maximised {
             Some((name, _)) => format!("has a `{name}` above"),
@@ -353,13 +379,23 @@ impl Certified {
         } else if c.x.is_some() {
             let _ = writeln!(
                 text,
-                "best point {}, gap {} of {} allowed; constraints hold to {}",
+                "best point {}, gap {} of {} allowed; constraints met within {}",
                 level(c.upper),
                 shown(c.gap()),
                 shown(self.gap * (1.0 + c.upper.abs())),
                 shown(c.violation)
             );
         }
+    }
+
+    /// Half of the interval about a pull that holds 90 % of measurements, over the load.
+    pub(super) fn pull_error(&self) -> Option<f64> {
+        Some(self.model_error?.pull_per_load)
+    }
+
+    /// What the proof does not say, though it answers the question.
+    pub(super) fn caution(&self) -> Option<String> {
+        (self.is_not_compared).then(|| model_error::UNKNOWN.to_owned())
     }
 
     /// Why the proof does not answer the question.
@@ -371,7 +407,7 @@ impl Certified {
             CertifyStatus::MemoryLimit => "the memory is used (`--certify-memory-mb`)",
             CertifyStatus::ProofLimit => "the log is full (`--proof-size-mb`)",
             CertifyStatus::Precision => "some boxes are as small as numbers allow",
-            _ => "interrupted, with what was proved until then",
+            _ => "interrupted",
         };
         Some(match &self.proof {
             Proof::Front(front) if front.share.is_finite() => format!(
@@ -414,7 +450,7 @@ fn front_text(text: &mut String, design: &Design, front: &FrontProof) {
         .collect();
     let _ = writeln!(
         text,
-        "{word}: of {} listed points one is at most {} worse than any point of the box ({} of the ranges; {} proofs, {} boxes)",
+        "{word}: for any point of the box, one of {} listed points is at most {} worse ({} of the ranges; {} proofs, {} boxes)",
         front.points.len(),
         by.join(" and "),
         shown(front.share),

@@ -98,13 +98,8 @@ fn starts(design: &Design, optimum: &Optimum, figure: Figure) -> Figure {
     if all_maximised {
         solved.reverse();
     }
-    let word = if all_maximised {
-        "Least objective"
-    } else {
-        "Greatest objective"
-    };
     let places = solved.iter().enumerate().map(|(i, m)| [i as f64 + 1.0, *m]);
-    let chart = Chart::new(Axis::new("Start, best first"), Axis::new(word))
+    let chart = Chart::new(Axis::new("Start, best first"), Axis::new("Worst objective"))
         .points(Points::new(places).look(Marker::Circle, Colour::BLUE));
     figure.panel(chart)
 }
@@ -126,7 +121,7 @@ fn proved_steps(proof: &FrontProof) -> Vec<[f64; 2]> {
 fn front(design: &Design, trade: &Trade, proof: Option<&FrontProof>) -> Figure {
     let m = design.objectives.len();
     let mut figure = Figure::new(format!(
-        "The Pareto front of {}: {} compromises; the knee is marked",
+        "The Pareto front of {}: {} compromises; the best trade-off (knee point) is marked",
         design.file,
         trade.points.len()
     ));
@@ -159,7 +154,7 @@ fn front(design: &Design, trade: &Trade, proof: Option<&FrontProof>) -> Figure {
             chart = chart.mark(
                 Mark::new(*knee)
                     .look(Marker::Disc, Colour::RED)
-                    .label("knee"),
+                    .label("best trade-off"),
             );
         }
         figure = figure.panel(chart);

@@ -24,7 +24,7 @@ use crate::output_choice::Output;
 use crate::progress::Progress;
 use crate::report_file::ReportFlag;
 use crate::session::Session;
-use crate::verb_report::Report;
+use crate::verb_report::{Medium, Report};
 use grouser_report::Object;
 use grouser_report::number::{in_message, shown};
 
@@ -127,6 +127,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         _ => Vec::new(),
     };
     warnings.extend(cautions(&design, &answer));
+    warnings.extend(certified.as_ref().and_then(certificate::Certified::caution));
     if is_search_interrupted {
         warnings
             .push("interrupted: this is the best that was found so far, not an optimum".to_owned());
@@ -150,7 +151,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
             certified: certified.as_ref(),
         }),
         text,
-        is_aside: false,
+        medium: Medium::Text,
         failure,
         warnings,
     })
@@ -165,7 +166,7 @@ impl ShownStage {
         let (name, done, of) = match progress.stage {
             Stage::Starts { done, of } => ("starts", done, of),
             Stage::Generations { done, of } => ("generations", done, of),
-            Stage::Polishing { done, of } => ("points made exact", done, of),
+            Stage::Polishing { done, of } => ("points refined", done, of),
             _ => return,
         };
         if self.0.as_ref().is_none_or(|(shown, _)| *shown != name) {
@@ -188,7 +189,7 @@ fn complaint(design: &Design, optimum: &Optimum) -> Option<String> {
                 .map(|v| format!("`{}` by {}", v.name, shown(v.amount)))
                 .collect();
             Some(format!(
-                "no point meets all constraints; the least-infeasible one found violates {}",
+                "no point meets all constraints; the closest one found violates {}",
                 list.join(", ")
             ))
         }

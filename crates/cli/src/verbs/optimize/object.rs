@@ -141,13 +141,13 @@ pub(super) fn fields<'a>() -> Fields<'a, Solved<'a>> {
     fields! { |solved: Solved<'a>|
         "method" "the task" = solved.design.task.name();
         "status" "how the solve ended" = solved.status();
-        "x" "the variables; of a front those of its knee" values =
+        "x" "the variables; of a front those of its best trade-off (knee point)" values =
             solved.of(|o| variables(solved.design, &o.x), |p| Some(variables(p.design, &p.part.x)));
-        "cautions" "what to keep in mind about the wheel there" =
+        "cautions" "cautions about the wheel there" =
             solved.of(|o| keys(solved.design, &o.x), |p| Some(keys(p.design, &p.part.x)));
         "objectives" "the objectives there, without scaling" values =
             solved.of(|o| o.objectives.clone(), |p| Some(objectives(p.design, &p.part.objectives)));
-        "max" "the objective that decides, without its scale: the one that is greatest with it; where all are maximised, the least" =
+        "max" "the worst objective, without its scale; where all are maximised, the minimum" =
             solved.of(|o| o.maximum, |p| Some(p.maximum()));
         "deciding" "its name" = solved.optimum().map(|o| o.deciding.as_str());
         "utility" "what was minimised" = solved.optimum().map(|o| o.utility);
@@ -157,7 +157,7 @@ pub(super) fn fields<'a>() -> Fields<'a, Solved<'a>> {
         "constraint_multipliers" "cost of each constraint" values =
             solved.optimum().map(|o| o.constraint_multipliers.clone());
         "bound_multipliers" "cost of the bounds of each variable" maybe_named(bounds()) = solved.bound_multipliers();
-        "active" "constraints and bounds that hold the point" = solved.optimum().map(|o| o.active.clone());
+        "active" "active constraints and bounds" = solved.optimum().map(|o| o.active.clone());
         "violated" "constraints that no point meets, and by how much" values = solved.violated();
         "kkt" "how well the optimality conditions hold" group(kkt()) = solved.optimum().map(|o| &o.kkt);
         "iterations" "iterations" = solved.counts().iterations;
@@ -171,7 +171,7 @@ pub(super) fn fields<'a>() -> Fields<'a, Solved<'a>> {
             solved.certified.and_then(|certified| Some((certified, certified.certificate()?)));
         "front_certificate" "what is proved about a front of two objectives, with --certify" group(front_certificate()) =
             solved.certified.and_then(|certified| Some((solved.design, certified, certified.front()?)));
-        "knee" "place of the knee in the front" = solved.trade().and_then(|trade| trade.knee);
+        "knee" "index of the best trade-off (knee point) in the front" = solved.trade().and_then(|trade| trade.knee);
     }
 }
 
@@ -184,10 +184,10 @@ fn bounds<'a>() -> Fields<'a, (f64, f64)> {
 
 fn kkt<'a>() -> Fields<'a, &'a Kkt> {
     fields! { |kkt: &'a Kkt|
-        "stationarity" "greatest component of the Lagrangian's gradient" = kkt.stationarity;
-        "gradient_scale" "greatest gradient of an objective" = kkt.gradient_scale;
-        "complementarity" "greatest multiplier times distance" = kkt.complementarity;
-        "violation" "greatest violation" = kkt.violation;
+        "stationarity" "maximum component of the Lagrangian's gradient" = kkt.stationarity;
+        "gradient_scale" "maximum gradient of an objective" = kkt.gradient_scale;
+        "complementarity" "maximum of multiplier times distance" = kkt.complementarity;
+        "violation" "maximum violation" = kkt.violation;
     }
 }
 
@@ -205,6 +205,7 @@ fn certificate<'a>() -> Fields<'a, (&'a Certified, &'a Certificate)> {
         "violation" "by how much the best point violates a constraint at most" = of.1.violation;
         "remainder" "share of a force that the rule of integration may leave out" = of.0.remainder.map(|r| r.share);
         "remainder_is_proved" "that share is proved over the whole box; else it is measured" = of.0.remainder.map(|r| r.is_proved);
+        "pull_model_error_per_load" "half of the interval about a pull that holds 90 % of measurements, over the load" = of.0.pull_error();
         "boxes" "boxes examined" = of.1.boxes;
         "seconds" "time taken, s" = of.1.seconds;
     }
@@ -224,6 +225,7 @@ fn front_certificate<'a>() -> Fields<'a, ProvedFront<'a>> {
             of.2.corners.iter().map(move |at| (of.0, at.as_slice()));
         "remainder" "share of a force that the rule of integration may leave out" = of.1.remainder.map(|r| r.share);
         "remainder_is_proved" "that share is proved over the whole box; else it is measured" = of.1.remainder.map(|r| r.is_proved);
+        "pull_model_error_per_load" "half of the interval about a pull that holds 90 % of measurements, over the load" = of.1.pull_error();
         "proofs" "proofs by branch and bound" = of.2.proofs;
         "boxes" "boxes examined" = of.2.boxes;
         "seconds" "time taken, s" = of.2.seconds;

@@ -4,14 +4,14 @@ use std::fmt::Write as _; // writing to a string cannot fail
 
 use grouser_design::{Answer, Design, Optimum, Task, Trade};
 
-use grouser_report::Table;
 use grouser_report::number::{rounded, shown};
+use grouser_report::{Layout, Table};
 
 /// A share below this does not count in words.
 const MIN_WORDED_SHARE: f64 = 1e-6;
-/// So many optima are listed.
+/// Maximum number of optima that are listed.
 const MAX_OPTIMA: usize = 20;
-/// So many points of a front are listed, the knee aside.
+/// Maximum number of points of a front that are listed, in addition to the knee.
 const POINTS_SHOWN: usize = 11;
 
 pub(super) fn text(design: &Design, answer: &Answer) -> String {
@@ -28,25 +28,44 @@ pub(super) fn text(design: &Design, answer: &Answer) -> String {
 }
 
 fn of_optimum(text: &mut String, design: &Design, optimum: &Optimum) {
-    let _ = writeln!(
+    let own = optimum
+        .objectives
+        .iter()
+        .find(|(name, _)| *name == optimum.deciding);
+    let _ = write!(
         text,
-        "{}, {}: {} iterations, {} evaluations, {} with derivatives\n",
+        "{}, {}: worst objective `{}` {}",
         design.task.name(),
         optimum.status.name().replace('_', " "),
-        optimum.counts.iterations,
-        optimum.counts.values,
-        optimum.counts.jacobians,
+        optimum.deciding,
+        value(own.map_or(optimum.maximum, |(_, value)| *value))
     );
+    if has_scales(design) {
+        let _ = write!(text, " (utility with scales {})", value(optimum.utility));
+    }
+    text.push('\n');
+    if let Some(gamma) = optimum.attainment {
+        let meaning = if gamma <= 0.0 {
+            "all goals reached"
+        } else {
+            "goals missed by γ × weight"
+        };
+        let _ = writeln!(text, "attainment factor γ {} ({meaning})", shown(gamma));
+    }
+    if optimum.starts.len() > 1 {
+        of_starts(text, optimum);
+    }
+    text.push('\n');
     let mut table = Table::new()
         .text("variable")
         .number("value")
         .text("unit")
-        .text("held by");
+        .text("active bound");
     for (i, variable) in design.variables.iter().enumerate() {
         let (lower, upper) = optimum.bound_multipliers[i];
         let held = match (lower > 0.0, upper > 0.0) {
-            (true, _) => format!("its lower bound, {}", shown(variable.lower)),
-            (_, true) => format!("its upper bound, {}", shown(variable.upper)),
+            (true, _) => format!("lower bound {}", shown(variable.lower)),
+            (_, true) => format!("upper bound {}", shown(variable.upper)),
             _ => String::new(),
         };
         table.row([
@@ -67,27 +86,9 @@ fn of_optimum(text: &mut String, design: &Design, optimum: &Optimum) {
         .iter()
         .zip(&optimum.objective_multipliers)
     {
-        table.row([name.as_str(), &self::value(*value), &rounded(*share, 4)]);
+        table.row([name.as_str(), &self::value(*value), &shown(*share)]);
     }
     text.push_str(&table.render());
-    let (word, worst) = worst(design, optimum.maximum);
-    let _ = write!(text, "{word}: {worst}, `{}`", optimum.deciding);
-    if has_scales(design) {
-        let _ = write!(text, "; utility, with scales: {}", value(optimum.utility));
-    }
-    text.push('\n');
-    if let Some(gamma) = optimum.attainment {
-        let _ = writeln!(
-            text,
-            "attainment γ = {}: {}",
-            shown(gamma),
-            if gamma <= 0.0 {
-                "every goal is reached"
-            } else {
-                "the goals are missed by γ times their weights"
-            }
-        );
-    }
     if !optimum.constraint_multipliers.is_empty() {
         text.push('\n');
         let mut table = Table::new()
@@ -103,8 +104,8 @@ fn of_optimum(text: &mut String, design: &Design, optimum: &Optimum) {
             let binds = optimum.active.contains(&listed);
             table.row([
                 name.as_str(),
-                &rounded(*price, 4),
-                if binds { "binds" } else { "" },
+                &shown(*price),
+                if binds { "active" } else { "" },
             ]);
         }
         text.push_str(&table.render());
@@ -112,8 +113,16 @@ fn of_optimum(text: &mut String, design: &Design, optimum: &Optimum) {
     for line in trade_off(optimum) {
         let _ = writeln!(text, "{line}");
     }
-    if optimum.starts.len() > 1 {
-        of_starts(text, design, optimum);
+    if Layout::current().details || optimum.optima.len() > 1 {
+        optima(text, design, optimum);
+    }
+    if Layout::current().details {
+        let counts = &optimum.counts;
+        let _ = writeln!(
+            text,
+            "{} iterations, {} evaluations, {} with derivatives",
+            counts.iterations, counts.values, counts.jacobians
+        );
     }
 }
 
@@ -164,17 +173,6 @@ fn exchange((one, f, price): Priced<'_>, (two, g, other): Priced<'_>) -> String 
     }
 }
 
-/// What the objective that decides is called, and its value.
-fn worst(design: &Design, maximum: f64) -> (&'static str, String) {
-    let maximised = design.objectives.iter().filter(|one| one.maximise).count();
-    let word = match maximised {
-        0 => "greatest",
-        all if all == design.objectives.len() => "least",
-        _ => "greatest (maximised: negated)",
-    };
-    (word, value(maximum))
-}
-
 /// Does the solver compare other numbers than those that are shown?
 fn has_scales(design: &Design) -> bool {
     let mut scales = design.objectives.iter().map(|objective| objective.scale);
@@ -190,16 +188,27 @@ fn value(value: f64) -> String {
     }
 }
 
-fn of_starts(text: &mut String, design: &Design, optimum: &Optimum) {
-    let solved = optimum.starts.iter().filter(|s| s.status.is_solved());
-    let _ = writeln!(
-        text,
-        "\n{} starts, {} solved, {} different optima:",
-        optimum.starts.len(),
-        solved.count(),
-        optimum.optima.len()
-    );
-    let mut table = Table::new().number(worst(design, 0.0).0);
+/// Do the starts agree?
+fn of_starts(text: &mut String, optimum: &Optimum) {
+    let all = optimum.starts.len();
+    let solved = optimum
+        .starts
+        .iter()
+        .filter(|s| s.status.is_solved())
+        .count();
+    let agreement = match optimum.optima.len() {
+        0 => String::new(),
+        1 if solved == all => ": all starts agree".to_owned(),
+        1 => ": they agree".to_owned(),
+        several => format!(": {several} different optima"),
+    };
+    let _ = writeln!(text, "{solved} of {all} starts solved{agreement}");
+}
+
+/// The different optima that the starts led to.
+fn optima(text: &mut String, design: &Design, optimum: &Optimum) {
+    text.push('\n');
+    let mut table = Table::new().number("worst objective");
     let is_scaled = has_scales(design);
     if is_scaled {
         table = table.number("utility");
@@ -210,7 +219,7 @@ fn of_starts(text: &mut String, design: &Design, optimum: &Optimum) {
     }
     for (start, count) in optimum.optima.iter().take(MAX_OPTIMA) {
         let found = &optimum.starts[*start];
-        let mut cells = vec![worst(design, found.maximum).1];
+        let mut cells = vec![value(found.maximum)];
         cells.extend(is_scaled.then(|| value(found.utility)));
         cells.push(count.to_string());
         cells.extend(found.x.iter().map(|x| shown(*x)));
@@ -231,11 +240,18 @@ fn of_trade(text: &mut String, design: &Design, trade: &Trade) {
         .count();
     let _ = writeln!(
         text,
-        "pareto: {} points, {exact} of them exact; {} evaluations, {} with derivatives\n",
-        trade.points.len(),
-        trade.counts.values,
-        trade.counts.jacobians
+        "pareto: {} points, {exact} of them converged to full accuracy",
+        trade.points.len()
     );
+    if Layout::current().details {
+        let counts = &trade.counts;
+        let _ = writeln!(
+            text,
+            "{} evaluations, {} with derivatives",
+            counts.values, counts.jacobians
+        );
+    }
+    text.push('\n');
     let mut table = Table::new().text("");
     for objective in &design.objectives {
         table = table.number(&objective.name);
@@ -254,7 +270,7 @@ fn of_trade(text: &mut String, design: &Design, trade: &Trade) {
     for place in places {
         let point = &trade.points[place];
         let mut cells = vec![if trade.knee == Some(place) {
-            "knee".to_owned()
+            "best trade-off".to_owned()
         } else {
             String::new()
         }];
@@ -286,7 +302,7 @@ fn at_knee(design: &Design, trade: &Trade, knee: usize) -> String {
         .collect();
     let mut text = String::new();
     if let Some((first, rest)) = rates.split_first() {
-        text.push_str("The trade-off at the knee, to first order:\n");
+        text.push_str("The exchange at the best trade-off (knee point), to first order:\n");
         for other in rest {
             let _ = writeln!(text, "{}", exchange(*first, *other));
         }

@@ -149,11 +149,7 @@ impl EndToEnd<'_> {
     }
 
     fn text(&self) -> String {
-        let number = |value: &Value| {
-            value
-                .as_f64()
-                .map_or_else(|| "–".to_owned(), |v| rounded(v, 3))
-        };
+        let number = |value: &Value| value.as_f64().map_or_else(|| "-".to_owned(), shown);
         let comparison = |object: &Object| {
             let of = &object["comparison"];
             format!(
@@ -175,7 +171,7 @@ impl EndToEnd<'_> {
         text.push_str(&self.run.text());
         let _ = writeln!(
             text,
-            "\nsoil learnt: strength {} [{}, {}] and stiffness {} [{}, {}] of the known soil",
+            "\nsoil learnt: strength {} [{}, {}] and stiffness {} [{}, {}] times the known soil's",
             number(&self.soil["strength"]),
             number(&self.soil["strength_low"]),
             number(&self.soil["strength_high"]),
@@ -226,7 +222,7 @@ impl EndToEnd<'_> {
             Block::Output(format!("$ {}\n\n{}", step.line, step.report.text))
         };
         let certificate = self.certificate();
-        let value = |value: &Value| value.as_f64().map_or_else(|| "–".to_owned(), shown);
+        let value = |value: &Value| value.as_f64().map_or_else(|| "-".to_owned(), shown);
         let [ours, papers] = self.run.figures().map(|figure| figure.svg());
         let actions = self.actions().into_iter();
         let rows = actions.map(|(action, reason, count)| vec![action, reason, count.to_string()]);

@@ -16,6 +16,7 @@ use crate::error::{Error, Result, shown as shown_path};
 use crate::figure_file;
 use crate::files_in_use;
 use crate::output::OutputFile;
+use crate::progress::Progress;
 use crate::report_file::ReportFlag;
 use crate::session::Session;
 use crate::verb_report::Report;
@@ -74,7 +75,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let scenario = scenario(&steps, None)?;
     let run = sand_run(&mut steps, &scenario, session)?;
     files_in_use::clear();
+    let progress = Progress::of_work("optima and figures");
     let paper = Paper::compute(&scenario, run)?;
+    drop(progress);
     for file in paper.files() {
         write(folder, file)?;
     }

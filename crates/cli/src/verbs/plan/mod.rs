@@ -1,4 +1,4 @@
-//! `plan`: the way of least energy over a map, within a bound on the risk.
+//! `plan`: the route of minimum energy over a map, within a bound on the risk.
 
 mod figure;
 mod object;
@@ -15,19 +15,20 @@ use grouser_terrain::plan::{Plan, PlanMap, PlanSettings, plan};
 use crate::error::{Error, Result, shown as shown_path};
 use crate::figure_file::ending;
 use crate::output::OutputFile;
+use crate::progress::Progress;
 use crate::session::Session;
 use crate::verb_report::Report;
 
 #[derive(clap::Args, Debug)]
 #[command(
-    about = "The way of least energy over a slip map, within a bound on the risk",
-    long_about = "The way of least energy between two places of a map that `grouser map` made, within a bound on the probability \
-        of immobilisation anywhere on the way, on the slip and on the tip-over margin. The robot goes in the map's headings and turns no \
-        sharper than its turning radius. The same map and flags give the same way on every machine.\n\nThe bound counts one soil \
+    about = "The route of minimum energy over a slip map, within a bound on the risk",
+    long_about = "The route of minimum energy between two places of a map that `grouser map` made, within a bound on the probability \
+        of immobilisation anywhere on the route, on the slip and on the tip-over margin. The robot goes in the map's headings and turns no \
+        sharper than its turning radius. The same map and flags give the same route on every machine.\n\nThe bound counts one soil \
         of uncertain strength for the whole map; patches of other soil are not in it. Turning costs --turn-energy-j, nothing unless given.",
     after_help = "Examples:\n  grouser plan map.tif --from 12,8 --to 40,30\n  \
-        grouser plan map.tif --from 12,8 --to 40,30 --max-risk 0.01 -o way.csv -o way.svg\n  \
-        grouser plan map.tif --from 12,8 --to 40,30 --scenario way.toml --dem dem.tif --robot rover.toml --soil dry-sand"
+        grouser plan map.tif --from 12,8 --to 40,30 --max-risk 0.01 -o route.csv -o route.svg\n  \
+        grouser plan map.tif --from 12,8 --to 40,30 --scenario route.toml --dem dem.tif --robot rover.toml --soil dry-sand"
 )]
 pub(crate) struct Arguments {
     /// The map (.tif)
@@ -39,16 +40,16 @@ pub(crate) struct Arguments {
     /// Goal in the map's coordinates, m
     #[arg(long, value_name = "X,Y", value_parser = parse_place, allow_hyphen_values = true)]
     to: (f64, f64),
-    /// Bound on the probability to be immobilised anywhere on the way
+    /// Bound on the probability of immobilisation anywhere on the route
     #[arg(long, value_name = "P", value_parser = parse_finite, default_value = "0.05")]
     max_risk: f64,
-    /// Greatest slip, driving or braking, that 95 % of the soil draws may demand
+    /// Maximum slip, driving or braking, that 95 % of the soil draws may demand
     #[arg(long, value_name = "S", value_parser = parse_finite, default_value_t = MAX_SLIP)]
     max_slip: f64,
-    /// Least tip-over margin, in degrees
+    /// Minimum tip-over margin, in degrees
     #[arg(long, value_name = "DEG", value_parser = parse_finite, default_value = "10")]
     min_tip_over_deg: f64,
-    /// Speed of the wheels' rims in m/s, for the time
+    /// Wheel speed in m/s, for the time
     #[arg(long, value_name = "V", value_parser = parse_finite, default_value = "0.25")]
     speed_m_per_s: f64,
     /// Energy of a turn by one heading in J, which the map does not know
@@ -63,7 +64,7 @@ pub(crate) struct Arguments {
     /// Heading at the goal in degrees, the nearest of the map's
     #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true)]
     goal_heading_deg: Option<f64>,
-    /// Other ways that are looked for
+    /// Number of alternative routes
     #[arg(long, value_name = "N", default_value = "2", value_parser = clap::value_parser!(u8).range(0..=20))]
     alternatives: u8,
     /// Write a scenario that `grouser drive` follows; with --dem, --robot and --soil
@@ -78,7 +79,7 @@ pub(crate) struct Arguments {
     /// The soil, for the scenario: a key of the catalogue or a soil file
     #[arg(long, value_name = "SOIL", requires = "scenario")]
     soil: Option<String>,
-    /// Write the way as a table (.csv) or a figure (.svg); may be given several times
+    /// Write the route as a table (.csv) or a figure (.svg); may be given several times
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
 }
@@ -136,7 +137,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     };
     let from = map.cell_at("the start", arguments.from)?;
     let to = map.cell_at("the goal", arguments.to)?;
+    let progress = Progress::of_work("searching for routes");
     let found = plan(&map, (from, to), &settings, arguments.alternatives.into())?;
+    drop(progress);
     let planned = object::Planned {
         map: &map,
         plan: &found,
@@ -173,7 +176,7 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     .collect();
     if route.deep_share > 0.0 {
         warnings.push(format!(
-            "caution at {} % of the cells of the way: {}",
+            "caution at {} % of the cells of the route: {}",
             shown(100.0 * route.deep_share),
             Caution::DeepSinkage
         ));
@@ -181,13 +184,13 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     if route.turns > 0 {
         warnings.push(
             "a map knows steady straight driving: turns, drift on side slopes and ruts can immobilise a robot where the \
-             risk is 0; drive the way in a simulation first (`--scenario`)"
+             risk is 0; simulate the route first (`--scenario`)"
                 .to_owned(),
         );
     }
     if map.layout.draws == 0 {
         warnings.push(
-            "the map takes its soil for exactly known: its risks are 0 or 1, and the bound says nothing about the soil"
+            "the map treats its soil as exactly known: its risks are 0 or 1, and the bound does not cover the soil"
                 .to_owned(),
         );
     }
@@ -219,11 +222,11 @@ fn no_way(object: grouser_report::Object, least: Option<f64>, arguments: &Argume
     let bound = shown(arguments.max_risk);
     let text = match least {
         Some(least) => format!(
-            "no way keeps the risk within {bound}; the smallest bound that some way keeps is {}\n",
+            "no route keeps the risk within {bound}; the minimum bound that a route keeps is {}\n",
             shown(least)
         ),
         None => format!(
-            "no way leads to the goal, whatever risk is allowed (slip at most {}, tip-over margin at least {} deg)\n",
+            "no route leads to the goal at any risk (slip at most {}, tip-over margin at least {} deg)\n",
             shown(arguments.max_slip),
             shown(arguments.min_tip_over_deg)
         ),

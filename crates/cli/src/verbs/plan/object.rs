@@ -83,7 +83,7 @@ impl<'a> Planned<'a> {
     /// What people read.
     pub(super) fn text(&self, route: &Route, alternatives: &[Route]) -> String {
         let mut out = format!(
-            "{} J over {} m in {} s; probability to be immobilised at most {} while it drives straight on, {} turns left out\n",
+            "route of {} J over {} m in {} s\nprobability of immobilisation at most {} in straight driving; {} turns not included\n",
             shown(route.energy),
             shown(route.length),
             shown(route.time),
@@ -93,15 +93,16 @@ impl<'a> Planned<'a> {
         if self.map.layout.draws > 0 {
             let _ = writeln!(
                 out,
-                "{} J at most in the mean of the worst {} % of the soil draws (CVaR)",
-                shown(route.energy_cvar),
-                shown(100.0 * (1.0 - self.map.layout.cvar_level))
+                "mean energy of the worst {} % of the soil draws (CVaR) at most {} J",
+                shown(100.0 * (1.0 - self.map.layout.cvar_level)),
+                shown(route.energy_cvar)
             );
         }
+        out.push('\n');
         let mut table = Table::new()
-            .text("what decides")
-            .number("x, m")
-            .number("y, m")
+            .text("place of")
+            .number("x m")
+            .number("y m")
             .number("slip")
             .number("risk");
         for (what, Place { point, .. }) in self.deciding() {
@@ -117,7 +118,7 @@ impl<'a> Planned<'a> {
         for (index, other) in alternatives.iter().enumerate() {
             let _ = writeln!(
                 out,
-                "another way {}: {} J over {} m in {} s, risk at most {}",
+                "alternative {}: {} J over {} m in {} s, risk at most {}",
                 index + 1,
                 shown(other.energy),
                 shown(other.length),
@@ -132,16 +133,16 @@ impl<'a> Planned<'a> {
 pub(super) fn fields<'a>() -> Fields<'a, &'a Planned<'a>> {
     fields! { |plan: &'a Planned<'a>|
         "status" "how planning ended" = if plan.route().is_some() { "found" } else { "no-way" };
-        "max_risk" "bound on the probability to be immobilised" = plan.max_risk;
-        "least_risk" "the smallest bound that some way keeps, where none keeps the one given" = plan.least_risk();
-        "soil_draws" "soil draws behind the probabilities; 0: the soil is taken for exactly known" =
+        "max_risk" "bound on the probability of immobilisation" = plan.max_risk;
+        "least_risk" "minimum bound that a route keeps, where none keeps the one given" = plan.least_risk();
+        "soil_draws" "soil draws behind the probabilities; 0: the soil is treated as exactly known" =
             plan.map.layout.draws;
         "cvar_level" "share of the soil draws beyond which a CVaR is the mean" = plan.map.layout.cvar_level;
-        "turning_radius_m" "least turning radius of the robot" = plan.map.layout.turning_radius;
-        "route" "the way of least energy" group(way()) = plan.route().map(|route| plan.way(route));
-        "deciding" "the places that decide" maybe_named(place()) =
+        "turning_radius_m" "minimum turning radius of the robot" = plan.map.layout.turning_radius;
+        "route" "the route of minimum energy" group(way()) = plan.route().map(|route| plan.way(route));
+        "deciding" "places of the maxima" maybe_named(place()) =
             plan.route().map(|_| plan.deciding());
-        "alternatives" "other ways, by energy" rows(costs()) =
+        "alternatives" "alternative routes, by energy" rows(costs()) =
             plan.others().iter().map(|route| plan.way(route)).collect::<Vec<_>>();
         "map_job_sha256" "SHA-256 of all that the map was computed from" = plan.map.layout.job.as_str();
     }
@@ -153,8 +154,8 @@ fn costs<'a>() -> Fields<'a, Way<'a>> {
         "energy_cvar_j" "CVaR of the energy over the soil draws, at most" = way.route.energy_cvar;
         "time_s" "time" = way.route.time;
         "length_m" "length along the ground" = way.route.length;
-        "risk" "probability to be immobilised anywhere on it in steady straight driving, at most" = way.route.risk;
-        "tip_over_deg" "least tip-over margin" = way.route.tip_over_deg;
+        "risk" "probability of immobilisation anywhere on it in steady straight driving, at most" = way.route.risk;
+        "tip_over_deg" "minimum tip-over margin" = way.route.tip_over_deg;
         "turns" "turns by one heading" = way.route.turns;
         "deep_share" "share of its cells in which a wheel sinks by more than a sixth of its diameter" = way.route.deep_share;
     }

@@ -60,7 +60,7 @@ pub(super) fn toml(
     let robot = RobotModel::read(names.robot)?.under_gravity(layout.gravity);
     let duration = (TIME_FACTOR * route.time).ceil().max(10.0);
     let robot = (reachable(names.robot), robot);
-    let mut scenario = Scenario::new("A planned way", robot, ground, duration);
+    let mut scenario = Scenario::new("A planned route", robot, ground, duration);
     let legs = straights(route);
     // the first leg's heading is the first one that moves
     let first = legs.first().map_or(0, |(index, ..)| *index);

@@ -16,11 +16,11 @@ use grouser_report::{Fields, fields};
 
 #[derive(clap::Args, Debug)]
 #[command(
-    about = "Make a robot file of a URDF, or print how a robot stands",
-    long_about = "Make a robot file of a URDF: where its wheels stand, their radii, widths and masses, rockers with their \
+    about = "Make a robot file from a URDF, or print the static loads and margins of a robot",
+    long_about = "Make a robot file from a URDF: positions of its wheels, their radii, widths and masses, rockers with their \
         differential, steering, and the body's mass. Macros (xacro) must be expanded first. Motors and encoders are \
         not in a URDF and are added by hand; docs/robots.md says how.\n\nWith --stance: what each wheel of a robot file carries \
-        on a slope, how far the robot is from tipping over, and the chassis adjusted for the slope.",
+        on a slope, the tip-over margin of the robot, and the chassis adjusted for the slope.",
     after_help = "Examples:\n  grouser robot husky.urdf -o husky.toml\n  grouser estimate run.mcap --robot husky.toml\n  \
         grouser robot examples/robots/five-wheel.toml --stance --pitch-deg 15"
 )]
@@ -60,15 +60,19 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         None => made.text.clone(),
         Some(output) => {
             let wrote = OutputFile::create(output)?.write_whole(made.text.as_bytes())?;
-            format!("{}\n{wrote}", table(&robot))
+            format!("{wrote}\n{}", table(&robot))
         }
     };
     if arguments.output.is_some() {
         for note in &made.notes {
-            said.extend(["note: ", note, "\n"]);
+            said.extend(["NOTE: ", note, "\n"]);
         }
     }
-    Ok(Report::done(fields().object((&robot, &made)), said))
+    let object = fields().object((&robot, &made));
+    Ok(match arguments.output {
+        None => Report::file(object, said),
+        Some(_) => Report::done(object, said),
+    })
 }
 
 type Made<'a> = (&'a RobotFile, &'a urdf::Converted);
@@ -85,11 +89,11 @@ fn fields<'a>() -> Fields<'a, Made<'a>> {
 
 fn wheel<'a>() -> Fields<'a, &'a Wheel> {
     fields! { |wheel: &'a Wheel|
-        "x_m" "x" .shown("m").digits(4) = wheel.x;
-        "y_m" "y" .shown("m").digits(4) = wheel.y;
+        "x_m" "x" .shown("m") = wheel.x;
+        "y_m" "y" .shown("m") = wheel.y;
         "heading_deg" "heading" = wheel.heading.deg();
-        "radius_m" "radius" .shown("m").digits(4) = wheel.radius;
-        "width_m" "width" .shown("m").digits(4).missing("—") = wheel.width;
+        "radius_m" "radius" .shown("m") = wheel.radius;
+        "width_m" "width" .shown("m") = wheel.width;
         "drive" "drive" .shown("") = drive(wheel.role);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use grouser_report::number::{parse_finite, rounded};
+use grouser_report::number::{parse_finite, rounded, shown};
 use grouser_report::{Fields, Table, fields};
 use grouser_rover::robot::RobotModel;
 use grouser_rover::statics::{
@@ -19,7 +19,7 @@ use crate::wheel_choice::GravityArgument;
 #[derive(clap::Args, Debug)]
 #[group(skip)]
 pub(super) struct Arguments {
-    /// Print how the robot stands: loads, margins, tip-over and the adjusted posture
+    /// Print the static posture: loads, margins, tip-over and the adjusted posture
     #[arg(long, conflicts_with = "output")]
     stance: bool,
     /// Slope under the robot in degrees, nose up positive
@@ -28,8 +28,8 @@ pub(super) struct Arguments {
     /// Slope across the robot in degrees, left side up positive
     #[arg(long, value_name = "DEG", value_parser = parse_finite, allow_hyphen_values = true, default_value = "0", requires = "stance")]
     roll_deg: f64,
-    /// Height of the ground under each wheel in m, in the robot file's order: how its links lie on uneven ground
-    #[arg(long, value_name = "M,…", value_parser = parse_finite, allow_hyphen_values = true, value_delimiter = ',', requires = "stance")]
+    /// Height of the ground under each wheel in m, in the robot file's order: the posture of its links on uneven ground
+    #[arg(long, value_name = "M,M", value_parser = parse_finite, allow_hyphen_values = true, value_delimiter = ',', requires = "stance")]
     heights_m: Vec<f64>,
     #[command(flatten)]
     gravity: GravityArgument,
@@ -65,28 +65,26 @@ pub(super) fn run(path: &Path, arguments: &Arguments, session: &mut Session) -> 
 }
 
 fn text(model: &RobotModel, standing: &Standing) -> String {
-    let mut out = loads_text(model, standing);
+    let mut out = margins_text("on the slope", &standing.margins);
     if !standing.loads.stands {
-        out.push_str("a negative load would have to hold its wheel down: the robot does not stand like this\n");
+        out.push_str("WARNING: a negative load would have to hold its wheel down: the robot is not stable in this posture\n");
     }
-    out.push_str(&margins_text("on the slope", &standing.margins));
     if let Some(stance) = &standing.stance {
         out.push_str(&margins_text("on these heights", &stance.margins));
     }
-    out.push_str(&posture_text(&standing.posture));
-    out
+    out + &posture_text(&standing.posture) + "\n" + &loads_text(model, standing)
 }
 
 fn loads_text(model: &RobotModel, standing: &Standing) -> String {
-    let mut table = Table::new().text("wheel").number("load, N");
+    let mut table = Table::new().text("wheel").number("load N");
     if standing.stance.is_some() {
-        table = table.number("on these heights, N").number("sinkage, m");
+        table = table.number("on these heights N").number("sinkage m");
     }
     for (index, mount) in model.wheels.iter().enumerate() {
-        let mut row = vec![mount.name.clone(), rounded(standing.loads.loads[index], 4)];
+        let mut row = vec![mount.name.clone(), shown(standing.loads.loads[index])];
         if let Some(stance) = &standing.stance {
-            row.push(rounded(stance.loads[index], 4));
-            row.push(rounded(stance.sinkages[index], 3));
+            row.push(shown(stance.loads[index]));
+            row.push(shown(stance.sinkages[index]));
         }
         table.row(row);
     }
@@ -95,20 +93,20 @@ fn loads_text(model: &RobotModel, standing: &Standing) -> String {
 
 fn margins_text(what: &str, margins: &StabilityMargins) -> String {
     format!(
-        "{what}: tips over after {}° more, {} m inside its support, {} m to lift\n",
-        rounded(margins.tip_over.to_degrees(), 3),
-        rounded(margins.horizontal, 3),
-        rounded(margins.vertical, 3),
+        "{what}: tip-over margin {}°, centre of gravity {} m inside the support, {} m to be raised\n",
+        shown(margins.tip_over.to_degrees()),
+        shown(margins.horizontal),
+        shown(margins.vertical),
     )
 }
 
 fn posture_text(posture: &Posture) -> String {
-    let [forward, left, down] = posture.moved.map(|part| rounded(part, 3));
-    let [lengthen, widen] = posture.factors.map(|factor| rounded(factor, 3));
+    let [forward, left, down] = posture.moved.map(shown);
+    let [lengthen, widen] = posture.factors.map(shown);
     format!(
-        "adjusted: centre of gravity {forward} m forwards, {left} m to the left, {down} m down; wheelbase × {lengthen}, \
-         stance × {widen}: tips over after {}°, loads differ by {} of their mean (before: {})\n",
-        rounded(posture.tip_over[1].to_degrees(), 3),
+        "adjusted posture: centre of gravity {forward} m forwards, {left} m to the left, {down} m down; wheelbase × {lengthen}, \
+         width × {widen}: tip-over margin {}°, standard deviation of the loads {} of their mean (before: {})\n",
+        shown(posture.tip_over[1].to_degrees()),
         rounded(posture.unevenness[1], 2),
         rounded(posture.unevenness[0], 2),
     )
@@ -138,9 +136,9 @@ fn by_wheel<'a>(model: &'a RobotModel, values: &'a [f64]) -> impl Iterator<Item 
 
 fn margins<'a>() -> Fields<'a, (&'a RobotModel, &'a StabilityMargins)> {
     fields! { |of: (&'a RobotModel, &'a StabilityMargins)|
-        "tip_over_deg" "angle by which the ground may tilt further" = of.1.tip_over.to_degrees();
-        "horizontal_m" "least distance of the plumb line from the support's edges" = of.1.horizontal;
-        "vertical_m" "least height to which the centre of gravity must be raised" = of.1.vertical;
+        "tip_over_deg" "tip-over margin" = of.1.tip_over.to_degrees();
+        "horizontal_m" "minimum distance of the plumb line from the support's edges" = of.1.horizontal;
+        "vertical_m" "minimum height to which the centre of gravity must be raised" = of.1.vertical;
         "edges" "the edges of the support" rows(edge()) =
             of.1.edges.iter().map(move |edge| (of.0, edge));
     }
@@ -158,7 +156,7 @@ fn edge<'a>() -> Fields<'a, (&'a RobotModel, &'a Edge)> {
 
 fn posture<'a>() -> Fields<'a, &'a Posture> {
     fields! { |posture: &'a Posture|
-        "forward_m" "way of the centre of gravity forwards" = posture.moved[0];
+        "forward_m" "displacement of the centre of gravity forwards" = posture.moved[0];
         "left_m" "to the left" = posture.moved[1];
         "down_m" "and down" = posture.moved[2];
         "wheelbase_factor" "factor of the wheelbase" = posture.factors[0];

@@ -13,15 +13,16 @@ use crate::figure_file::Target;
 use crate::law_error::Names;
 use crate::output::OutputFile;
 use crate::output_choice::Output;
+use crate::progress::Progress;
 use crate::session::Session;
 use crate::verb_report::Report;
 
 #[derive(clap::Args, Debug)]
 #[command(
-    about = "Hold the model against measured data",
-    long_about = "Hold the model against measured data: one table of errors by data set and quantity, for this model, \
-        for plain Wong-Reece, for published laws with as many fitted numbers as this model, and beside the error of \
-        what was published with the data.\n\nThe soil's moduli are \
+    about = "Compare the model with measured data",
+    long_about = "Compare the model with measured data: one table of errors by data set and quantity, for this model, \
+        for plain Wong-Reece, for published laws with as many fitted numbers as this model, and the error of \
+        the model published with the data.\n\nThe soil's moduli are \
         identified from plate tests, the wheel's numbers from the smooth wheel at slip angle 0; all else is \
         predicted. docs/validate.md says which numbers are fitted and where the data come from.",
     after_help = "Examples:\n  grouser validate --data ../data\n  \
@@ -46,7 +47,9 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
     let figures = Target::begin(&arguments.figure)?;
     let tables = Output::begin(&arguments.output)?;
     note_inputs(arguments, session)?;
+    let progress = Progress::of_work("fitting the models to measured wheels");
     let validation = validate(&arguments.data)?;
+    drop(progress);
     let mut text = validation.text();
     text.push_str(&Output::write_all(
         tables,

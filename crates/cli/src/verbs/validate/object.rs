@@ -30,7 +30,7 @@ pub(super) fn row<'a>() -> Fields<'a, &'a Row> {
         "rmse" "root mean square error" = row.score.rmse;
         "q75" "75th percentile of the absolute error" = row.score.q75;
         "q99" "99th percentile of the absolute error" = row.score.q99;
-        "max" "greatest absolute error" = row.score.max;
+        "max" "maximum absolute error" = row.score.max;
         "fitted_parameters" "numbers that were fitted" = row.fitted_parameters;
         "published_rmse" "error that was published with the data" = row.published_rmse;
         "scatter" "scatter of repeated tests" = row.scatter;

@@ -28,7 +28,7 @@ const MAX_POINTS: i64 = 100_000;
 pub(crate) struct Arguments {
     #[command(flatten)]
     wheel: WheelArguments,
-    /// Slip, from −1 (locked) by 0 to 1 (spinning on the spot): a number, a list `a,b,c` or a range `from:to`; with
+    /// Slip, from -1 (locked) by 0 to 1 (spinning on the spot): a number, a list `a,b,c` or a range `from:to`; with
     /// `--slope-deg` the default is the slip that holds the slope
     #[arg(
         long,

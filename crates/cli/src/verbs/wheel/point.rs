@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::exit::Outcome;
 use crate::figure_file;
 use crate::law_error::Names;
+use crate::model_error;
 use crate::operation::{self, passage};
 use crate::session::Session;
 use crate::verb_report::Report;
@@ -125,7 +126,7 @@ impl OnSlope {
         }
     }
 
-    /// The greatest pull, N, where it is too little.
+    /// The maximum pull, N, where it is too little.
     fn max_pull(&self) -> Option<f64> {
         match self.outcome {
             SlopeOutcome::Immobilised { max_pull, .. } => max_pull,
@@ -135,9 +136,9 @@ impl OnSlope {
 
     fn fields<'a>() -> Fields<'a, &'a Self> {
         fields! { |slope: &'a Self|
-            "slope_pull_n" "pull that the slope requires" .shown("N") = slope.pull;
-            "slip_demand" "slip that holds the slope" .shown("").missing("none") = slope.demand();
-            "max_pull_n" "greatest pull, where it does not hold the slope" = slope.max_pull();
+            "slope_pull_n" "required pull" .shown("N") = slope.pull;
+            "slip_demand" "slip on the slope" .shown("").missing("none") = slope.demand();
+            "max_pull_n" "maximum pull, where it does not hold the slope" = slope.max_pull();
         }
     }
 }
@@ -175,10 +176,10 @@ pub(super) fn fields<'a>() -> Fields<'a, Solved<'a>> {
     }
 }
 
-/// The quantities that people see.
+/// The quantities that people see; the last one is a detail.
 const LINES: [&str; 10] = [
     "sinkage_m",
-    "entry, greatest stress, exit",
+    "entry, peak stress, exit",
     "vertical_force_n",
     "drawbar_pull_n",
     "side_force_n",
@@ -191,36 +192,20 @@ const LINES: [&str; 10] = [
 
 fn text(solved: Solved<'_>) -> String {
     let wheel = &solved.arguments.wheel;
-    let mut text = format!(
-        "{}: wheel of radius {} m, width {} m, rebound {}, {}\n",
-        solved.soil,
-        shown(wheel.radius_m),
-        shown(wheel.width_m),
-        shown(solved.pair.soil().params().rebound),
-        solved.slip.map_or_else(
-            || "at no slip".to_owned(),
-            |slip| format!("at slip {}", shown(slip)),
-        ),
-    );
-    if let Some(slope) = solved.slope {
-        let _ = writeln!(text, "on a slope of {} deg", shown(slope.degrees));
-    }
-    let mut table = Table::new().text("").number("").text("");
-    if let Some(answer) = solved.answer.filter(|answer| answer.point().is_some()) {
-        operation::fields()
-            .pick(&LINES)
-            .add_lines(&mut table, answer);
-    }
-    if let Some(slope) = solved.slope {
-        OnSlope::fields().add_lines(&mut table, slope);
-    }
-    if let Some(lugs) = solved.lugs {
-        passage().add_lines(&mut table, Some(lugs));
-    }
-    text.push_str(&table.render_body());
     let point = solved.answer.and_then(LoadSolution::point);
-    if let Some((point, error)) = point.and_then(|point| Some((point, point.model_error?))) {
-        let load = point.forces.vertical_force;
+    let mut text = match (&point, solved.slip) {
+        (Some(point), Some(slip)) => format!(
+            "{}: pulls {} N at slip {} under {} N, sinks {} mm\n",
+            solved.soil,
+            shown(point.forces.drawbar_pull),
+            shown(slip),
+            shown(point.forces.vertical_force),
+            shown(1e3 * point.sinkage)
+        ),
+        _ => format!("{}: no operating point\n", solved.soil),
+    };
+    let error = point.map(|point| (point.forces.vertical_force, point.model_error));
+    if let Some((load, Some(error))) = error {
         let _ = writeln!(
             text,
             "90 % of measurements lie within ±{} N of the drawbar pull, ±{} N of the side force and ±{} mm of the sinkage",
@@ -231,14 +216,38 @@ fn text(solved: Solved<'_>) -> String {
                 2
             ),
         );
+    } else if error.is_some() {
+        let _ = writeln!(text, "caution: {}", model_error::UNKNOWN);
     }
-    for caution in solved
-        .answer
-        .and_then(LoadSolution::point)
-        .iter()
-        .flat_map(|point| point.cautions.iter())
-    {
+    for caution in point.iter().flat_map(|point| point.cautions.iter()) {
         let _ = writeln!(text, "caution: {caution}");
     }
-    text
+    let _ = write!(
+        text,
+        "wheel of radius {} m and width {} m",
+        shown(wheel.radius_m),
+        shown(wheel.width_m)
+    );
+    if let Some(slope) = solved.slope {
+        let _ = write!(text, " on a slope of {} deg", shown(slope.degrees));
+    }
+    let rebound = solved.pair.soil().params().rebound;
+    if rebound > 0.0 {
+        let _ = write!(text, ", rebound ratio of the soil {}", shown(rebound));
+    }
+    text.push('\n');
+    let mut table = Table::new().text("").number("").text("");
+    if let Some(answer) = solved.answer.filter(|_| point.is_some()) {
+        operation::fields()
+            .pick(&LINES)
+            .detail()
+            .add_lines(&mut table, answer);
+    }
+    if let Some(slope) = solved.slope {
+        OnSlope::fields().add_lines(&mut table, slope);
+    }
+    if let Some(lugs) = solved.lugs {
+        passage().add_lines(&mut table, Some(lugs));
+    }
+    text + &table.render_body()
 }

@@ -43,6 +43,8 @@ pub(crate) struct Choice {
     pub(crate) stated_sigma: Option<f64>,
     /// Position of the satellite receiver's antenna in the robot's frame, m.
     pub(crate) antenna: [f64; 2],
+    /// Position of the sensor of the speed by the transforms, likewise.
+    pub(crate) speed_place: [f64; 2],
     /// The pose that transforms hold, where it is used.
     pub(crate) frame_pose: Option<FramePose>,
     pub(crate) notes: Vec<String>,
@@ -66,6 +68,7 @@ pub(super) fn choose(preview: &Preview, topics: &Topics) -> Result<Choice> {
             position_sigma: None,
             stated_sigma: topics.position_sigma,
             antenna: topics.antenna,
+            speed_place: [0.0; 2],
             frame_pose: None,
             notes: Vec::new(),
         },
@@ -231,7 +234,7 @@ impl<'a> Choosing<'a> {
         if most - least > STAMPS_APART {
             self.choice.clock = Clock::Recorder;
             self.choice.notes.push(format!(
-                "the stamps of the topics are {:.0} s apart: times of recording are used",
+                "the stamps of the topics differ by {:.0} s: times of recording are used",
                 most - least
             ));
         }

@@ -26,9 +26,10 @@ const COMMAND: [(Meaning, Option<usize>); 2] = [
     (Meaning::CommandForward, None),
     (Meaning::CommandLeft, None),
 ];
-const WAY: [(Meaning, Option<usize>); 2] = [
+const WAY: [(Meaning, Option<usize>); 3] = [
     (Meaning::DisplacementForward, None),
     (Meaning::DisplacementLeft, None),
+    (Meaning::DisplacementTurn, None),
 ];
 
 impl Choosing<'_> {
@@ -64,7 +65,7 @@ impl Choosing<'_> {
                     "nav_msgs/Odometry or geometry_msgs/TwistStamped or TwistWithCovarianceStamped";
                 return Err(self.unfit("speed", seen, wanted));
             }
-            self.take(seen, Job::Speed, "speed over ground", &SPEED);
+            self.speed(seen);
         }
         if let Some(name) = &self.topics.fix {
             let seen = self.named("fix", name)?;
@@ -98,7 +99,7 @@ impl Choosing<'_> {
         if !self.measures(Meaning::DisplacementForward)
             && let Some(seen) = first(|view, _| matches!(view, View::Displacement { .. }))
         {
-            self.take(seen, Job::Displacement, "way since the last message", &WAY);
+            self.take(seen, Job::Displacement, "displacement", &WAY);
         }
         if !self.measures(Meaning::PoseX)
             && let Some(seen) = free
@@ -130,7 +131,7 @@ impl Choosing<'_> {
             }
         }
         self.free_transforms();
-        if self.topics.antenna != [0.0; 2]
+        if self.choice.antenna != [0.0; 2]
             && self.choice.position_sigma.is_some()
             && !self.measures(Meaning::YawRate)
         {
@@ -152,29 +153,47 @@ impl Choosing<'_> {
                 let word = "size of the speed over ground, to the east and north";
                 self.take(seen, Job::SpeedOnEarth, word, &[(Meaning::SpeedSize, None)]);
             } else {
-                self.take(seen, Job::Speed, "speed over ground", &SPEED);
+                self.speed(seen);
             }
         }
     }
 
+    /// The base in the frame that a topic's messages name at `path`, where the transforms lead to it and the robot file does not
+    /// state the mounting; and that frame.
+    fn base(&self, seen: &TopicPreview, path: &str) -> Option<(Base, String)> {
+        let frame = seen.sample.as_ref()?.at(path)?.text()?;
+        let base = Base::of(&self.tree, frame).filter(|_| !self.topics.is_mounting_stated)?;
+        Some((base, frame.to_owned()))
+    }
+
+    /// A speed; that of a sensor's frame is along the robot's axes by the transforms that never change.
+    fn speed(&mut self, seen: &TopicPreview) {
+        let path = match seen.view() {
+            Some(View::Odometry(_)) => "child_frame_id",
+            _ => "header.frame_id",
+        };
+        let (base, word) = of_frame("speed over ground", self.base(seen, path));
+        if let Some(base) = &base {
+            self.choice.speed_place = [base.place[0], base.place[1]];
+        }
+        self.take(seen, Job::Speed(base), &word, &SPEED);
+    }
+
     /// A pose; that of a sensor's frame becomes the robot's by the transforms that never change.
     fn pose(&mut self, seen: &TopicPreview) {
-        let frame = match seen.view() {
-            Some(View::Odometry(odometry)) => odometry.child_frame,
-            _ => "",
-        };
-        let base = Base::of(&self.tree, frame).filter(|_| !self.topics.is_mounting_stated);
-        let word = match base {
-            Some(_) => format!("pose of `{frame}`, whose mounting the transforms state"),
-            None => "pose".to_owned(),
-        };
+        let (base, word) = of_frame("pose", self.base(seen, "child_frame_id"));
         self.take(seen, Job::Pose(base), &word, &POSE);
     }
 
     /// Places without a heading.
     fn places(&mut self, seen: &TopicPreview) {
         self.place_sigma(&seen.channel.topic);
-        self.take(seen, Job::Place, "way between places", &WAY);
+        self.take(
+            seen,
+            Job::Place,
+            "displacement between positions",
+            &WAY[..2],
+        );
     }
 
     /// How accurate places without a heading are.
@@ -207,7 +226,13 @@ impl Choosing<'_> {
         let Some((sigma, limit)) = sigma else {
             return;
         };
-        self.take(seen, Job::Fix(limit), "way between fixes", &WAY);
+        let base = self.base(seen, "header.frame_id");
+        let base = base.filter(|_| self.topics.antenna == [0.0; 2]);
+        let (base, word) = of_frame("displacement between fixes", base);
+        if let Some(base) = base {
+            self.choice.antenna = [base.place[0], base.place[1]];
+        }
+        self.take(seen, Job::Fix(limit), &word, &WAY[..2]);
         self.choice.position_sigma = Some(sigma);
     }
 
@@ -316,7 +341,7 @@ impl Choosing<'_> {
             let pose = FramePose::new(self.tree.clone(), pair.clone());
             return self.take_transforms(pose, None);
         } else if is_absolute && is_placed {
-            ("not used beside other places", "name their topic as `pose`")
+            ("other positions are used", "name their topic as `pose`")
         } else if is_absolute {
             (
                 "of several robots",
@@ -364,6 +389,17 @@ impl Choosing<'_> {
                 self.take(seen, Job::Transforms, &words, &POSE);
             }
         }
+    }
+}
+
+/// What a topic measures, in words, and the base of its frame where it is another.
+fn of_frame(what: &str, base: Option<(Base, String)>) -> (Option<Base>, String) {
+    match base {
+        Some((base, frame)) => (
+            Some(base),
+            format!("{what} of `{frame}`, whose mounting the transforms state"),
+        ),
+        None => (None, what.to_owned()),
     }
 }
 

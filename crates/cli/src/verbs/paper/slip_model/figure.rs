@@ -30,7 +30,7 @@ pub(super) fn draw(axes: &Axes, points: &[Point], share: f64) -> Result<Figure> 
 
 fn title(swept: Quantity) -> &'static str {
     match swept {
-        Quantity::Theta => "Angle on the rim *θ* (deg)",
+        Quantity::Theta => "Angle on the wheel *θ* (deg)",
         Quantity::Sinkage => "Sinkage *z* (mm)",
         Quantity::Radius => "Wheel radius *r* (mm)",
     }

@@ -24,7 +24,7 @@ use grouser_report::number::{parse_finite, shown};
 #[command(
     about = "Evaluate the analytical slip model of Ani et al. (2012)",
     long_about = "Evaluate the analytical slip model of Ani et al. (2012): the slip S at which the soil at an angle \
-        of the rim mobilises a share of its strength; by default none of it, S_0.\n\n\
+        on the wheel mobilises a share of its strength; by default none of it, S_0.\n\n\
         S is 1 - v/(r w), the driving formula continued below zero. S_0 is never positive (figures of the paper \
         apparently show its magnitude) and depends on the angle and on sinkage/radius alone: no soil can move it. \
         Outside the contact it is computed all the same, with a caution.",
@@ -33,7 +33,7 @@ use grouser_report::number::{parse_finite, shown};
         grouser paper slip-model --theta-deg 10 --sinkage-m 0.02 --radius-m 0.1 --mobilised 0.5 --soil dry-sand"
 )]
 pub(crate) struct Arguments {
-    /// Angle on the rim from the vertical, positive towards travel, in degrees: a number, a list `a,b,c` or a range `from:to`
+    /// Angle on the wheel from the vertical, positive towards travel, in degrees: a number, a list `a,b,c` or a range `from:to`
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     theta_deg: Values,
     /// Sinkage in m: a number, a list or a range

@@ -27,16 +27,16 @@ pub(super) fn fields<'a>() -> Fields<'a, Run<'a>> {
 
 fn point<'a>() -> Fields<'a, &'a Point> {
     fields! { |point: &'a Point|
-        "theta_deg" "angle on the rim" .shown("deg").label("θ").given() = point.theta_deg;
+        "theta_deg" "angle on the wheel" .shown("deg").label("θ").given() = point.theta_deg;
         "sinkage_m" "sinkage" .shown("mm").label("z").given() = point.sinkage_m;
         "radius_m" "radius of the wheel" .shown("mm").label("r").given() = point.radius_m;
         "status" "status" = point.status();
-        "slip" "slip S = 1 − v/(r ω)" .shown("") = point.slip().map(|slip| slip.driving_formula);
+        "slip" "slip S = 1 - v/(r ω)" .shown("") = point.slip().map(|slip| slip.driving_formula);
         "slip_magnitude" "its magnitude" .shown("") = point.slip().map(|slip| slip.driving_formula.abs());
         "slip_ratio" "as a slip ratio s" .shown("") = point.slip().map(|slip| slip.slip.value());
         "theta_1_deg" "entry angle" .shown("deg") = point.slip().map(|slip| slip.theta_1.deg());
         "in_contact" "whether the angle lies in the contact" = point.slip().map(|slip| slip.in_contact);
-        "most_mobilised" "the greatest share that can be mobilised" = point.max_share();
+        "most_mobilised" "maximum share that can be mobilised" = point.max_share();
         "cautions" "cautions" = point.cautions();
     }
 }
@@ -85,15 +85,8 @@ pub(super) fn table(points: &[Point]) -> String {
         .label("|S|")
         .at("slip_ratio")
         .label("s");
-    let columns = columns.pick(&[
-        "theta_deg",
-        "sinkage_m",
-        "radius_m",
-        "slip",
-        "slip_magnitude",
-        "slip_ratio",
-        "",
-    ]);
+    let keys = "theta_deg,sinkage_m,radius_m,slip,slip_magnitude,slip_ratio,";
+    let columns = columns.pick(&keys.split(',').collect::<Vec<_>>());
     columns.table(points)
 }
 

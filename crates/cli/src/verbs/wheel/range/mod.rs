@@ -93,11 +93,11 @@ pub(super) fn run(
 /// From this slip on a wheel spins nearly on the spot.
 const SPINNING_SLIP: f64 = 0.99;
 
-/// The caution where the laws give the most pull to a wheel that spins on the spot.
+/// The caution where the laws give the maximum pull to a wheel that spins on the spot.
 fn most_at_spin(family: &Family) -> Option<String> {
     let best = family.most_pull.as_ref()?;
     (best.slip.value() >= SPINNING_SLIP).then(|| {
-        "the most pull is at slip 1, where the laws do not hold: they do not count the thrust that disturbed soil loses"
+        "the maximum pull is at slip 1, where the laws do not hold: they neglect the thrust that disturbed soil loses"
             .to_owned()
     })
 }

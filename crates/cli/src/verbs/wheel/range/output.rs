@@ -11,7 +11,7 @@ use crate::wheel_choice::WheelArguments;
 use grouser_report::number::shown;
 use grouser_report::{Fields, fields};
 
-/// What is worth knowing of a curve, in a line.
+/// The maxima of a curve and its cautions.
 pub(super) fn summary(family: &Family) -> String {
     let mut text = String::new();
     let _ = match family.prescribed {
@@ -28,7 +28,7 @@ pub(super) fn summary(family: &Family) -> String {
     let _ = write!(text, " {solved} of {} points solved", family.points.len());
     if let Some(best) = &family.most_pull {
         let (pull, slip) = (shown(best.value), shown(best.slip.value()));
-        let _ = write!(text, "; most pull {pull} N at slip {slip}");
+        let _ = write!(text, "; maximum pull {pull} N at slip {slip}");
     }
     if let Some(best) = &family.most_efficient {
         let (share, slip) = (shown(100.0 * best.value), shown(best.slip.value()));
@@ -93,32 +93,14 @@ impl<'a> Frame<'a> {
             join(wheel()) = point.frame;
             join(points()) = point;
         };
-        let keys = [
-            "soil",
-            "radius_m",
-            "width_m",
-            "grouser_height_m",
-            "grouser_count",
-            "grouser_thickness_m",
-            "rebound",
-            "slip",
-            "slip_angle_deg",
-            "sinkage_m",
-            "load_n",
-            "vertical_force_n",
-            "drawbar_pull_n",
-            "torque_nm",
-            "side_force_n",
-            "pull_fluctuation_n",
-            "torque_fluctuation_nm",
-            "status",
-            "cautions",
-        ];
-        columns.pick(&self.present(&keys)).csv(self.points())
+        let keys = "soil,radius_m,width_m,grouser_height_m,grouser_count,grouser_thickness_m,rebound,slip,slip_angle_deg,\
+            sinkage_m,load_n,vertical_force_n,drawbar_pull_n,torque_nm,side_force_n,pull_fluctuation_n,\
+            torque_fluctuation_nm,status,cautions";
+        columns.pick(&self.present(keys)).csv(self.points())
     }
 
     /// Those keys that this wheel and this drift have.
-    fn present(self, keys: &[&'static str]) -> Vec<&'static str> {
+    fn present(self, keys: &'static str) -> Vec<&'static str> {
         let lugged = self.pair.wheel().grousers().is_some();
         let drifting = self.wheel.slip_angle_deg != 0.0;
         let is_present = |key: &&str| match *key {
@@ -126,7 +108,7 @@ impl<'a> Frame<'a> {
             "pull_fluctuation_n" | "torque_fluctuation_nm" => lugged,
             key => lugged || !key.starts_with("grouser"),
         };
-        keys.iter().copied().filter(is_present).collect()
+        keys.split(',').filter(is_present).collect()
     }
 
     /// All points, for people.
@@ -138,32 +120,22 @@ impl<'a> Frame<'a> {
                 .prescribed
                 .load()
                 .or_else(carried)
-                .map_or_else(|| "–".to_owned(), shown)
+                .map_or_else(|| "-".to_owned(), shown)
         };
         let columns = fields! { |point: Point<'a>|
             "load N" "load" .shown("N").as_number() = load(point);
             join(points()) = point;
         };
-        let keys = [
-            "slip",
-            "load N",
-            "sinkage_m",
-            "drawbar_pull_n",
-            "side_force_n",
-            "torque_nm",
-            "pull_fluctuation_n",
-            "tractive_efficiency",
-            "status",
-        ];
+        let keys = "slip,load N,sinkage_m,drawbar_pull_n,side_force_n,torque_nm,pull_fluctuation_n,tractive_efficiency,status";
         columns
             .at("drawbar_pull_n")
             .label("pull")
             .at("tractive_efficiency")
             .label("efficiency")
-            .missing("–")
+            .missing("-")
             .at("pull_fluctuation_n")
             .label("pull fluctuation")
-            .pick(&self.present(&keys))
+            .pick(&self.present(keys))
             .table(self.points())
     }
 }
@@ -211,7 +183,7 @@ fn curve<'a>() -> Fields<'a, &'a Family> {
     fields! { |family: &'a Family|
         "load_n" "load" = family.prescribed.load();
         "sinkage_m" "sinkage" = family.prescribed.sinkage();
-        "most_pull" "where the drawbar pull is greatest" group(pull) = family.most_pull;
-        "most_efficient" "where the tractive efficiency is greatest" group(efficiency) = family.most_efficient;
+        "most_pull" "maximum of the drawbar pull" group(pull) = family.most_pull;
+        "most_efficient" "maximum of the tractive efficiency" group(efficiency) = family.most_efficient;
     }
 }
