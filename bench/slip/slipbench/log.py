@@ -52,6 +52,7 @@ class Robot:
     links: Tuple[Link, ...] = ()
     mass_kg: float = 10.0
     cg_z_m: float = 0.25
+    origin_z_m: float = 0.0  # height over the ground of the point whose motion a reference reads
 
     @property
     def powered(self) -> Tuple[Wheel, ...]:

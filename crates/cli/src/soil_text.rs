@@ -45,11 +45,16 @@ pub(crate) fn words(soil: &SoilEstimate) -> String {
             " ({used} with sinkages; {refused} values refused, {stuck} readings of stuck sensors left out)"
         ),
     };
+    let learnt = match soil.readings {
+        0 => format!("nothing learnt about the soil (no usable reading){contacts}; assumed"),
+        readings => format!(
+            "soil learnt from {readings} readings{contacts}, {} changes of belief",
+            soil.changes
+        ),
+    };
     format!(
-        "soil learnt from {} readings{contacts}, {} changes of belief: strength {} and stiffness {} times the known soil's, \
+        "{learnt}: strength {} and stiffness {} times the known soil's, \
          friction angle {:.1}° [{:.1}°, {:.1}°]\n90 % intervals for soils of the known kind; on other soils half of them held",
-        soil.readings,
-        soil.changes,
         interval(soil.strength, 2),
         interval(soil.stiffness, 2),
         mean.to_degrees(),

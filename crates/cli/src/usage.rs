@@ -106,6 +106,11 @@ fn message(error: &clap::Error) -> String {
 }
 
 fn hint(error: &clap::Error, arguments: &[OsString]) -> String {
+    let command = Command::command();
+    let verb = arguments
+        .iter()
+        .skip(1)
+        .find_map(|argument| command.find_subcommand(argument));
     let close = [
         ContextKind::SuggestedArg,
         ContextKind::SuggestedSubcommand,
@@ -114,13 +119,23 @@ fn hint(error: &clap::Error, arguments: &[OsString]) -> String {
     .into_iter()
     .find_map(|kind| one(error, kind));
     if let Some(close) = close {
-        return format!("did you mean {close}?");
+        let unknown = one(error, ContextKind::InvalidArg).unwrap_or_default();
+        let unit = unknown.trim_matches('`').rsplit('-').next();
+        let mut masses = verb.iter().flat_map(|verb| verb.get_arguments());
+        return match unit {
+            Some("kg" | "g" | "lb") if close.ends_with("-n`") => {
+                if masses.any(|argument| argument.get_long() == Some("mass-kg")) {
+                    "loads are in newtons; give a mass by `--mass-kg`".to_owned()
+                } else {
+                    format!("{close} is in newtons (9.81 per kg on Earth)")
+                }
+            }
+            Some("mm" | "cm" | "in" | "ft") if close.ends_with("-m`") => {
+                format!("lengths are in metres: did you mean {close}?")
+            }
+            _ => format!("did you mean {close}?"),
+        };
     }
-    let command = Command::command();
-    let verb = arguments
-        .iter()
-        .skip(1)
-        .find_map(|argument| command.find_subcommand(argument));
     match verb {
         Some(verb) => format!("see `grouser {} --help`", verb.get_name()),
         None => "see `grouser --help`".to_owned(),

@@ -194,6 +194,21 @@ fn a_radius_is_calibrated_into_a_robot_file_that_works() {
     let found = json(&grouser(&calibrate.concat()));
     let factor = found["radius_factor"].as_f64().unwrap();
     assert!((factor - 0.95).abs() < 0.02, "{factor}");
+    // the whole run crosses a soft patch
+    let slipping = [
+        LOG,
+        "--robot",
+        ROBOT,
+        "--calibrate-radius",
+        &folder.path("slip.toml"),
+    ];
+    let output = grouser(&slipping);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(
+        text.starts_with("WARNING: radius x 0.864") && text.contains("wheels that slip"),
+        "{text}"
+    );
     let again = [
         &[
             LOG,

@@ -591,7 +591,7 @@ fn maximised_objectives_keep_their_sign() {
     let printed = grouser(&["optimize", file, "--certify"]);
     let printed = String::from_utf8_lossy(&printed.stdout).into_owned();
     assert!(
-        printed.contains("has a `efficiency` above 0.154979"),
+        printed.contains("has `efficiency` above 0.154979"),
         "{printed}"
     );
     assert!(!printed.contains("-0.15"), "{printed}");

@@ -72,7 +72,7 @@ const MIN_FORWARD_COS: f64 = 0.17;
 fn mounting_has_effect(log: &impl Measures, file: &RobotFile, reference: Reference) -> Result<()> {
     let Corrections {
         pose_yaw_offset: yaw,
-        reference_place: place,
+        reference_place: [x, y, z],
         ..
     } = file.corrections;
     let has_gyro = log.measures(Meaning::YawRate);
@@ -80,7 +80,7 @@ fn mounting_has_effect(log: &impl Measures, file: &RobotFile, reference: Referen
     let (places, yaws) = match reference {
         Reference::Pose => (true, true),
         Reference::Speed => (
-            has_gyro && (is_vector || place[1] != 0.0 || yaw != 0.0),
+            has_gyro && (is_vector || y != 0.0 || yaw != 0.0),
             log.measures(Meaning::SpeedForward)
                 && (is_vector || Real::cos(yaw).abs() > MIN_FORWARD_COS),
         ),
@@ -89,8 +89,10 @@ fn mounting_has_effect(log: &impl Measures, file: &RobotFile, reference: Referen
         Reference::Displacement => (has_gyro || log.measures(Meaning::DisplacementTurn), true),
         _ => (false, false),
     };
+    let leans = file.body.is_some() && log.measures(Meaning::AccelerationForward);
     let without_effect = [
-        ("reference_x_m", !places && place != [0.0; 2]),
+        ("reference_x_m", !places && [x, y] != [0.0; 2]),
+        ("reference_z_m", !(yaws && leans) && z != 0.0),
         ("pose_yaw_offset_deg", !yaws && yaw != 0.0),
     ];
     match without_effect

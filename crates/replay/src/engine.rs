@@ -117,6 +117,9 @@ impl Engine {
             smoother.begin(sample.time_ns);
         }
         self.mounting.correct(&mut sample);
+        if let Some(tilt) = self.suspension.as_ref().and_then(Suspension::tilt) {
+            self.mounting.level(&mut sample, &tilt);
+        }
         if let Measurement::Acceleration { left, .. } = &mut sample.measurement
             && self.inputs.is_acceleration_forward_only
         {

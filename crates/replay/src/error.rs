@@ -125,8 +125,8 @@ impl Error {
             ),
             Self::NoEffect { .. } => Some(
                 "`reference_x_m`, `reference_y_m` and `pose_yaw_offset_deg` are of poses, displacements and speeds, whose position \
-                 needs a yaw rate or a turn and whose yaw needs a direction; positions without a heading have `antenna_x_m` and \
-                 `antenna_y_m` in `[topics]`"
+                 needs a yaw rate or a turn and whose yaw needs a direction; `reference_z_m` needs `[chassis]` and all axes of an \
+                 inertial unit; positions without a heading have `antenna_x_m` and `antenna_y_m` in `[topics]`"
                     .into(),
             ),
             Self::NoReference {

@@ -8,6 +8,14 @@ use grouser_slip::{Measurement, Sample};
 /// 100 Hz a robot that rests or begins to drive accelerates by little of it.
 const GRAVITY_READINGS: f64 = 50.0;
 
+/// The robot's tilt: roll (right side down) and pitch (nose down), rad, and their rates, rad/s.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tilt {
+    pub(crate) roll: f64,
+    pub(crate) pitch: f64,
+    pub(crate) rates: [f64; 2],
+}
+
 /// The suspension of a robot whose file describes its body.
 #[derive(Clone, Debug)]
 pub(crate) struct Suspension {
@@ -16,6 +24,8 @@ pub(crate) struct Suspension {
     attitude: Option<AttitudeFilter>,
     /// Sum of the sizes of the specific force, m/s², and their number.
     forces: [f64; 2],
+    /// Rates of roll and pitch, rad/s.
+    rates: [f64; 2],
 }
 
 impl Suspension {
@@ -26,6 +36,7 @@ impl Suspension {
             carriers: Carriers::new(carriers.into_iter()),
             attitude: (file.gravity).map(|gravity| AttitudeFilter::new(0.0, gravity)),
             forces: [0.0; 2],
+            rates: [0.0; 2],
         })
     }
 
@@ -45,6 +56,7 @@ impl Suspension {
             }
             Measurement::Inertial { force, rate } => {
                 self.find_gravity(force);
+                self.rates = [rate[0], rate[1]];
                 if let Some(attitude) = &mut self.attitude {
                     attitude.update(sample.time_ns, *force, *rate);
                 }
@@ -58,6 +70,15 @@ impl Suspension {
             _ => {}
         }
         Vec::new()
+    }
+
+    /// The tilt, once gravity is known.
+    pub(crate) fn tilt(&self) -> Option<Tilt> {
+        self.attitude.as_ref().map(|attitude| Tilt {
+            roll: attitude.roll(),
+            pitch: attitude.pitch(),
+            rates: self.rates,
+        })
     }
 
     fn find_gravity(&mut self, force: &[f64; 3]) {

@@ -300,6 +300,8 @@ fn a_key_without_effect_is_refused() {
     for (kind, key) in [
         (Place, "pose_yaw_offset_deg"),
         (SpeedForward, "reference_x_m"),
+        // without an inertial unit nothing shows the tilt
+        (Pose, "reference_z_m"),
     ] {
         let error = refused(kind, &format!("{key} = 0.5"));
         assert!(error.contains(key), "{error}");

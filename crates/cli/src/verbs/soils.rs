@@ -105,5 +105,15 @@ fn overview(entries: &[&'static Entry]) -> String {
 }
 
 fn details(soil: &'static Entry) -> String {
-    format!("{}\n{}", soil.key, self::soil().lines(soil))
+    let numbers = "n,k_c_kn_per_m_n1,k_phi_kn_per_m_n2,cohesion_kpa,phi_deg,k_shear_m,n_1,c_1,c_2";
+    let numbers: Vec<&str> = numbers.split(',').collect();
+    let note = if soil.note.is_empty() { "-" } else { soil.note };
+    format!(
+        "{}: {}\n{}missing: {}\nsource: {}\nnote: {note}\n",
+        soil.key,
+        soil.name,
+        self::soil().pick(&numbers).lines(soil),
+        missing(soil),
+        soil.source
+    )
 }

@@ -148,8 +148,8 @@ pub struct RobotFile {
 pub struct Corrections {
     /// Yaw of what measures the pose in the robot's frame (the markers of motion capture), rad.
     pub pose_yaw_offset: f64,
-    /// Position of what measures the pose, the displacement or the speed in the robot's frame, forwards and to the left, m.
-    pub reference_place: [f64; 2],
+    /// Position of what measures the pose, the displacement or the speed in the robot's frame, forwards, to the left and above the ground, m.
+    pub reference_place: [f64; 3],
     /// Factor on every yaw rate.
     pub yaw_rate_scale: f64,
     /// Factor on the standard deviation of every slip.
@@ -160,7 +160,7 @@ impl Default for Corrections {
     fn default() -> Self {
         Self {
             pose_yaw_offset: 0.0,
-            reference_place: [0.0; 2],
+            reference_place: [0.0; 3],
             yaw_rate_scale: 1.0,
             interval_factor: 1.0,
         }
@@ -173,7 +173,7 @@ impl Corrections {
     fn read(section: &Section<'_>) -> Result<Self> {
         let offset = section.optional_number("pose_yaw_offset_deg", (-360.0, 360.0))?;
         let scale = section.optional_number("yaw_rate_scale", (0.2, 5.0))?;
-        let mut reference_place = [0.0; 2];
+        let mut reference_place = [0.0; 3];
         for (place, key) in reference_place.iter_mut().zip(REFERENCE_PLACE_KEYS) {
             *place = section
                 .optional_number(key, (-100.0, 100.0))?
@@ -189,7 +189,8 @@ impl Corrections {
     }
 }
 
-pub(crate) const REFERENCE_PLACE_KEYS: [&str; 2] = ["reference_x_m", "reference_y_m"];
+pub(crate) const REFERENCE_PLACE_KEYS: [&str; 3] =
+    ["reference_x_m", "reference_y_m", "reference_z_m"];
 /// The key of [`FilterSettings::reference_latency`].
 const REFERENCE_LATENCY_KEY: &str = "reference_latency_s";
 const POSITION_SIGMA_KEY: &str = "position_sigma_m";
@@ -247,7 +248,7 @@ pub fn parse(document: &Document) -> Result<RobotFile> {
         let (mut topics, mut columns) = read_meanings(root)?;
         topics.position_sigma = position_sigma;
         topics.is_mounting_stated =
-            corrections.reference_place != [0.0; 2] || corrections.pose_yaw_offset != 0.0;
+            corrections.reference_place[..2] != [0.0; 2] || corrections.pose_yaw_offset != 0.0;
         let steering = root.section("steering", read_section)?;
         let (mut joints, mut torque_per_ampere) = (Vec::new(), Vec::new());
         let wheels = root.sections("wheel", |section| {

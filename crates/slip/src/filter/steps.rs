@@ -288,6 +288,7 @@ impl Core {
         let [_, _, drift, ..] = WALKS;
         let drift = drift * Real::sqrt(self.free_wheel.force_scale());
         self.settled.set_speed_noise(drift * drift);
+        self.settled.hold(self.is_lost(end_ns));
         let before = *self.settled.belief();
         // limits were checked as the samples came
         let _ = self.settled.advance(step);

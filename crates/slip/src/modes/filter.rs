@@ -36,6 +36,8 @@ pub struct ModeFilter {
     /// Length of the last step, and for how much of it the slip may change, s.
     dt: f64,
     moved: f64,
+    /// Does the slip keep still between the steps, since nothing measures it?
+    is_held: bool,
 }
 
 impl ModeFilter {
@@ -53,6 +55,7 @@ impl ModeFilter {
             of_speed: [0.0; 2],
             dt: 1.0,
             moved: 0.0,
+            is_held: false,
         }
     }
 
@@ -64,7 +67,7 @@ impl ModeFilter {
         self.noise = other.noise;
         self.own.copy_from_slice(&other.own);
         (self.trusted, self.of_speed) = (other.trusted, other.of_speed);
-        (self.dt, self.moved) = (other.dt, other.moved);
+        (self.dt, self.moved, self.is_held) = (other.dt, other.moved, other.is_held);
     }
 
     /// Sets the level of the reference's own wandering, m²/s.
@@ -75,6 +78,11 @@ impl ModeFilter {
     /// Sets the level of the speed's random walk next to an accelerometer, (m/s)²/s.
     pub const fn set_speed_noise(&mut self, level: f64) {
         self.noise.set_level(Noise::Speed, level);
+    }
+
+    /// Nothing measures the speed over ground: what the slip may become is not the modes' then.
+    pub const fn hold(&mut self, is_held: bool) {
+        self.is_held = is_held;
     }
 
     /// Begins anew from a belief: nothing is left of what was believed of motion, slips and noise.
@@ -113,7 +121,8 @@ impl ModeFilter {
         for (mode, motion) in self.motions.iter_mut().enumerate() {
             motion.belief = beliefs[mode];
             let mut levels = *self.noise.levels();
-            levels.0[Noise::Slip as usize] = WALKS[mode] * WALKS[mode];
+            let walk = if self.is_held { 0.0 } else { WALKS[mode] };
+            levels.0[Noise::Slip as usize] = walk * walk;
             if step.turn.is_none() {
                 let [turn, bias] = TURN_BY_WHEELS;
                 levels.0[Noise::Turn as usize] = turn * turn;

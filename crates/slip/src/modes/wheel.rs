@@ -8,7 +8,7 @@ use super::exceeds::normal_tail;
 use super::table::{MODES, WALKS, mixed, weighed};
 use crate::motion::{
     Belief, CREEP, CommonMotion, DRIFT, JITTER, MIN_SPEED, MIN_SQUARED_SPEED, Row, SIZE, SLIP,
-    SPEED, TURN_BIAS, WheelStep, log_density, log_slip, slip_within,
+    SPEED, TURN_BIAS, WheelStep, log_slip, slip_within, surprise,
 };
 
 /// Prior of the level: the wheels' own logarithmic slips differ by a tenth (wear, load, ground).
@@ -105,7 +105,7 @@ impl OwnSlip {
             let gain = variance / total;
             self.mean[mode] = mean + gain * (value - mean);
             self.variance[mode] = variance * (1.0 - gain);
-            likelihoods[mode] = log_density(value - mean, total);
+            likelihoods[mode] = surprise(value - mean, total);
         }
         self.weights = weighed(&weights, &likelihoods);
         self.merged = moments(&self.weights, &self.mean, &self.variance);

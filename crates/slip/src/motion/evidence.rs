@@ -40,6 +40,17 @@ pub fn log_density(innovation: f64, variance: f64) -> f64 {
     -0.5 * (innovation * innovation / variance + Real::ln(variance))
 }
 
+/// Powered wheels contradict a mode beyond this many sigma.
+const SURPRISE: f64 = 2.0;
+
+/// What the innovation of a powered wheel adds to a mode's log-likelihood: nothing within two sigma. Errors of a wheel in a row are of
+/// one cause (a count, a bump, the accelerometer between them), and as independent ones they would show that the slip is steady while it
+/// drifts away.
+#[must_use]
+pub fn surprise(innovation: f64, variance: f64) -> f64 {
+    -0.5 * (innovation * innovation / variance - SURPRISE * SURPRISE).max(0.0)
+}
+
 impl Belief {
     /// The update by one reading whose numbers are outliers together, with a probability of [`OUTLIERS`]; `variance` is that of the
     /// noise of each. Judged one after the other, a place that is right across the motion and wrong along it would count as good.

@@ -21,7 +21,7 @@ mod tape;
 mod wheels;
 
 pub use belief::{Belief, Correction, Row, dot};
-pub use evidence::{Evidence, Judgement, OUTLIER_SIGMA, OUTLIERS, log_density};
+pub use evidence::{Evidence, Judgement, OUTLIER_SIGMA, OUTLIERS, log_density, surprise};
 pub use model::{CREEP, MAX_ACCELERATION, Motion, Record, SLOW, start};
 pub use noise::{KINDS, Levels, Noise};
 pub use state::*;

@@ -3,7 +3,7 @@
 use grouser_real::{Real, wrap_angle};
 
 use super::belief::{Belief, Row};
-use super::evidence::{Evidence, log_density};
+use super::evidence::{Evidence, log_density, surprise};
 use super::noise::{Levels, Noise};
 use super::state::{DRIFT, FORCE_BIAS, HEADING, MAX_LOG_SLIP, SIZE, SLIP, SPEED, TURN_BIAS, X, Y};
 use super::step::{NewFrame, Reading, Step, Value, WheelStep};
@@ -96,6 +96,7 @@ impl Pass<'_> {
         self.write(Entry::Propagate { index, row });
     }
 
+    /// Corrects the belief and returns the innovation's variance.
     fn correct(
         &mut self,
         noise: Noise,
@@ -103,17 +104,15 @@ impl Pass<'_> {
         innovation: f64,
         variance: f64,
         reading: Option<usize>,
-    ) {
+    ) -> f64 {
         let correction = self.belief.update(row, innovation, variance);
-        if let Record::Evidence(evidence) = &mut self.record {
-            evidence.likelihood += log_density(innovation, correction.variance);
-        }
         self.write(Entry::Update {
             noise,
             correction,
             variance,
             reading,
         });
+        correction.variance
     }
 }
 
@@ -282,7 +281,10 @@ impl Pass<'_> {
         let jitter = JITTER * measured;
         let noise = common.variance / (dt * dt) + CREEP * CREEP + jitter * jitter;
         let variance = self.levels.of(Noise::Wheel) * noise;
-        self.correct(Noise::Wheel, &row, innovation, variance, None);
+        let expected = self.correct(Noise::Wheel, &row, innovation, variance, None);
+        if let Record::Evidence(evidence) = &mut self.record {
+            evidence.likelihood += surprise(innovation, expected);
+        }
     }
 
     /// A robot whose wheels are all stationary does not turn: the gyro shows its bias.
@@ -313,7 +315,10 @@ impl Pass<'_> {
         row[DRIFT] = speed * (left * cos - ahead * sin);
         let variance = wheel.variance / (dt * dt) + CREEP * CREEP;
         let innovation = (distance - wheel.swing - lever * turned) / dt - row[SPEED] * speed;
-        self.correct(Noise::Wheel, &row, innovation, variance, None);
+        let expected = self.correct(Noise::Wheel, &row, innovation, variance, None);
+        if let Record::Evidence(evidence) = &mut self.record {
+            evidence.likelihood += log_density(innovation, expected);
+        }
     }
 
     /// Moves the place by the speed; returns the direction of motion in the reference's frame.

@@ -183,8 +183,10 @@ pub(crate) fn run(arguments: &Arguments, session: &mut Session) -> Result<Report
         report.medium = Medium::Aside;
     }
     report.warnings = columns.warnings();
-    let caution =
-        |(caution, count): (&Caution, &u64)| format!("caution at {count} rows: {caution}");
+    let caution = |(caution, count): (&Caution, &u64)| {
+        let rows = if *count == 1 { "row" } else { "rows" };
+        format!("caution at {count} {rows}: {caution}")
+    };
     report.warnings.extend(counts.cautions.iter().map(caution));
     let solved = counts.ended(SolveStatus::Solved);
     if solved == 0 {

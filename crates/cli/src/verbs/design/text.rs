@@ -87,20 +87,33 @@ impl Designed<'_> {
         } else {
             ""
         };
-        let present = match self.present.energy {
+        let [mass, present_mass] = [chosen, self.present].map(|point| shown(point.wheel_mass));
+        let chosen_energy = chosen.energy.unwrap_or(f64::NAN);
+        let holds =
+            self.present.least_reserve() >= self.mission.params().min_reserve - RESERVE_TOLERANCE;
+        let present = match self.present.energy.filter(|_| holds) {
             Some(energy)
-                if self.present.least_reserve()
-                    >= self.mission.params().min_reserve - RESERVE_TOLERANCE =>
+                if energy <= chosen_energy && self.present.wheel_mass <= chosen.wheel_mass =>
             {
-                format!("needs {} J/m", shown(energy))
+                let (by_formula, by_file) = self.present_masses();
+                let formula = if shown(by_formula) == shown(by_file) {
+                    String::new()
+                } else {
+                    let mass = shown(by_formula);
+                    format!("; the mass formula gives the present wheel {mass} kg")
+                };
+                return format!(
+                    "keep the present wheel of {present_mass} kg: it needs {} J/m{measure}, the best found, of {mass} kg, needs {} J/m{doubt}{formula}",
+                    shown(energy),
+                    shown(chosen_energy)
+                );
             }
-            _ => "does not hold every slope with the pull margin".to_owned(),
+            Some(energy) => format!("needs {} J/m", shown(energy)),
+            None => "does not hold every slope with the pull margin".to_owned(),
         };
         format!(
-            "a wheel of {} kg needs {} J/m{measure}{doubt}; the present one of {} kg {present}",
-            shown(chosen.wheel_mass),
-            shown(chosen.energy.unwrap_or(f64::NAN)),
-            shown(self.present.wheel_mass)
+            "a wheel of {mass} kg needs {} J/m{measure}{doubt}; the present one of {present_mass} kg {present}",
+            shown(chosen_energy)
         )
     }
 

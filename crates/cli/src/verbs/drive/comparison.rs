@@ -61,8 +61,8 @@ impl Comparison {
     /// Arrivals, then energies.
     pub(super) fn text(&self) -> String {
         let mut text = format!(
-            "seeds in which only the controller arrives: {}, only open loop: {}\n",
-            self.controller_alone, self.open_loop_alone
+            "only the controller arrives in {} of {} drives, only open loop in {}\n",
+            self.controller_alone, self.seeds, self.open_loop_alone
         );
         if let (Some(ratio), Some(gain)) = (self.energy_ratio, self.gain()) {
             let _ = writeln!(

@@ -115,8 +115,21 @@ pub(super) fn summary(runs: &[Run], pilot: Pilot) -> String {
         .iter()
         .filter_map(|run| run.result.energy_per_metre())
         .collect();
+    let others = [
+        (Outcome::SensorsLost, "lost its sensors"),
+        (Outcome::NoWay, "found no route on"),
+        (Outcome::OffMap, "left the map"),
+        (Outcome::TimeOut, "ran out of time"),
+        (Outcome::Refused, "could not begin"),
+        (Outcome::Tipped, "tipped over"),
+    ];
+    let others = others.map(|(outcome, words)| (count(runs, pilot, outcome), words));
+    let others = others.into_iter().filter(|(count, _)| *count > 0);
+    let others: String = others
+        .map(|(count, words)| format!(", {count} {words}"))
+        .collect();
     let mut text = format!(
-        "{}: {} of {} arrived, {} immobilised; median energy {} J/m",
+        "{}: {} of {} arrived, {} immobilised{others}; median energy {} J/m",
         pilot.name(),
         count(runs, pilot, Outcome::Arrived),
         own.len(),
@@ -129,9 +142,8 @@ pub(super) fn summary(runs: &[Run], pilot: Pilot) -> String {
         let mut drawn: Vec<f64> = own.iter().map(|run| run.result.ledger.actuators).collect();
         let _ = write!(
             text,
-            "; actuators {} J;\n  {} tipped over; minimum tip-over margin {} deg",
+            "\n  actuators {} J; minimum tip-over margin {} deg",
             median(&mut drawn).map_or_else(|| "-".to_owned(), shown),
-            count(runs, pilot, Outcome::Tipped),
             shown(least.to_degrees()),
         );
     }

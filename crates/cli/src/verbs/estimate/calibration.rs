@@ -32,6 +32,8 @@ use crate::verb_report::Report;
 const MIN_WAY_M: f64 = 2.0;
 /// A radius with a wider interval (95 %, half of it over the radius) is doubtful: slips are then known to no better than that.
 const MAX_HALF_WIDTH: f64 = 0.1;
+/// Wear, tyre pressure and a radius measured by hand explain a smaller change of the radius, and a radius varies less along a run.
+const MAX_RADIUS_CHANGE: f64 = 0.05;
 
 /// What is calibrated.
 #[derive(Clone, Copy)]
@@ -216,6 +218,12 @@ fn radius(logs: &[Log], request: &Request) -> Result<Calibrated> {
     }
     text.push('\n');
     let radii = radii(request, found.factor);
+    let over_blocks = calibrate_geometry(logs, &request.robot, &request.options).ok();
+    let half = over_blocks.and_then(|found| found.radius.half_width);
+    let doubt = looks_like_slip(found.factor, half);
+    if doubt.is_none() && (found.factor - 1.0).abs() > MAX_RADIUS_CHANGE {
+        text.push_str("NOTE: wear and tyre pressure change a radius by less; slip in the whole run looks the same\n");
+    }
     Ok(Calibrated {
         revision: Revision {
             radius: Some(found.factor),
@@ -223,8 +231,17 @@ fn radius(logs: &[Log], request: &Request) -> Result<Calibrated> {
         },
         found: Found::Radius(found, radii),
         text,
-        doubt: None,
+        doubt,
     })
+}
+
+/// A radius that is off by more than wear explains, and that varies within the runs or between them, as slip does.
+fn looks_like_slip(factor: f64, half: Option<f64>) -> Option<String> {
+    let is_far = (factor - 1.0).abs() > MAX_RADIUS_CHANGE;
+    let half = half.filter(|half| is_far && *half > MAX_RADIUS_CHANGE * factor)?;
+    Some(format!(
+        "radius x {factor:.3} ± {half:.3}: wheels that slip look like this; use a run without slip"
+    ))
 }
 
 /// The radius of each powered wheel times a factor.
@@ -292,7 +309,7 @@ fn geometry(logs: &[Log], request: &Request) -> Result<Calibrated> {
             "the radius is known to ± {:.0} % only: it differs between the runs, or within them",
             100.0 * half / found.radius.value
         )),
-        Some(_) => None,
+        half => looks_like_slip(found.radius.value, half),
     };
     Ok(Calibrated {
         revision: Revision {

@@ -349,7 +349,7 @@ pub(super) fn soil<'a>() -> Fields<'a, &'a SoilReading> {
         "tractive_efficiency" "efficiency" .shown("").decimals(3) = reading.efficiency;
         "slip_of_best_efficiency" "best slip" .shown("").decimals(3) = reading.best_slip;
         "best_efficiency" "efficiency at the best slip" = reading.best_efficiency;
-        "slip_above_best" "above best" .shown("").decimals(3) = reading.above_best;
+        "slip_above_best" "slip minus best slip" .shown("").label("minus best").decimals(3) = reading.above_best;
         "slip_with_reference_skid" "slip if the reference skids" .shown("").label("slip with skid").decimals(3) = reading.slip_with_skid;
         "cautions" "cautions" = reading.cautions.clone();
     }

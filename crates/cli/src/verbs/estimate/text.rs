@@ -48,8 +48,6 @@ pub(super) fn text(
             "encoders of the two sides probably exchanged: {}",
             exchanged.join(", ")
         );
-    } else if let Some(turns) = &summary.findings.turns {
-        text.push_str(&disagreement(turns, summary));
     }
     for time_s in summary.ground_changes_s.iter().take(EVENTS) {
         let _ = writeln!(text, "ground change at {time_s:.1} s (from motor current)");
@@ -92,7 +90,7 @@ fn headline(summary: &Summary) -> String {
             "slip differences only, no slip over the total distance".to_owned()
         }
         Some((overall, robot)) => format!(
-            "slip {}{}{} over the total distance\nwheels {wheels} m, robot {} m{}",
+            "slip {}{}{} over the total distance\nshare of distance lost: wheels {wheels} m, robot {} m{}",
             slip(Some(overall)),
             interval(along.overall_90, |slip| number(Some(slip), 3)),
             if summary.doubts().is_empty() {
@@ -136,7 +134,10 @@ fn reserved(found: Found<'_>) -> String {
     let delay = found.summary.reference_delay.filter(is_corrected);
     let delay = delay.map(|delay| format!("{delay}\n"));
     let hidden = format!("{}\n", object::not_observable(found.summary.reference));
-    lines.chain(delay).chain([hidden]).collect()
+    let turns = found.summary.findings.turns.as_ref();
+    let turns = turns.filter(|_| object::exchanged(found.summary).is_empty());
+    let turns = turns.map(|turns| disagreement(turns, found.summary));
+    lines.chain(turns).chain(delay).chain([hidden]).collect()
 }
 
 /// Whether wheels and gyro disagree, and the cause.

@@ -52,7 +52,11 @@ fn lacks(sheet: &Sheet) -> Vec<&'static str> {
         (has(&turn), "a yaw rate or a heading"),
         (
             has(&motion),
-            "a pose, displacement or speed over ground (a free wheel does as well)",
+            if has(&wheels) {
+                "a pose, displacement or speed over ground (not needed if one of these wheels is not driven)"
+            } else {
+                "a pose, displacement or speed over ground (or a wheel that is not driven)"
+            },
         ),
     ];
     let missing = needs.into_iter().filter(|(has, _)| !has);

@@ -59,7 +59,7 @@ impl Mapped<'_> {
             None => "none".to_owned(),
         };
         format!(
-            "every heading can be driven on {} of the known cells, none on {}\n{certainty}\n\
+            "passable in every heading: {} of the known cells; in none: {}\n{certainty}\n\
              {} x {} cells of {} m, {} headings; {} under {} m/s²\n\n{}",
             percent(summary.open),
             percent(summary.closed),

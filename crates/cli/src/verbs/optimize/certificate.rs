@@ -347,7 +347,7 @@ impl Certified {
             None => rounded(utility, PROOF_DIGITS),
         };
         let claim = match &self.maximised {
-            Some((name, _)) => format!("has a `{name}` above"),
+            Some((name, _)) => format!("has `{name}` above"),
             None => "has a utility below".to_owned(),
         };
         let _ = match c.status {

@@ -104,14 +104,19 @@ impl<'a> Planned<'a> {
             .number("x m")
             .number("y m")
             .number("slip")
-            .number("risk");
-        for (what, Place { point, .. }) in self.deciding() {
+            .number("risk")
+            .number("J/m")
+            .number("tip-over deg");
+        for (what, Place { map, point }) in self.deciding() {
+            let pose = point.cell * map.layout.headings.count() + point.heading;
             table.row([
                 what.to_owned(),
                 shown(point.x),
                 shown(point.y),
                 shown(point.slip),
                 shown(point.risk),
+                shown(map.energy[pose].into()),
+                shown(map.tip_over[pose].into()),
             ]);
         }
         out.push_str(&table.render());

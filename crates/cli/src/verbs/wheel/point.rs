@@ -194,6 +194,17 @@ fn text(solved: Solved<'_>) -> String {
     let wheel = &solved.arguments.wheel;
     let point = solved.answer.and_then(LoadSolution::point);
     let mut text = match (&point, solved.slip) {
+        (Some(point), Some(slip)) if solved.slope.and_then(OnSlope::demand) == Some(slip) => {
+            format!(
+                "{}: holds {}° at slip {}: pulls {} N under {} N, sinks {} mm\n",
+                solved.soil,
+                shown(solved.slope.map_or(0.0, |slope| slope.degrees)),
+                shown(slip),
+                shown(point.forces.drawbar_pull),
+                shown(point.forces.vertical_force),
+                shown(1e3 * point.sinkage)
+            )
+        }
         (Some(point), Some(slip)) => format!(
             "{}: pulls {} N at slip {} under {} N, sinks {} mm\n",
             solved.soil,
@@ -202,7 +213,18 @@ fn text(solved: Solved<'_>) -> String {
             shown(point.forces.vertical_force),
             shown(1e3 * point.sinkage)
         ),
-        _ => format!("{}: no operating point\n", solved.soil),
+        _ => match solved.slope {
+            Some(slope) => format!(
+                "{}: does not hold {}°: needs {} N, has {} up to slip {}\n",
+                solved.soil,
+                shown(slope.degrees),
+                shown(slope.pull),
+                (slope.max_pull())
+                    .map_or_else(|| "none".to_owned(), |pull| format!("{} N", shown(pull))),
+                shown(solved.arguments.max_slip.max_slip)
+            ),
+            None => format!("{}: no operating point\n", solved.soil),
+        },
     };
     let error = point.map(|point| (point.forces.vertical_force, point.model_error));
     if let Some((load, Some(error))) = error {
