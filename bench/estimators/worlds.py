@@ -100,6 +100,8 @@ def drive(scenario, kind, folder):
     if not done.stdout.strip():
         raise Skipped(done.stderr.strip())
     numbers = read_numbers(table)
+    if "free_ticks" not in numbers:
+        raise Skipped("skipped: another robot")
     truth_path = topic(mcap, "/simulation/truth/slip", folder)
     runs = wheel_runs(numbers, lambda name, points: slips_at(truth_path, points)[name][0])
     loop_path = topic(mcap, "/grouser/slip", folder)

@@ -105,8 +105,17 @@ fn overview(entries: &[&'static Entry]) -> String {
 }
 
 fn details(soil: &'static Entry) -> String {
-    let numbers = "n,k_c_kn_per_m_n1,k_phi_kn_per_m_n2,cohesion_kpa,phi_deg,k_shear_m,n_1,c_1,c_2";
-    let numbers: Vec<&str> = numbers.split(',').collect();
+    let numbers = [
+        "n",
+        "k_c_kn_per_m_n1",
+        "k_phi_kn_per_m_n2",
+        "cohesion_kpa",
+        "phi_deg",
+        "k_shear_m",
+        "n_1",
+        "c_1",
+        "c_2",
+    ];
     let note = if soil.note.is_empty() { "-" } else { soil.note };
     format!(
         "{}: {}\n{}missing: {}\nsource: {}\nnote: {note}\n",

@@ -125,9 +125,10 @@ pub(super) fn summary(runs: &[Run], pilot: Pilot) -> String {
     ];
     let others = others.map(|(outcome, words)| (count(runs, pilot, outcome), words));
     let others = others.into_iter().filter(|(count, _)| *count > 0);
-    let others: String = others
+    let others: Vec<String> = others
         .map(|(count, words)| format!(", {count} {words}"))
         .collect();
+    let others = others.concat();
     let mut text = format!(
         "{}: {} of {} arrived, {} immobilised{others}; median energy {} J/m",
         pilot.name(),
