@@ -36,14 +36,13 @@ pub struct ModeFilter {
     /// Length of the last step, and for how much of it the slip may change, s.
     dt: f64,
     moved: f64,
-    /// Does the slip keep still between the steps, since nothing measures it?
-    is_held: bool,
 }
 
 impl ModeFilter {
     /// Before the first step. The level of the slip's random walk is each mode's own.
     #[must_use]
-    pub fn new(start: Belief, levels: Levels, wheels: usize) -> Self {
+    pub fn new(start: Belief, mut levels: Levels, wheels: usize) -> Self {
+        levels.0[Noise::Slip as usize] = 1.0;
         Self {
             motions: array::from_fn(|_| Motion::new(start)),
             weights: [1.0 / MODES as f64; MODES],
@@ -55,7 +54,6 @@ impl ModeFilter {
             of_speed: [0.0; 2],
             dt: 1.0,
             moved: 0.0,
-            is_held: false,
         }
     }
 
@@ -67,7 +65,7 @@ impl ModeFilter {
         self.noise = other.noise;
         self.own.copy_from_slice(&other.own);
         (self.trusted, self.of_speed) = (other.trusted, other.of_speed);
-        (self.dt, self.moved, self.is_held) = (other.dt, other.moved, other.is_held);
+        (self.dt, self.moved) = (other.dt, other.moved);
     }
 
     /// Sets the level of the reference's own wandering, m²/s.
@@ -82,7 +80,8 @@ impl ModeFilter {
 
     /// Nothing measures the speed over ground: what the slip may become is not the modes' then.
     pub const fn hold(&mut self, is_held: bool) {
-        self.is_held = is_held;
+        let walks = if is_held { 0.0 } else { 1.0 };
+        self.noise.set_level(Noise::Slip, walks);
     }
 
     /// Begins anew from a belief: nothing is left of what was believed of motion, slips and noise.
@@ -121,8 +120,7 @@ impl ModeFilter {
         for (mode, motion) in self.motions.iter_mut().enumerate() {
             motion.belief = beliefs[mode];
             let mut levels = *self.noise.levels();
-            let walk = if self.is_held { 0.0 } else { WALKS[mode] };
-            levels.0[Noise::Slip as usize] = walk * walk;
+            levels.0[Noise::Slip as usize] *= WALKS[mode] * WALKS[mode];
             if step.turn.is_none() {
                 let [turn, bias] = TURN_BY_WHEELS;
                 levels.0[Noise::Turn as usize] = turn * turn;
