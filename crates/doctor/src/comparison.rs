@@ -1,7 +1,7 @@
 //! The one comparison of two signals: y = a x + b₁ n₁ + b₂ n₂ + b₃ n₃.
 //!
-//! n are what else moves y: the bias of a gyro, the slip of a wheel, the drift on a slope, the turn. The interval of a follows from parts
-//! of the log (jackknife): a wrong description is the same in all of them, slip and outliers come and go.
+//! The signals n are other causes of y: the bias of a gyro, the slip of a wheel, the drift on a slope, the turn. The interval of a
+//! follows from parts of the log (jackknife): a wrong description is the same in all of them, slip and outliers come and go.
 
 use grouser_real::{Real, Squares};
 

@@ -30,7 +30,7 @@ impl Window {
         }
     }
 
-    /// Begins anew.
+    /// Sets all sums to zero.
     pub(crate) fn clear(&mut self) {
         (self.seconds, self.distance, self.turn) = (0.0, 0.0, 0.0);
         self.wheels.fill(0.0);

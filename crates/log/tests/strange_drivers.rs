@@ -1,4 +1,4 @@
-//! Recordings as drivers and recorders leave them: compressed as a whole, stamps of 0, arrays without numbers, a sensor beside the
+//! Recordings as drivers and recorders leave them: compressed as a whole, stamps of 0, arrays without numbers, a sensor away from the
 //! robot's origin, files of other programs, tables of other layouts.
 
 use std::fs;
@@ -97,7 +97,7 @@ fn a_field_leaves_the_other_contents_of_its_topic_free() {
 }
 
 /// A sensor 0.4 m to the left of the origin that looks to the left.
-fn beside(frame: &str) -> Message {
+fn offset_sensor(frame: &str) -> Message {
     let transform = build::message([
         ("header", build::header(5, "base_link")),
         ("child_frame_id", Value::Text(frame.into())),
@@ -129,7 +129,7 @@ fn the_speed_of_a_mounted_sensor_is_along_the_robots_axes() {
             let value = build::twist_stamped(build::header(k, "radar"), [0.1, -0.5, 0.0], [0.0; 3]);
             ("/radar/speed", "geometry_msgs/TwistStamped", k, value)
         };
-        let mut messages = vec![beside("radar")];
+        let mut messages = vec![offset_sensor("radar")];
         for k in 1..=5 {
             messages.extend([speed(1000 * k), joints(1000 * k, 1000 * k, [0.1, 1.0])]);
         }
@@ -151,17 +151,17 @@ fn the_speed_of_a_mounted_sensor_is_along_the_robots_axes() {
     }
 }
 
-/// An antenna beside the origin needs a gyro: that it is known shows in the note.
+/// An antenna away from the origin needs a gyro; the note shows that its position is known.
 #[test]
 fn the_place_of_an_antenna_is_that_of_the_transforms() {
-    for (frame, is_beside) in [("gps", true), ("other", false)] {
+    for (frame, is_offset) in [("gps", true), ("other", false)] {
         let folder = Folder::new("mounted-antenna");
-        let messages = [beside(frame), fix("/fix", 1e-4)];
+        let messages = [offset_sensor(frame), fix("/fix", 1e-4)];
         let log = log(&folder, "", &messages);
         let has_note = |note: &String| note.contains("the antenna is not above");
         assert_eq!(
             log.notes().iter().any(has_note),
-            is_beside,
+            is_offset,
             "{:?}",
             log.notes()
         );
@@ -173,7 +173,7 @@ fn the_place_of_an_antenna_is_that_of_the_transforms() {
 fn the_pose_of_a_mounted_sensor_is_that_of_the_robot() {
     let folder = Folder::new("mounted");
     let quarter = std::f64::consts::FRAC_PI_2;
-    let mut messages = vec![beside("camera")];
+    let mut messages = vec![offset_sensor("camera")];
     // the robot turns on the spot at (2, 1)
     for k in 1..=20_i64 {
         let yaw = 0.1 * k as f64;

@@ -129,7 +129,7 @@ impl Mounting {
         }
     }
 
-    /// The reading that was corrected last for an estimate; ways between places have no turn.
+    /// The reading that was corrected last for an estimate; displacements between places have no turn.
     pub(crate) const fn with_turn(&self, mut sample: Sample) -> Sample {
         if let Measurement::Displacement { turn, .. } = &mut sample.measurement
             && turn.is_none()

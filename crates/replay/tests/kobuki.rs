@@ -26,7 +26,7 @@ fn a_slipping_wheel_stands_clearly_apart() {
     let (good, faulty) = (residual(&good), residual(&faulty));
     println!("median |encoder yaw - gyro yaw| in 0.5 s: {good:.5} and {faulty:.5} rad");
     // The page: .0012 and .0233, windows in which the robot moves (0.05 m/s and more). Its offset of the
-    // clocks is "about 0.06 s": 0.02 s either way move the second figure by a tenth; its windows overlap, these do not.
+    // clocks is "about 0.06 s": 0.02 s more or less change the second figure by a tenth; its windows overlap, these do not.
     assert!((good - 0.0012).abs() < 0.0004, "{good}");
     assert!((faulty - 0.0233).abs() < 0.0025, "{faulty}");
     assert!(faulty > 10.0 * good);

@@ -118,7 +118,7 @@ impl Block<'_> {
         sums
     }
 
-    /// The sum up to a time, and the second regressor: ½ u |u| of the rims, or the time.
+    /// The sum up to a time, and the second regressor: ½ u |u| of the wheels' speed, or the time.
     fn regressors(&self, time_s: f64, near: &mut [usize; 3]) -> [f64; 2] {
         let [here, before, after] = near;
         let second = match self.kind {

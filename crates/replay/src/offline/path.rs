@@ -7,8 +7,8 @@ use grouser_slip::motion::{HEADING, Step, Value, X, Y};
 
 use crate::odometry::{Odometry, sandwich};
 
-/// Follows the robot from step to step. Places in the frame of the reference are used as they are; where the frame begins anew the path
-/// goes on from where it was. Without places it is the motion itself, step by step: the place in the belief is linear in errors of
+/// Follows the robot from step to step. Places in the frame of the reference are used as they are; where a new frame begins the path
+/// continues from its last place. Without places it is the motion itself, step by step: the place in the belief is linear in errors of
 /// the heading, which are large then.
 #[derive(Debug, Default)]
 pub(super) struct Path {

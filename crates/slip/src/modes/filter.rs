@@ -39,7 +39,7 @@ pub struct ModeFilter {
 }
 
 impl ModeFilter {
-    /// Before the first step. The level of the slip's random walk is each mode's own.
+    /// Before the first step. The slip's random walk is each mode's own: its entry in the levels is the share of it, 0 while held.
     #[must_use]
     pub fn new(start: Belief, mut levels: Levels, wheels: usize) -> Self {
         levels.0[Noise::Slip as usize] = 1.0;
@@ -78,13 +78,13 @@ impl ModeFilter {
         self.noise.set_level(Noise::Speed, level);
     }
 
-    /// Nothing measures the speed over ground: what the slip may become is not the modes' then.
+    /// Holds the slip's random walk where nothing measures the speed over ground: the caller's prior then states how the slip changes.
     pub const fn hold(&mut self, is_held: bool) {
         let walks = if is_held { 0.0 } else { 1.0 };
         self.noise.set_level(Noise::Slip, walks);
     }
 
-    /// Begins anew from a belief: nothing is left of what was believed of motion, slips and noise.
+    /// Restarts from a belief: what was learnt of motion, slips and noise is forgotten.
     pub fn begin(&mut self, start: Belief) {
         for motion in &mut self.motions {
             motion.belief = start;

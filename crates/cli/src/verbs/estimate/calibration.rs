@@ -32,7 +32,7 @@ use crate::verb_report::Report;
 const MIN_WAY_M: f64 = 2.0;
 /// A radius with a wider interval (95 %, half of it over the radius) is doubtful: slips are then known to no better than that.
 const MAX_HALF_WIDTH: f64 = 0.1;
-/// Wear, tyre pressure and a radius measured by hand explain a smaller change of the radius, and a radius varies less along a run.
+/// Wear, tyre pressure and a radius measured by hand explain a smaller change of the radius, and a radius varies less along a run. Prior.
 const MAX_RADIUS_CHANGE: f64 = 0.05;
 
 /// What is calibrated.
