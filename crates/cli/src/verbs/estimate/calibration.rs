@@ -64,6 +64,7 @@ pub(super) fn run(
         found,
         text,
         doubt,
+        caution,
     } = match job {
         Job::Radius => radius(&logs, request)?,
         Job::Geometry => geometry(&logs, request)?,
@@ -114,7 +115,10 @@ pub(super) fn run(
         } else {
             Outcome::Doubtful
         },
-        warnings: doubts,
+        warnings: doubts
+            .into_iter()
+            .chain(caution.map(str::to_owned))
+            .collect(),
         ..Report::done(object, shown_text)
     })
 }
@@ -193,6 +197,8 @@ struct Calibrated {
     text: String,
     /// Why it is known badly.
     doubt: Option<String>,
+    /// What else it may be.
+    caution: Option<&'static str>,
 }
 
 enum Found {
@@ -221,14 +227,12 @@ fn radius(logs: &[Log], request: &Request) -> Result<Calibrated> {
     let over_blocks = calibrate_geometry(logs, &request.robot, &request.options).ok();
     let half = over_blocks.and_then(|found| found.radius.half_width);
     let doubt = looks_like_slip(found.factor, half);
-    if doubt.is_none() && (found.factor - 1.0).abs() > MAX_RADIUS_CHANGE {
-        text.push_str("NOTE: wear and tyre pressure change a radius by less; slip in the whole run looks the same\n");
-    }
     Ok(Calibrated {
         revision: Revision {
             radius: Some(found.factor),
             ..Revision::default()
         },
+        caution: steady_change(found.factor, doubt.as_deref()),
         found: Found::Radius(found, radii),
         text,
         doubt,
@@ -242,6 +246,14 @@ fn looks_like_slip(factor: f64, half: Option<f64>) -> Option<String> {
     Some(format!(
         "radius x {factor:.3} ± {half:.3}: wheels that slip look like this; use a run without slip"
     ))
+}
+
+/// What a larger change of the radius may be where nothing else shows it.
+fn steady_change(factor: f64, doubt: Option<&str>) -> Option<&'static str> {
+    let is_far = (factor - 1.0).abs() > MAX_RADIUS_CHANGE;
+    (is_far && doubt.is_none()).then_some(
+        "wear and tyre pressure change a radius by less than 5 %; slip in the whole run looks the same",
+    )
 }
 
 /// The radius of each powered wheel times a factor.
@@ -312,6 +324,7 @@ fn geometry(logs: &[Log], request: &Request) -> Result<Calibrated> {
         half => looks_like_slip(found.radius.value, half),
     };
     Ok(Calibrated {
+        caution: steady_change(found.radius.value, doubt.as_deref()),
         revision: Revision {
             radius: Some(found.radius.value),
             track: found.track.map(|factor| factor.value),
@@ -339,6 +352,7 @@ fn intervals(logs: &[Log], request: &Request) -> Result<Calibrated> {
         found.half_width,
     );
     Ok(Calibrated {
+        caution: None,
         revision: Revision {
             interval: Some(found.factor),
             ..Revision::default()
